@@ -1,0 +1,185 @@
+// The one place where the kernel meets Python: arrays in, arrays out, the GIL released in between.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string_view.h>
+
+#include <chrono>
+#include <stdexcept>
+
+#include "delaunay.hpp"
+#include "floating_point.hpp"
+#include "locate.hpp"
+#include "predicates/incircle.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+using liftmesh::Input;
+using liftmesh::Point;
+using liftmesh::Row;
+
+using PlanarRows = nb::ndarray<nb::ro, nb::ndim<2>, nb::device::cpu>;
+using Pairs = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Triples = nb::ndarray<const std::int32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Signs = nb::ndarray<std::int8_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Ids = nb::ndarray<std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+
+Input read(const PlanarRows& rows) {
+    const bool single = rows.dtype() == nb::dtype<float>();
+    if (!single && rows.dtype() != nb::dtype<double>())
+        throw std::invalid_argument("rows must be float64 or float32");
+    if (rows.shape(1) < 2) throw std::invalid_argument("rows need two columns");
+    const auto size = static_cast<std::ptrdiff_t>(rows.itemsize());
+    return {static_cast<const std::byte*>(rows.data()), rows.shape(0), rows.stride(0) * size,
+            rows.stride(1) * size, single};
+}
+
+// Looks for a pending signal some twenty times a second. Python hands signals to its main thread
+// only; in any other this never answers yes.
+class PythonInterrupt final : public liftmesh::Interrupt {
+   public:
+    bool requested() override {
+        const Clock::time_point now = Clock::now();
+        if (requested_ || now < due_) return requested_;
+        due_ = now + std::chrono::milliseconds(50);
+        const nb::gil_scoped_acquire gil;
+        requested_ = PyErr_CheckSignals() != 0;
+        return requested_;
+    }
+
+   private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point due_ = Clock::now() + std::chrono::milliseconds(50);
+    bool requested_ = false;
+};
+
+template <class T>
+nb::object adopt(std::unique_ptr<T[]> values, std::size_t rows, std::size_t columns) {
+    T* data = values.release();
+    const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+    const std::size_t shape[2] = {rows, columns};
+    return nb::cast(nb::ndarray<nb::numpy, T>(data, columns == 1 ? 1 : 2, shape, owner));
+}
+
+template <class Source, class Write>
+nb::object table(const std::vector<Source>& source, std::size_t columns, Write write) {
+    auto values = std::make_unique<std::int32_t[]>(columns * source.size());
+    for (std::size_t i = 0; i < source.size(); ++i) write(source[i], &values[columns * i]);
+    return adopt(std::move(values), source.size(), columns);
+}
+
+nb::object duplicates(const std::vector<liftmesh::Duplicate>& pairs) {
+    return table(pairs, 2, [](const liftmesh::Duplicate& pair, std::int32_t* out) {
+        out[0] = static_cast<std::int32_t>(pair.row);
+        out[1] = static_cast<std::int32_t>(pair.kept);
+    });
+}
+
+nb::object skipped(const std::vector<Row>& rows) {
+    return table(rows, 1, [](Row row, std::int32_t* out) { *out = static_cast<std::int32_t>(row); });
+}
+
+const char* name(liftmesh::Status status) {
+    switch (status) {
+        case liftmesh::Status::ok: return "ok";
+        case liftmesh::Status::non_finite: return "non-finite";
+        case liftmesh::Status::too_few: return "too few";
+        case liftmesh::Status::collinear: return "collinear";
+        case liftmesh::Status::interrupted: return "interrupted";
+    }
+    return "";
+}
+
+nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite) {
+    const Input input = read(rows);
+    if (input.rows > liftmesh::most_rows) throw std::invalid_argument("too many rows");
+    PythonInterrupt interrupt;
+    liftmesh::Delaunay outcome;
+    {
+        const nb::gil_scoped_release unlocked;
+        outcome = liftmesh::delaunay(input, skip_non_finite, interrupt);
+    }
+    if (outcome.status == liftmesh::Status::interrupted) throw nb::python_error();
+    liftmesh::Result& result = outcome.result;
+    return nb::make_tuple(name(outcome.status), outcome.row, outcome.distinct,
+                          adopt(std::move(result.simplices), result.triangle_count, 3),
+                          adopt(std::move(result.neighbors), result.triangle_count, 3),
+                          adopt(std::move(result.hull), result.hull_count, 1),
+                          duplicates(outcome.duplicates), skipped(outcome.skipped));
+}
+
+// Keeps the arrays it reads alive.
+class PyLocator {
+   public:
+    PyLocator(PlanarRows points, Triples simplices, Triples neighbors)
+        : points_(std::move(points)),
+          simplices_(std::move(simplices)),
+          neighbors_(std::move(neighbors)),
+          locator_({read(points_), simplices_.data(), neighbors_.data(), simplices_.shape(0)}) {}
+
+    void find(const Pairs& queries, const Ids& found) const {
+        if (queries.shape(0) != found.shape(0)) throw std::invalid_argument("lengths differ");
+        PythonInterrupt interrupt;
+        bool interrupted = false;
+        {
+            const nb::gil_scoped_release unlocked;
+            interrupted = !find_all(queries.data(), found.data(), found.shape(0), interrupt);
+        }
+        if (interrupted) throw nb::python_error();
+    }
+
+   private:
+    bool find_all(const double* queries, std::int32_t* found, std::size_t count,
+                  liftmesh::Interrupt& interrupt) const {
+        constexpr std::size_t patience = 4096;
+        const liftmesh::IeeeArithmetic ieee;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (i % patience == 0 && interrupt.requested()) return false;
+            found[i] = locator_.find({queries[2 * i], queries[2 * i + 1]});
+        }
+        return true;
+    }
+
+    PlanarRows points_;
+    Triples simplices_, neighbors_;
+    liftmesh::Locator locator_;
+};
+
+Point point(const Pairs& pairs, std::size_t i) {
+    return {pairs.data()[2 * i], pairs.data()[2 * i + 1]};
+}
+
+void orient2d(const Pairs& a, const Pairs& b, const Pairs& c, const Signs& signs) {
+    const nb::gil_scoped_release unlocked;
+    const liftmesh::IeeeArithmetic ieee;
+    for (std::size_t i = 0; i < signs.shape(0); ++i)
+        signs.data()[i] =
+            static_cast<std::int8_t>(liftmesh::orient2d(point(a, i), point(b, i), point(c, i)));
+}
+
+void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, const Signs& signs,
+              bool canonical) {
+    const nb::gil_scoped_release unlocked;
+    const liftmesh::IeeeArithmetic ieee;
+    const auto side = canonical ? liftmesh::incircle_canonical_exact : liftmesh::incircle_exact;
+    for (std::size_t i = 0; i < signs.shape(0); ++i)
+        signs.data()[i] = static_cast<std::int8_t>(side(point(a, i), point(b, i), point(c, i),
+                                                        point(d, i), liftmesh::Guard::anywhere()));
+}
+
+}  // namespace
+
+NB_MODULE(_kernel, m) {
+    m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
+    m.attr("MOST_ROWS") = liftmesh::most_rows;
+    m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a);
+    m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
+    m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
+    nb::class_<PyLocator>(m, "Locator")
+        .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
+        .def("find", &PyLocator::find, "queries"_a, "found"_a);
+}

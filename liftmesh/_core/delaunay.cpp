@@ -1,0 +1,34 @@
+#include "delaunay.hpp"
+
+#include <utility>
+
+#include "divide_conquer.hpp"
+#include "floating_point.hpp"
+#include "order.hpp"
+
+namespace liftmesh {
+
+Delaunay delaunay(const Input& input, bool skip_non_finite, Interrupt& interrupt) {
+    const IeeeArithmetic ieee;
+    Delaunay outcome;
+    Order order;
+    const OrderResult arranged = arrange(input, skip_non_finite, interrupt, order);
+    outcome.status = arranged.status;
+    outcome.row = arranged.row;
+    if (outcome.status != Status::ok) return outcome;
+    outcome.distinct = order.count;
+    outcome.duplicates = std::move(order.duplicates);
+    outcome.skipped = std::move(order.skipped);
+    if (order.count < 3) {
+        outcome.status = Status::too_few;
+        return outcome;
+    }
+    const auto triangles = std::make_unique_for_overwrite<Triangle[]>(2 * order.count - 2);
+    outcome.status = divide_and_conquer(order, triangles.get(), interrupt);
+    if (outcome.status != Status::ok) return outcome;
+    outcome.result = emit(Mesh(order.points.get(), triangles.get()), order.rows.get(), order.count);
+    if (outcome.result.triangle_count == 0) outcome.status = Status::collinear;
+    return outcome;
+}
+
+}  // namespace liftmesh

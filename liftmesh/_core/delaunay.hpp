@@ -1,0 +1,27 @@
+// The whole way from the caller's rows to the caller's arrays.
+#pragma once
+
+#include <vector>
+
+#include "distinct.hpp"
+#include "emit.hpp"
+#include "input.hpp"
+#include "status.hpp"
+
+namespace liftmesh {
+
+// Edges are named by 32 bits: 4 * triangle + place, with fewer than 2 n triangles.
+inline constexpr std::size_t most_rows = std::size_t{1} << 29;
+
+struct Delaunay {
+    Status status = Status::ok;
+    std::size_t row = 0;       // the first non-finite row, where that is the status
+    std::size_t distinct = 0;  // how many positions there are
+    std::vector<Duplicate> duplicates;
+    std::vector<Row> skipped;
+    Result result;
+};
+
+Delaunay delaunay(const Input& input, bool skip_non_finite, Interrupt& interrupt);
+
+}  // namespace liftmesh

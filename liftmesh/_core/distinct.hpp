@@ -1,0 +1,21 @@
+// Exact duplicates: of rows at one position the lowest is kept.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "point.hpp"
+
+namespace liftmesh {
+
+struct Duplicate {
+    Row row, kept;
+};
+
+// Moves the first of each position to the front, in order, and returns how many there are; the
+// others are appended to `duplicates`. `rows` must ascend among equal points, as it does when
+// points come in the order of their rows.
+std::size_t keep_distinct(Point* points, Row* rows, std::size_t count,
+                          std::vector<Duplicate>& duplicates);
+
+}  // namespace liftmesh

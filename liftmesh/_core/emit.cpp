@@ -1,0 +1,84 @@
+// A triangle's place in the result is the number of real triangles in the slots before its own. A
+// bit for each real slot, with a running count for each 64 of them, answers that in two loads.
+
+#include "emit.hpp"
+
+#include <bit>
+#include <vector>
+
+namespace liftmesh {
+
+namespace {
+
+class Ranks {
+   public:
+    Ranks(const Mesh& mesh, std::size_t slots) : bits_((slots + 63) / 64), before_(bits_.size()) {
+        std::uint32_t count = 0;
+        for (std::size_t word = 0; word < bits_.size(); ++word) {
+            before_[word] = count;
+            const std::size_t end = std::min(slots, 64 * (word + 1));
+            for (std::size_t t = 64 * word; t < end; ++t)
+                bits_[word] |= std::uint64_t{!mesh[static_cast<TriangleId>(t)].is_ghost()} << (t % 64);
+            count += static_cast<std::uint32_t>(std::popcount(bits_[word]));
+        }
+        total_ = count;
+    }
+
+    std::size_t total() const { return total_; }
+    bool is_real(TriangleId t) const { return bits_[t / 64] >> (t % 64) & 1; }
+    std::int32_t operator[](TriangleId t) const {
+        if (!is_real(t)) return -1;
+        const std::uint64_t lower = bits_[t / 64] & ((std::uint64_t{1} << (t % 64)) - 1);
+        return static_cast<std::int32_t>(before_[t / 64] +
+                                         static_cast<std::uint32_t>(std::popcount(lower)));
+    }
+
+   private:
+    std::vector<std::uint64_t> bits_;
+    std::vector<std::uint32_t> before_;
+    std::size_t total_ = 0;
+};
+
+// Starts at the lexicographically least point, which is on the hull.
+void emit_hull(const Mesh& mesh, TriangleId any, const Row* rows, std::int32_t* hull) {
+    TriangleId start = any;
+    for (TriangleId g = mesh.successor(any); g != any; g = mesh.successor(g))
+        if (before_xy(mesh.point(mesh.tail(g)), mesh.point(mesh.tail(start)))) start = g;
+    TriangleId g = start;
+    do {
+        *hull++ = static_cast<std::int32_t>(rows[mesh.tail(g)]);
+        g = mesh.successor(g);
+    } while (g != start);
+}
+
+}  // namespace
+
+Result emit(const Mesh& mesh, const Row* rows, std::size_t points) {
+    const std::size_t slots = 2 * points - 2;
+    const Ranks ranks(mesh, slots);
+    Result result;
+    result.triangle_count = ranks.total();
+    result.hull_count = slots - ranks.total();
+    result.simplices = std::make_unique_for_overwrite<std::int32_t[]>(3 * result.triangle_count);
+    result.neighbors = std::make_unique_for_overwrite<std::int32_t[]>(3 * result.triangle_count);
+    result.hull = std::make_unique_for_overwrite<std::int32_t[]>(result.hull_count);
+
+    std::int32_t* simplex = result.simplices.get();
+    std::int32_t* neighbor = result.neighbors.get();
+    TriangleId some_ghost = 0;
+    for (TriangleId t = 0; t < slots; ++t) {
+        const Triangle& triangle = mesh[t];
+        if (triangle.is_ghost()) {
+            some_ghost = t;
+            continue;
+        }
+        for (int k = 0; k < 3; ++k) {
+            *simplex++ = static_cast<std::int32_t>(rows[triangle.vertex[k]]);
+            *neighbor++ = ranks[triangle_of(triangle.twin[k])];
+        }
+    }
+    emit_hull(mesh, some_ghost, rows, result.hull.get());
+    return result;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,153 @@
+// One pass learns the range of the coordinates and finds what is not finite; a sample of the rows
+// gives the cuts of a kd tree; a second pass counts the points of each cell and a third drops every
+// point into its cell (a stable counting sort). Then each cell, which fits the cache, is freed of
+// duplicates.
+
+#include "order.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "scale.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+constexpr std::size_t block = std::size_t{1} << 16;  // rows between two looks at the interrupt
+constexpr std::size_t cell_population = 96;
+constexpr int deepest = 13;
+constexpr std::size_t sample_per_cell = 8;
+constexpr std::uint16_t no_cell = 0xffff;
+
+template <class Visit>
+bool for_each_row(std::size_t rows, Interrupt& interrupt, Visit visit) {
+    for (std::size_t start = 0; start < rows; start += block) {
+        if (start != 0 && interrupt.requested()) return false;
+        const std::size_t end = std::min(start + block, rows);
+        for (std::size_t row = start; row < end; ++row) visit(row);
+    }
+    return true;
+}
+
+class Arrangement {
+   public:
+    Arrangement(const Input& input, Interrupt& interrupt, Order& order)
+        : input_(input), interrupt_(interrupt), order_(order) {}
+
+    OrderResult run(bool skip_non_finite) {
+        if (!survey()) return {Status::interrupted, 0};
+        if (!order_.skipped.empty() && !skip_non_finite)
+            return {Status::non_finite, order_.skipped.front()};
+        const Scale scale(range_);
+        order_.guard = scale.guard;
+        const bool moved = scale.first != 1;
+        const bool done = moved ? distribute([&](std::size_t row) { return scale(input_[row]); })
+                                : distribute([&](std::size_t row) { return input_[row]; });
+        if (!done) return {Status::interrupted, 0};
+        keep_distinct_in_cells();
+        return {Status::ok, 0};
+    }
+
+   private:
+    bool survey() {
+        return for_each_row(input_.rows, interrupt_, [&](std::size_t row) {
+            const Point p = input_[row];
+            if (is_finite(p)) {
+                range_.add(p);
+            } else {
+                order_.skipped.push_back(static_cast<Row>(row));
+            }
+        });
+    }
+
+    template <class Read>
+    bool distribute(Read read) {
+        const std::size_t finite = input_.rows - order_.skipped.size();
+        const Cuts cuts = learn_cuts(read, finite);
+        order_.depth = cuts.depth();
+        order_.cell_starts.assign(cuts.cells() + 1, 0);
+        const auto cell_of = std::make_unique_for_overwrite<std::uint16_t[]>(input_.rows);
+        const bool counted = for_each_row(input_.rows, interrupt_, [&](std::size_t row) {
+            const Point p = read(row);
+            if (!is_finite(p)) {
+                cell_of[row] = no_cell;
+                return;
+            }
+            const std::size_t cell = cuts.cell(p);
+            cell_of[row] = static_cast<std::uint16_t>(cell);
+            ++order_.cell_starts[cell + 1];
+        });
+        if (!counted) return false;
+        for (std::size_t cell = 0; cell < cuts.cells(); ++cell)
+            order_.cell_starts[cell + 1] += order_.cell_starts[cell];
+        return scatter(read, cell_of.get(), finite);
+    }
+
+    template <class Read>
+    bool scatter(Read read, const std::uint16_t* cell_of, std::size_t finite) {
+        order_.points = std::make_unique_for_overwrite<Point[]>(finite);
+        order_.rows = std::make_unique_for_overwrite<Row[]>(finite);
+        std::vector<std::size_t> cursor = order_.cell_starts;
+        return for_each_row(input_.rows, interrupt_, [&](std::size_t row) {
+            if (cell_of[row] == no_cell) return;
+            const std::size_t at = cursor[cell_of[row]]++;
+            order_.points[at] = read(row);
+            order_.rows[at] = static_cast<Row>(row);
+        });
+    }
+
+    // Rows are sampled by a Weyl sequence: evenly, and out of step with any raster.
+    template <class Read>
+    Cuts learn_cuts(Read read, std::size_t finite) {
+        const int depth = std::clamp(
+            static_cast<int>(std::bit_width(finite / cell_population)) - 1, 0, deepest);
+        const std::size_t wanted = sample_per_cell << depth;
+        std::vector<Point> sample;
+        if (depth == 0) return Cuts(std::move(sample), 0);
+        sample.reserve(wanted);
+        std::uint64_t state = 0;
+        while (sample.size() < wanted) {
+            state += 0x9e3779b97f4a7c15u;
+            const auto row = static_cast<std::size_t>(((state >> 32) * input_.rows) >> 32);
+            if (const Point p = read(row); is_finite(p)) sample.push_back(p);
+        }
+        return Cuts(std::move(sample), depth);
+    }
+
+    void keep_distinct_in_cells() {
+        std::size_t kept = 0;
+        for (std::size_t cell = 0; cell + 1 < order_.cell_starts.size(); ++cell) {
+            const std::size_t start = order_.cell_starts[cell];
+            const std::size_t count = order_.cell_starts[cell + 1] - start;
+            Point* points = order_.points.get();
+            Row* rows = order_.rows.get();
+            const std::size_t distinct =
+                keep_distinct(points + start, rows + start, count, order_.duplicates);
+            if (kept != start) {
+                std::copy_n(points + start, distinct, points + kept);
+                std::copy_n(rows + start, distinct, rows + kept);
+            }
+            order_.cell_starts[cell] = kept;
+            kept += distinct;
+        }
+        order_.cell_starts.back() = kept;
+        order_.count = kept;
+        std::sort(order_.duplicates.begin(), order_.duplicates.end(),
+                  [](const Duplicate& a, const Duplicate& b) { return a.row < b.row; });
+    }
+
+    const Input& input_;
+    Interrupt& interrupt_;
+    Order& order_;
+    Range range_;
+};
+
+}  // namespace
+
+OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order) {
+    return Arrangement(input, interrupt, order).run(skip_non_finite);
+}
+
+}  // namespace liftmesh

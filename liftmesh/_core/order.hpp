@@ -1,0 +1,38 @@
+// The points in kd order: neighbours in the plane become neighbours in memory.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "cuts.hpp"
+#include "distinct.hpp"
+#include "input.hpp"
+#include "predicates/incircle.hpp"
+#include "status.hpp"
+
+namespace liftmesh {
+
+// The distinct points, cell by cell of a sampled kd tree. Inside a cell they keep the order of
+// their rows; the engine refines a cell when it comes to it.
+struct Order {
+    std::unique_ptr<Point[]> points;
+    std::unique_ptr<Row[]> rows;
+    std::size_t count = 0;
+    int depth = 0;
+    std::vector<std::size_t> cell_starts;  // 2^depth + 1 positions
+    std::vector<Duplicate> duplicates;     // by ascending row
+    std::vector<Row> skipped;              // non-finite rows, ascending
+    Guard guard = Guard::in_window();
+};
+
+struct OrderResult {
+    Status status;
+    std::size_t row;  // of the first non-finite point, where that is the status
+};
+
+// Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
+OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
+
+}  // namespace liftmesh

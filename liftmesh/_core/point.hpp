@@ -1,0 +1,28 @@
+// A planar point, and the two lexicographic orders in which the plane is cut.
+#pragma once
+
+#include <cstdint>
+
+namespace liftmesh {
+
+using Vertex = std::uint32_t;  // position of a distinct point in kd order
+using Row = std::uint32_t;     // row of the caller's array
+
+struct Point {
+    double x, y;
+    bool operator==(const Point&) const = default;
+};
+
+enum class Axis : std::uint8_t { x, y };
+
+constexpr Axis other(Axis axis) { return axis == Axis::x ? Axis::y : Axis::x; }
+
+// Bitwise operators keep these free of branches: the outcome is a coin toss for a predictor.
+inline bool before_xy(Point a, Point b) { return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y)); }
+inline bool before_yx(Point a, Point b) { return (a.y < b.y) | ((a.y == b.y) & (a.x < b.x)); }
+
+inline bool before(Axis axis, Point a, Point b) {
+    return axis == Axis::x ? before_xy(a, b) : before_yx(a, b);
+}
+
+}  // namespace liftmesh

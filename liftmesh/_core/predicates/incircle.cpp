@@ -1,0 +1,112 @@
+#include "predicates/incircle.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "predicates/lattice.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+// Differences below 2^30 in magnitude keep the whole determinant below 2^127.
+int sign_in_128_bits(const std::int64_t (&dx)[3], const std::int64_t (&dy)[3]) {
+    Int128 det = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        det += static_cast<Int128>(dx[i] * dx[i] + dy[i] * dy[i]) *
+               (dx[j] * dy[k] - dx[k] * dy[j]);
+    }
+    return (det > 0) - (det < 0);
+}
+
+bool is_small(std::int64_t value) { return -(1 << 30) < value && value < (1 << 30); }
+
+template <int N>
+int sign_of_side(const Lattice<4>& lattice) {
+    const Wide<N> x = lattice.x<N>(3);
+    const Wide<N> y = lattice.y<N>(3);
+    std::array<Wide<N>, 3> dx, dy;
+    for (int i = 0; i < 3; ++i) {
+        dx[i] = lattice.x<N>(i) - x;
+        dy[i] = lattice.y<N>(i) - y;
+    }
+    if constexpr (N == 1) {
+        const auto value = [](const Wide<1>& w) { return static_cast<std::int64_t>(w.limb[0]); };
+        const std::int64_t sx[3] = {value(dx[0]), value(dx[1]), value(dx[2])};
+        const std::int64_t sy[3] = {value(dy[0]), value(dy[1]), value(dy[2])};
+        if (std::all_of(sx, sx + 3, is_small) && std::all_of(sy, sy + 3, is_small))
+            return sign_in_128_bits(sx, sy);
+    }
+    Wide<4 * N> det{};
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        det = det + (dx[i] * dx[i] + dy[i] * dy[i]) * (dx[j] * dy[k] - dx[k] * dy[j]);
+    }
+    return det.sign();
+}
+
+// The corners of an axis-parallel rectangle, as every cell of a raster: two values of x, two of y,
+// each shared by two of the four distinct points.
+bool is_rectangle(Point a, Point b, Point c, Point d) {
+    const auto corner = [](Point p, Point q, Point r, Point s) {
+        return (p.x == q.x) & (r.x == s.x) & (q.y == r.y) & (s.y == p.y);
+    };
+    return corner(a, b, c, d) || corner(b, c, d, a) || corner(a, b, d, c) || corner(b, d, c, a) ||
+           corner(a, c, b, d) || corner(c, b, d, a);
+}
+
+// The filter away from the window: the coordinates are moved by a power of two so that the largest
+// difference is near 1, where an underflow costs no more than a few times 2^-1074.
+int sign_by_scaled_filter(Point a, Point b, Point c, Point d) {
+    double largest = 0;
+    for (Point p : {a, b, c})
+        largest = std::max({largest, std::fabs(p.x - d.x), std::fabs(p.y - d.y)});
+    if (!std::isfinite(largest) || largest < 0x1p-960) return 0;
+    const double scale = std::ldexp(1.0, -std::ilogb(largest));
+    const auto moved = [&](Point p) { return Point{(p.x - d.x) * scale, (p.y - d.y) * scale}; };
+    const InCircleFilter filter = incircle_filter(moved(a), moved(b), moved(c), {0, 0});
+    // Each difference was rounded once more than the bound counts when it was scaled into the
+    // denormal range only, which the constant covers.
+    const double error = filter.error + 1e-290;
+    return (filter.det > error) - (-filter.det > error);
+}
+
+// How the sign of a tie is found: among the four points the lexicographically largest is lifted
+// most. If that is d, it leaves the circle; otherwise d takes its place in the triangle, and the
+// turn of what results tells the side. Where that is no triangle, the next largest decides.
+int sign_of_tie(Point a, Point b, Point c, Point d) {
+    const Point triangle[3] = {a, b, c};
+    std::array<int, 4> order = {0, 1, 2, 3};
+    const auto point = [&](int i) { return i == 3 ? d : triangle[i]; };
+    std::sort(order.begin(), order.end(),
+              [&](int i, int j) { return before_xy(point(j), point(i)); });
+    for (int i : order) {
+        if (i == 3) return -1;
+        const Point p = i == 0 ? d : a, q = i == 1 ? d : b, r = i == 2 ? d : c;
+        if (const int turn = orient2d(p, q, r); turn != 0) return turn;
+    }
+    return 0;
+}
+
+}  // namespace
+
+int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
+    if (is_rectangle(a, b, c, d)) return 0;
+    if (!guard.vouches())
+        if (const int sign = sign_by_scaled_filter(a, b, c, d); sign != 0) return sign;
+    const Lattice<4> lattice({a, b, c, d});
+    if (lattice.fits<1>()) return sign_of_side<1>(lattice);
+    if (lattice.fits<2>()) return sign_of_side<2>(lattice);
+    if (lattice.fits<8>()) return sign_of_side<8>(lattice);
+    return sign_of_side<33>(lattice);  // 2 098 bits: every finite double
+}
+
+int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard) {
+    const int sign = incircle_exact(a, b, c, d, guard);
+    return sign != 0 ? sign : sign_of_tie(a, b, c, d);
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,72 @@
+// The side test of a lifted point against a lifted plane, decided in the plane.
+//
+// incircle(a, b, c, d) for counter-clockwise a, b, c: +1 where d lies inside their circle (its lift
+// is below the plane of the other three), -1 outside, 0 on the circle.
+//
+// The filter is Shewchuk's: |error| <= (10 + 96e) e permanent. It holds where no intermediate
+// underflows or overflows, which `Guard` vouches for.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "point.hpp"
+
+namespace liftmesh {
+
+// Whether every non-zero coordinate lies in [2^-140, 2^200]. Then differences are zero or at least
+// 2^-192, terms of degree four lie in [2^-768, 2^810], and the filter needs no further care;
+// elsewhere it certifies nothing and the exact ladder decides.
+class Guard {
+   public:
+    static constexpr int least_exponent = -140;
+    static constexpr int greatest_exponent = 200;
+
+    static constexpr Guard in_window() { return Guard(0.0); }
+    static constexpr Guard anywhere() { return Guard(std::numeric_limits<double>::infinity()); }
+    double margin() const { return margin_; }
+    bool vouches() const { return margin_ == 0.0; }
+
+   private:
+    constexpr explicit Guard(double margin) : margin_(margin) {}
+    double margin_;
+};
+
+// Both are exact for all finite doubles; called where the filter below leaves the sign open.
+int incircle_exact(Point a, Point b, Point c, Point d, Guard guard);
+int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard);
+
+struct InCircleFilter {
+    double det, error;
+};
+
+inline InCircleFilter incircle_filter(Point a, Point b, Point c, Point d) {
+    constexpr double e = 0x1p-53;
+    constexpr double bound = (10 + 96 * e) * e;
+    const double adx = a.x - d.x, ady = a.y - d.y;
+    const double bdx = b.x - d.x, bdy = b.y - d.y;
+    const double cdx = c.x - d.x, cdy = c.y - d.y;
+    const double bc = bdx * cdy, cb = cdx * bdy;
+    const double ca = cdx * ady, ac = adx * cdy;
+    const double ab = adx * bdy, ba = bdx * ady;
+    const double alift = adx * adx + ady * ady;
+    const double blift = bdx * bdx + bdy * bdy;
+    const double clift = cdx * cdx + cdy * cdy;
+    const double det = alift * (bc - cb) + blift * (ca - ac) + clift * (ab - ba);
+    const double permanent = alift * (std::fabs(bc) + std::fabs(cb)) +
+                             blift * (std::fabs(ca) + std::fabs(ac)) +
+                             clift * (std::fabs(ab) + std::fabs(ba));
+    return {det, bound * permanent};
+}
+
+// The canonical test: as incircle, but a point on the circle is decided by the symbolic
+// perturbation that lifts lexicographically larger points more. Never 0 for distinct points.
+inline bool incircle_canonical(Point a, Point b, Point c, Point d, Guard guard) {
+    const InCircleFilter filter = incircle_filter(a, b, c, d);
+    const double error = filter.error + guard.margin();
+    if (filter.det > error) return true;
+    if (-filter.det > error) return false;
+    return incircle_canonical_exact(a, b, c, d, guard) > 0;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,29 @@
+// orient2d(a, b, c): +1 where a, b, c turn counter-clockwise, -1 clockwise, 0 on one line.
+//
+// The filter is Shewchuk's ("Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates", 1997): |error| <= (3 + 16e) e (|left| + |right|) with e = 2^-53. An underflow in
+// either product adds at most 2^-1074, which the constant 1e-300 covers; an overflow makes every
+// comparison fail. What the filter leaves open is decided in exact integers.
+#pragma once
+
+#include <cmath>
+
+#include "point.hpp"
+
+namespace liftmesh {
+
+int orient2d_exact(Point a, Point b, Point c);
+
+inline int orient2d(Point a, Point b, Point c) {
+    constexpr double e = 0x1p-53;
+    constexpr double bound = (3 + 16 * e) * e;
+    const double left = (a.x - c.x) * (b.y - c.y);
+    const double right = (a.y - c.y) * (b.x - c.x);
+    const double det = left - right;
+    const double error = bound * (std::fabs(left) + std::fabs(right)) + 1e-300;
+    if (det > error) return 1;
+    if (-det > error) return -1;
+    return orient2d_exact(a, b, c);
+}
+
+}  // namespace liftmesh

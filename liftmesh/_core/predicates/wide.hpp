@@ -1,0 +1,94 @@
+// Signed integers of a fixed number of 64-bit limbs (two's complement, lowest limb first).
+//
+// They are all the exact arithmetic of the kernel: coordinates are integers on a common power of
+// two, so each predicate is one integer polynomial, evaluated at a width that provably holds it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace liftmesh {
+
+__extension__ using Int128 = __int128;
+__extension__ using Uint128 = unsigned __int128;
+
+template <int N>
+struct Wide {
+    std::array<std::uint64_t, N> limb;
+
+    bool negative() const { return static_cast<std::int64_t>(limb[N - 1]) < 0; }
+
+    int sign() const {
+        if (negative()) return -1;
+        for (std::uint64_t part : limb)
+            if (part != 0) return 1;
+        return 0;
+    }
+};
+
+template <int N>
+Wide<N> operator-(const Wide<N>& a, const Wide<N>& b) {
+    Wide<N> result;
+    std::uint64_t borrow = 0;
+    for (int i = 0; i < N; ++i) {
+        const Uint128 difference = static_cast<Uint128>(a.limb[i]) - b.limb[i] - borrow;
+        result.limb[i] = static_cast<std::uint64_t>(difference);
+        borrow = static_cast<std::uint64_t>(difference >> 64) & 1;
+    }
+    return result;
+}
+
+template <int N>
+Wide<N> operator+(const Wide<N>& a, const Wide<N>& b) {
+    Wide<N> result;
+    std::uint64_t carry = 0;
+    for (int i = 0; i < N; ++i) {
+        const Uint128 sum = static_cast<Uint128>(a.limb[i]) + b.limb[i] + carry;
+        result.limb[i] = static_cast<std::uint64_t>(sum);
+        carry = static_cast<std::uint64_t>(sum >> 64);
+    }
+    return result;
+}
+
+template <int N>
+Wide<N> magnitude(const Wide<N>& a) {
+    return a.negative() ? Wide<N>{} - a : a;
+}
+
+// The full product: no bit is lost.
+template <int N>
+Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
+    const Wide<N> p = magnitude(a);
+    const Wide<N> q = magnitude(b);
+    Wide<2 * N> result{};
+    for (int i = 0; i < N; ++i) {
+        if (p.limb[i] == 0) continue;
+        std::uint64_t carry = 0;
+        for (int j = 0; j < N; ++j) {
+            const Uint128 part =
+                static_cast<Uint128>(p.limb[i]) * q.limb[j] + result.limb[i + j] + carry;
+            result.limb[i + j] = static_cast<std::uint64_t>(part);
+            carry = static_cast<std::uint64_t>(part >> 64);
+        }
+        result.limb[i + N] = carry;
+    }
+    return a.negative() != b.negative() ? Wide<2 * N>{} - result : result;
+}
+
+// value * 2^shift; the caller knows that it fits.
+template <int N>
+Wide<N> shifted(std::int64_t value, int shift) {
+    const bool negative = value < 0;
+    const std::uint64_t bits =
+        negative ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+    Wide<N> result{};
+    const int at = shift / 64;
+    const int by = shift % 64;
+    if (bits != 0) {
+        result.limb[at] = bits << by;
+        if (by != 0 && at + 1 < N) result.limb[at + 1] = bits >> (64 - by);
+    }
+    return negative ? Wide<N>{} - result : result;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,73 @@
+"""The currency between the rooms: rows of points, what is known of each, and faces if any."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.errors import InputError
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """Points in space with what is known of each row; with ``faces``, a mesh.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        Coordinates, one row a point.
+    colors : (n, 3) or (n, 4) ndarray, optional
+        RGB or RGBA: unsigned integers over their full range, or floats in [0, 1].
+    normals : (n, 3) ndarray of float, optional
+        Normal vectors.
+    attributes : mapping of str to (n, ...) ndarray
+        Further named values, one row a point: intensity, classification and so on.
+    faces : (m, 3) ndarray of int32, optional
+        Triangles as rows of ``points``.
+    metadata : mapping
+        What belongs to the whole: comments of a file, its path.
+
+    Raises
+    ------
+    InputError
+        An array does not have one row a point.
+
+    Examples
+    --------
+    >>> cloud = Cloud(np.zeros((4, 3)), attributes={"intensity": np.arange(4)})
+    >>> len(cloud), sorted(cloud.attributes)
+    (4, ['intensity'])
+    """
+
+    points: NDArray[np.float64]
+    colors: Array | None = None
+    normals: Array | None = None
+    attributes: Mapping[str, Array] = field(default_factory=dict)
+    faces: NDArray[np.int32] | None = None
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.points.ndim != 2 or self.points.shape[1] != 3:
+            raise InputError(f"a cloud needs points of shape (n, 3), not {self.points.shape}")
+        for name, values in self._per_row():
+            if len(values) != len(self.points):
+                raise InputError(
+                    f"{name} has {len(values)} rows for {len(self.points)} points: "
+                    "give one row a point"
+                )
+        object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
+        object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def _per_row(self) -> list[tuple[str, Array]]:
+        named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]
+        return [(name, values) for name, values in named if values is not None]

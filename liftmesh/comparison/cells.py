@@ -1,0 +1,172 @@
+"""Delaunay cells: triangles glued together wherever an edge between them is exactly cocircular.
+
+The points on one empty circle span a convex polygon, the cell. Each way to cut it into triangles
+is a Delaunay triangulation, so two right answers differ inside cells and nowhere else:
+
+- A triangle of input points has an empty circle if and only if its corners belong to one cell.
+- Triangles of one cell, all counter-clockwise, cover it exactly once if and only if their
+  boundary, the sum of their directed edges in which opposite ones cancel, is the boundary of the
+  cell. Two sets of triangles of a cell are therefore both right, or both wrong, when the
+  boundary of the one minus the boundary of the other is zero.
+
+Both are decided by integers and exact signs alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.optional import load
+from liftmesh.predicates import incircle
+
+Points = NDArray[np.float64]
+Rows = NDArray[np.int32]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The cells of a triangulation.
+
+    Parameters
+    ----------
+    simplices : (m, 3) ndarray of int32
+        Counter-clockwise triangles.
+    labels : (m,) ndarray of int32
+        The cell of each triangle, numbered from 0.
+    violations : (v, 2) ndarray of int
+        Pairs (triangle, row) where the row, a neighbour's apex, lies strictly inside the
+        triangle's circle. Empty for a Delaunay triangulation.
+    """
+
+    simplices: Rows
+    labels: Rows
+    violations: Indices
+
+    @cached_property
+    def count(self) -> int:
+        """Number of cells."""
+        return int(self.labels.max(initial=-1)) + 1
+
+    @cached_property
+    def _corners(self) -> Indices:
+        """Pairs (row, cell) of all cells of two triangles or more, sorted, as one integer each."""
+        large = np.bincount(self.labels, minlength=self.count) > 1
+        chosen = large[self.labels]
+        rows = self.simplices[chosen].astype(np.int64).ravel()
+        return np.unique(rows * self.count + np.repeat(self.labels[chosen], 3))
+
+    def containing(self, triangles: Rows) -> Rows:
+        """Find the cell of two triangles or more that has all three corners of a triangle.
+
+        Parameters
+        ----------
+        triangles : (t, 3) ndarray of int32
+            Rows of the points.
+
+        Returns
+        -------
+        (t,) ndarray of int32
+            Cells, -1 where there is none: the triangle's circle is then not empty.
+        """
+        low = np.searchsorted(self._corners, triangles * np.int64(self.count))
+        high = np.searchsorted(self._corners, (triangles + np.int64(1)) * self.count)
+        # The corner with the fewest cells proposes them; the other two must have them as well.
+        every = np.arange(len(triangles))
+        pivot = np.argmin(high - low, axis=1)
+        counts = (high - low)[every, pivot]
+        owner = np.repeat(every, counts)
+        nth = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+        cell = self._corners[low[every, pivot][owner] + nth] % max(self.count, 1)
+        shared = np.ones(len(owner), dtype=bool)
+        for k in range(3):
+            shared &= self._has(triangles[owner, k] * np.int64(self.count) + cell)
+        found = np.full(len(triangles), -1, dtype=np.int32)
+        found[owner[shared]] = cell[shared]
+        return found
+
+    def _has(self, keys: Indices) -> NDArray[np.bool_]:
+        """Whether (row, cell) is among the corners."""
+        if len(self._corners) == 0:
+            return np.zeros(len(keys), dtype=bool)
+        place = np.searchsorted(self._corners, keys).clip(max=len(self._corners) - 1)
+        return self._corners[place] == keys
+
+
+def find_cells(points: Points, simplices: Rows, neighbors: Rows) -> Cells:
+    """Glue triangles across all edges whose in-circle sign is exactly zero.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        Planar points.
+    simplices, neighbors : (m, 3) ndarray of int32
+        Triangles and their neighbours, as in ``Triangulation``.
+
+    Returns
+    -------
+    Cells
+        The cells, and the edges that are not locally Delaunay.
+    """
+    triangle, side = np.nonzero(neighbors > np.arange(len(simplices))[:, None])
+    other = neighbors[triangle, side]
+    apex = opposite_rows(simplices, triangle, side, other)
+    corners = (points[simplices[triangle, k]] for k in range(3))
+    sign = incircle(*corners, points[apex])
+    csgraph, sparse = load("scipy.sparse.csgraph"), load("scipy.sparse")
+    glued = sign == 0
+    pairs = (np.ones(int(glued.sum()), dtype=bool), (triangle[glued], other[glued]))
+    graph = sparse.coo_array(pairs, shape=(len(simplices), len(simplices)))
+    _, labels = csgraph.connected_components(graph, directed=False)
+    inside = sign > 0
+    return Cells(simplices, labels, np.column_stack([triangle[inside], apex[inside]]))
+
+
+def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows) -> Rows:
+    """Apexes of neighbours: their corners' sum less the two corners on the common edge."""
+    total = simplices[other].sum(axis=1, dtype=np.int64)
+    edge = simplices[triangle, (side + 1) % 3].astype(np.int64)
+    edge += simplices[triangle, (side + 2) % 3]
+    apex: Rows = (total - edge).astype(np.int32)
+    return apex
+
+
+def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> Indices:
+    """Find the cells in which two sets of triangles do not have the same boundary.
+
+    Parameters
+    ----------
+    cells : int
+        Number of cells.
+    plus, minus : pair of (t, 3) and (t,) ndarrays of int32
+        Counter-clockwise triangles and the cell of each.
+
+    Returns
+    -------
+    (u,) ndarray of int
+        Cells whose boundaries differ, ascending.
+    """
+    parts = [_directed_edges(*plus, 1), _directed_edges(*minus, -1)]
+    cell, low, high, sign = (np.concatenate(column) for column in zip(*parts, strict=True))
+    order = np.lexsort((high, low, cell))
+    keys = np.column_stack([cell, low, high])[order]
+    starts = np.ones(len(keys), dtype=bool)
+    starts[1:] = (keys[1:] != keys[:-1]).any(axis=1)
+    begin = np.flatnonzero(starts)
+    if len(begin) == 0:
+        return begin
+    total = np.add.reduceat(sign[order], begin)
+    flawed = np.zeros(cells, dtype=bool)
+    flawed[keys[begin[total != 0], 0]] = True
+    return np.flatnonzero(flawed)
+
+
+def _directed_edges(triangles: Rows, cell: Rows, weight: int) -> tuple[Rows, Rows, Rows, Rows]:
+    """Edges as (cell, lower row, higher row, sign of their direction)."""
+    tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    sign = np.where(tail < head, weight, -weight).astype(np.int32)
+    return np.repeat(cell, 3), np.minimum(tail, head), np.maximum(tail, head), sign

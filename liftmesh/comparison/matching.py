@@ -1,0 +1,73 @@
+"""Which triangles of two sets are the same: equal corners, whatever corner comes first."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rows = NDArray[np.int32]
+Indices = NDArray[np.intp]
+
+
+def match_triangles(simplices: Rows, facets: Rows) -> Indices:
+    """Find each facet among the triangles of a triangulation.
+
+    Turned so that its lowest row comes first, a counter-clockwise triangle is known by its first
+    directed edge: in a triangulation only one triangle lies to the left of it.
+
+    Parameters
+    ----------
+    simplices : (m, 3) ndarray of int32
+        Counter-clockwise triangles of a triangulation.
+    facets : (l, 3) ndarray of int32
+        Counter-clockwise triangles to look up.
+
+    Returns
+    -------
+    (l,) ndarray of int
+        Index into ``simplices``, -1 where no triangle has the facet's corners.
+
+    Examples
+    --------
+    >>> match_triangles(np.array([[0, 1, 2], [2, 1, 3]]), np.array([[1, 3, 2], [0, 1, 3]]))
+    array([ 1, -1])
+    """
+    if len(simplices) == 0 or len(facets) == 0:
+        return np.full(len(facets), -1, dtype=np.intp)
+    edge, apex = _first_edge(simplices)
+    order = np.argsort(edge)
+    wanted, wanted_apex = _first_edge(facets)
+    place = np.searchsorted(edge, wanted, sorter=order).clip(max=len(edge) - 1)
+    candidate = order[place]
+    same = (edge[candidate] == wanted) & (apex[candidate] == wanted_apex)
+    return np.where(same, candidate, -1)
+
+
+def _first_edge(triangles: Rows) -> tuple[NDArray[np.int64], Rows]:
+    """The edge that leaves the lowest row, as one integer, and the corner opposite to it."""
+    every, lowest = np.arange(len(triangles)), np.argmin(triangles, axis=1)
+    corner = [triangles[every, (lowest + k) % 3] for k in range(3)]
+    return (corner[0].astype(np.int64) << 32) | corner[1], corner[2]
+
+
+def first_of_each(indices: Indices) -> NDArray[np.bool_]:
+    """Mark the first place of every index that is not negative.
+
+    Parameters
+    ----------
+    indices : (l,) ndarray of int
+        Indices, with repetitions; -1 for none.
+
+    Returns
+    -------
+    (l,) ndarray of bool
+        True once per index.
+
+    Examples
+    --------
+    >>> first_of_each(np.array([3, -1, 3, 0]))
+    array([ True, False, False,  True])
+    """
+    mark = np.zeros(len(indices), dtype=bool)
+    mark[np.unique(indices, return_index=True)[1]] = True
+    return mark & (indices >= 0)

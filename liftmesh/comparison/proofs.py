@@ -1,0 +1,195 @@
+"""Exact proofs, for a few triangles, of which side is right: rational numbers, no rounding.
+
+The in-circle determinant of counter-clockwise a, b, c and a point d is computed with `fractions`
+from the doubles as they are. It is positive if and only if d lies strictly inside the circle
+through a, b and c, that is, if and only if the lifted d lies strictly below their plane
+(Lemma 4.2): then no lower facet has the corners a, b, c.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.predicates import incircle, orient2d
+
+Points = NDArray[np.float64]
+Rows = NDArray[np.int32]
+Claim = Literal["wrong facet", "broken cell", "right triangle", "wrong triangle"]
+
+_SENTENCES: dict[Claim, str] = {
+    "wrong facet": (
+        "trimesh's facet {rows} is no Delaunay triangle: row {row} lies strictly inside its "
+        "circle (in-circle determinant {value})"
+    ),
+    "broken cell": (
+        "trimesh's facet {rows} has an empty circle, but trimesh's facets leave a gap or overlap "
+        "among the cocircular points around it"
+    ),
+    "right triangle": (
+        "liftmesh's triangle {rows} is Delaunay and not among trimesh's facets: none of the other "
+        "{tested} points lies strictly inside its circle (across its edges: {values})"
+    ),
+    "wrong triangle": (
+        "liftmesh's triangle {rows} is not Delaunay: row {row} lies strictly inside its circle "
+        "(in-circle determinant {value})"
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """An exact statement about one triangle.
+
+    Parameters
+    ----------
+    claim : str
+        ``"wrong facet"``: a lower facet of trimesh's hull whose circle holds a point.
+        ``"broken cell"``: a facet that is right by itself, but trimesh's facets do not cover its
+        cell of cocircular points exactly once.
+        ``"right triangle"``: a triangle that trimesh's hull lacks, whose circle is empty.
+        ``"wrong triangle"``: a triangle of liftmesh whose circle holds a point.
+    rows : tuple of int
+        The triangle, counter-clockwise.
+    determinants : tuple of (int, Fraction)
+        Rows and their exact in-circle determinants with the triangle: positive strictly inside,
+        zero on, negative outside the circle. For a right triangle, the apexes of the triangles
+        across its edges; otherwise the row that is inside.
+    tested : int
+        How many other points were tested exactly.
+    """
+
+    claim: Claim
+    rows: tuple[int, int, int]
+    determinants: tuple[tuple[int, Fraction], ...]
+    tested: int
+
+    def __str__(self) -> str:
+        row, value = self.determinants[0] if self.determinants else (-1, Fraction(0))
+        values = ", ".join(f"row {r}: {_short(v)}" for r, v in self.determinants)
+        return _SENTENCES[self.claim].format(
+            rows=self.rows, row=row, value=_short(value), values=values or "none", tested=self.tested
+        )
+
+
+def _short(value: Fraction) -> str:
+    """The exact number when it is short, its leading digits otherwise."""
+    exact = str(value)
+    if len(exact) <= 24:
+        return exact
+    sign, numerator = ("-" if value < 0 else ""), abs(value.numerator)
+    power = len(str(numerator)) - len(str(value.denominator))
+    digits = float(abs(value) / Fraction(10) ** power)
+    return f"{sign}{digits:.6g}e{power:+d}, exactly known"
+
+
+def incircle_determinant(points: Points, rows: Sequence[int]) -> Fraction:
+    """Compute the exact in-circle determinant of four rows.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        Planar points.
+    rows : sequence of 4 int
+        Counter-clockwise a, b, c and the query d.
+
+    Returns
+    -------
+    Fraction
+        Positive if d is strictly inside the circle through a, b, c; zero on it.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
+    >>> incircle_determinant(square, (0, 1, 2, 3))
+    Fraction(1, 2)
+    """
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = (map(Fraction, points[row].tolist()) for row in rows)
+    ax, ay, bx, by, cx, cy = ax - dx, ay - dy, bx - dx, by - dy, cx - dx, cy - dy
+    a, b, c = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
+    return a * (bx * cy - by * cx) - b * (ax * cy - ay * cx) + c * (ax * by - ay * bx)
+
+
+def refute(
+    points: Points, rows: Rows, triangle: Rows, *, claim: Claim = "wrong facet"
+) -> Proof | None:
+    """Prove that a triangle is not Delaunay by a point strictly inside its circle.
+
+    Every row is tested exactly; of those inside, the one that sees the triangle best (the row
+    deepest below its lifted plane) is the witness.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        Planar points.
+    rows : (k,) ndarray of int32
+        The rows that take part.
+    triangle : (3,) ndarray of int32
+        Counter-clockwise corners.
+    claim : str
+        Whose triangle it is.
+
+    Returns
+    -------
+    Proof or None
+        None when the circle is empty.
+    """
+    inside = rows[_signs(points, rows, triangle) > 0]
+    if len(inside) == 0:
+        return None
+    corners = _as_tuple(triangle)
+    witness = int(inside[_deepest(points, inside, triangle)])
+    determinant = incircle_determinant(points, (*corners, witness))
+    return Proof(claim, corners, ((witness, determinant),), len(rows) - 3)
+
+
+def confirm(points: Points, rows: Rows, triangle: Rows, apexes: Sequence[int]) -> Proof | None:
+    """Prove that a triangle is Delaunay: no row lies strictly inside its circle.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        Planar points.
+    rows : (k,) ndarray of int32
+        The rows that take part, all tested exactly.
+    triangle : (3,) ndarray of int32
+        Counter-clockwise corners.
+    apexes : sequence of int
+        Rows across its edges, whose determinants the proof shows.
+
+    Returns
+    -------
+    Proof or None
+        None when a row lies inside.
+    """
+    if (_signs(points, rows, triangle) > 0).any():
+        return None
+    corners = _as_tuple(triangle)
+    shown = tuple((row, incircle_determinant(points, (*corners, row))) for row in apexes)
+    return Proof("right triangle", corners, shown, len(rows) - 3)
+
+
+def _signs(points: Points, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
+    """Exact in-circle signs of the rows, for a triangle checked to be counter-clockwise."""
+    a, b, c = points[triangle]
+    if orient2d(a, b, c) <= 0:
+        message = f"triangle {_as_tuple(triangle)} is not counter-clockwise"
+        raise AssertionError(message)
+    return incircle(a, b, c, points[rows])
+
+
+def _deepest(points: Points, inside: Rows, triangle: Rows) -> int:
+    """Index of the row with the largest rounded determinant: any choice is a proof."""
+    with np.errstate(all="ignore"):
+        (ax, ay), (bx, by), (cx, cy) = (points[row] - points[inside].T.T for row in triangle)
+    return 0
+
+
+def _as_tuple(triangle: Rows) -> tuple[int, int, int]:
+    a, b, c = triangle.tolist()
+    return a, b, c

@@ -1,0 +1,55 @@
+"""Optional packages: imported when first used, with a hint on how to install what is missing."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from liftmesh.errors import MissingDependencyError
+
+_HINTS = {
+    "libusb": "install the system library libusb-1.0 (Debian, Ubuntu: apt-get install libusb-1.0-0)",
+    "libGL": "install the system library libGL (Debian, Ubuntu: apt-get install libgl1)",
+    "libgomp": "install the system library libgomp (Debian, Ubuntu: apt-get install libgomp1)",
+    "libX11": "install the system library libX11 (Debian, Ubuntu: apt-get install libx11-6)",
+}
+
+
+def load(module: str, *, extra: str | None = None) -> Any:
+    """Import an optional module, or say what to install.
+
+    Parameters
+    ----------
+    module : str
+        Full name of the module, as in ``import``.
+    extra : str, optional
+        The extra of liftmesh that brings it; by default the package is named itself.
+
+    Returns
+    -------
+    module
+        The imported module.
+
+    Raises
+    ------
+    MissingDependencyError
+        The package, or a system library that it loads, is missing.
+
+    Examples
+    --------
+    >>> load("math").sqrt(4.0)
+    2.0
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        package = module.partition(".")[0]
+        raise MissingDependencyError(_explain(package, extra, error)) from error
+
+
+def _explain(package: str, extra: str | None, error: ImportError) -> str:
+    for library, remedy in _HINTS.items():
+        if library in str(error):
+            return f"{package} is installed but cannot be loaded ({error}): {remedy}"
+    target = f"liftmesh[{extra}]" if extra else package
+    return f"{package} is needed for this and cannot be imported ({error}): pip install '{target}'"

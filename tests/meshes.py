@@ -1,0 +1,91 @@
+"""Compare and check triangulations exactly.
+
+Triangles are compared as a set of coordinate triples, the only thing on which two programs can
+agree. `assert_delaunay` checks a triangulation against nothing but its points.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import oracle
+from numpy.typing import ArrayLike, NDArray
+
+
+def triangle_rows(points: ArrayLike, simplices: ArrayLike) -> NDArray[np.float64]:
+    """Coordinates of all triangles as sorted rows of six, each from its smallest vertex on.
+
+    Two triangulations are the same set exactly when these arrays are equal; orientation counts.
+    """
+    xy = np.asarray(points, dtype=np.float64)[:, :2] + 0.0
+    distinct, rank = np.unique(xy, axis=0, return_inverse=True)
+    triples = rank.reshape(-1)[np.asarray(simplices, dtype=np.int64)]
+    first = np.argmin(triples, axis=1)[:, None]
+    triples = np.take_along_axis(triples, (first + np.arange(3)) % 3, axis=1)
+    triples = triples[np.lexsort(triples.T[::-1])]
+    return distinct[triples].reshape(-1, 6)
+
+
+def assert_same_triangles(
+    actual: NDArray[np.float64], expected: NDArray[np.float64], about: str = ""
+) -> None:
+    """Compare two results of `triangle_rows`; the message shows the first differences."""
+    if np.array_equal(actual, expected):
+        return
+    ours, theirs = Counter(map(tuple, actual.tolist())), Counter(map(tuple, expected.tolist()))
+    extra, missing = sorted((ours - theirs).elements()), sorted((theirs - ours).elements())
+    raise AssertionError(
+        f"{about}: {len(actual)} triangles, {len(expected)} expected; {len(extra)} are wrong, "
+        f"such as {extra[:2]}; {len(missing)} are missing, such as {missing[:2]}"
+    )
+
+
+def oracle_triangles(points: NDArray[np.float64]) -> set[oracle.Triangle]:
+    """Find the canonical triangulation in the oracle's integers."""
+    return oracle.delaunay(oracle.exact(points.tolist()))
+
+
+def exact_triangles(points: NDArray[np.float64], simplices: NDArray[np.int32]) -> list:
+    """Triangles in the oracle's integers, row by row."""
+    corners = oracle.exact(points.tolist())
+    return [tuple(corners[vertex] for vertex in row) for row in simplices.tolist()]
+
+
+def assert_oracle_agrees(points: NDArray[np.float64], simplices: NDArray[np.int32]) -> None:
+    """Compare with the oracle: every row counter-clockwise, the same set, no triangle twice."""
+    triangles = exact_triangles(points, simplices)
+    clockwise = [row for row, corners in enumerate(triangles) if oracle.cross(*corners) <= 0]
+    assert not clockwise, f"rows that are not counter-clockwise: {clockwise[:5]}"
+    found = Counter(oracle.counter_clockwise(*corners) for corners in triangles)
+    expected = Counter(oracle_triangles(points))
+    assert found == expected, (
+        f"{points.tolist()}: extra {list((found - expected).elements())[:2]}, "
+        f"missing {list((expected - found).elements())[:2]} (in lattice units)"
+    )
+
+
+def assert_delaunay(points: NDArray[np.float64], simplices: NDArray[np.int32]) -> None:
+    """Check exactly that the rows are the canonical triangulation of the points.
+
+    All rows are counter-clockwise, every side is used once in its direction, the sides without a
+    partner are the hull, every position is a vertex, and across each inner side the two triangles
+    are those that two cocircular or empty circles demand. This holds for one triangulation only.
+    """
+    triangles = exact_triangles(points, simplices)
+    assert all(oracle.cross(*corners) > 0 for corners in triangles), "a row is not ccw"
+    apex = {}
+    for a, b, c in triangles:
+        for side, opposite in (((a, b), c), ((b, c), a), ((c, a), b)):
+            assert side not in apex, f"two triangles on one side of {side}"
+            apex[side] = opposite
+    positions = set(oracle.exact(points.tolist()))
+    border = {(a, b) for a, b in apex if (b, a) not in apex}
+    assert border == set(oracle.hull_edges(positions)), "the border is not the hull"
+    assert {vertex for side in apex for vertex in side} == positions, "positions are missing"
+    wrong = [
+        (a, b)
+        for (a, b), left in apex.items()
+        if (b, a) in apex and not oracle.is_delaunay_side(a, b, left, apex[b, a])
+    ]
+    assert not wrong, f"{len(wrong)} sides are not Delaunay, such as {wrong[:2]}"
