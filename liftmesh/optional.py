@@ -8,10 +8,10 @@ from typing import Any
 from liftmesh.errors import MissingDependencyError
 
 _HINTS = {
-    "libusb": "install the system library libusb-1.0 (Debian, Ubuntu: apt-get install libusb-1.0-0)",
-    "libGL": "install the system library libGL (Debian, Ubuntu: apt-get install libgl1)",
-    "libgomp": "install the system library libgomp (Debian, Ubuntu: apt-get install libgomp1)",
-    "libX11": "install the system library libX11 (Debian, Ubuntu: apt-get install libx11-6)",
+    "libusb": "install the system library libusb-1.0 (Debian, Ubuntu: libusb-1.0-0)",
+    "libGL": "install the system library libGL (Debian, Ubuntu: libgl1)",
+    "libgomp": "install the system library libgomp (Debian, Ubuntu: libgomp1)",
+    "libX11": "install the system library libX11 (Debian, Ubuntu: libx11-6)",
 }
 
 

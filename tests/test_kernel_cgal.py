@@ -20,6 +20,7 @@ N = 100_489  # 317 squared: the lattices have exactly as many points
 AT_SCALE = [
     "uniform",
     "gaussian",
+    "kuzmin",
     "clusters",
     "lattice",
     "tenth-lattice",
@@ -38,6 +39,11 @@ AT_SCALE = [
     "denormal-lattice",
     "smallest-steps",
     "far-offset",
+    "far-lattice",
+    "collinear-runs",
+    "small-integers",
+    "huge",
+    "tiny",
     "huge-lattice",
 ]
 

@@ -152,7 +152,7 @@ def test_ties_follow_the_rule(a, b, c, d) -> None:
     if orientation(*corners[:3]) > 0 and corners[3] not in corners[:3]:
         expected = sign(in_circle(*corners) or tie(*corners))
         assert expected != 0
-        assert liftmesh.incircle_canonical(a, b, c, d) == expected
+        assert liftmesh.incircle(a, b, c, d, canonical=True) == expected
 
 
 def test_every_tie_of_an_exact_circle() -> None:
@@ -166,7 +166,7 @@ def test_every_tie_of_an_exact_circle() -> None:
     assert (liftmesh.incircle(a, b, c, d) == 0).all()
     rows = np.stack((a, b, c, d), axis=1).tolist()
     expected = [sign(tie(*(tuple(map(int, p)) for p in row))) for row in rows]
-    np.testing.assert_array_equal(liftmesh.incircle_canonical(a, b, c, d), expected)
+    np.testing.assert_array_equal(liftmesh.incircle(a, b, c, d, canonical=True), expected)
 
 
 @pytest.mark.parametrize(
@@ -226,7 +226,7 @@ class TestShapes:
         for signs in (
             liftmesh.orient2d(a, b, c),
             liftmesh.incircle(a, b, c, d),
-            liftmesh.incircle_canonical(a, b, c, d),
+            liftmesh.incircle(a, b, c, d, canonical=True),
         ):
             assert signs.shape == shape
             assert signs.dtype == np.int8

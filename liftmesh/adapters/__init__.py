@@ -1,6 +1,8 @@
-"""Clouds and meshes of other libraries, to and from the `Cloud` that the rooms of liftmesh pass on."""
+"""Clouds and meshes of other libraries, to and from the `Cloud` that liftmesh works on."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -13,8 +15,8 @@ __all__ = ["Adapter", "as_cloud"]
 _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "__len__")
 
 
-def as_cloud(source: object) -> Cloud:
-    """Anything that holds points, as a cloud.
+def as_cloud(source: Any) -> Cloud:
+    """Make a cloud of anything that holds points.
 
     Parameters
     ----------

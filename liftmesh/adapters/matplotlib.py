@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from liftmesh.optional import load
 
@@ -42,5 +42,6 @@ def to_triangulation(
     >>> to_triangulation(corners[:, 0], corners[:, 1], triangles).triangles
     array([[0, 1, 2]], dtype=int32)
     """
-    tri: Any = load("matplotlib.tri", extra="plot")
-    return tri.Triangulation(x, y, triangles)
+    tri = load("matplotlib.tri", extra="plot")
+    triangulation: matplotlib.tri.Triangulation = tri.Triangulation(x, y, triangles)
+    return triangulation

@@ -10,7 +10,6 @@ because tensor meshes otherwise turn into legacy ones with colours of 255.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,13 +22,15 @@ from liftmesh.errors import InputError
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import open3d as o3d
 
 Array = NDArray[Any]
 
 
 def to_cloud(source: Any) -> Cloud:
-    """An Open3D point cloud, mesh or tensor of rows as a cloud.
+    """Make a cloud of an Open3D point cloud, mesh or tensor of rows.
 
     Parameters
     ----------
@@ -65,7 +66,7 @@ def to_cloud(source: Any) -> Cloud:
 
 
 def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
-    """A cloud with faces as a legacy Open3D mesh.
+    """Make a legacy Open3D mesh of a cloud with faces.
 
     Parameters
     ----------
@@ -91,10 +92,12 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
     >>> to_legacy(cloud)
     TriangleMesh with 3 points and 1 triangles.
     """
-    o3d = load("open3d", extra="open3d")
-    vectors = o3d.utility.Vector3dVector
-    indices = o3d.utility.Vector3iVector(_writable(_faces(cloud), np.int32))
-    mesh = o3d.geometry.TriangleMesh(vectors(_writable(cloud.points, np.float64)), indices)
+    library = load("open3d", extra="open3d")
+    vectors = library.utility.Vector3dVector
+    indices = library.utility.Vector3iVector(_writable(_faces(cloud), np.int32))
+    mesh: o3d.geometry.TriangleMesh = library.geometry.TriangleMesh(
+        vectors(_writable(cloud.points, np.float64)), indices
+    )
     if cloud.colors is not None:
         mesh.vertex_colors = vectors(_writable(as_float(cloud.colors)[:, :3], np.float64))
     if cloud.normals is not None:
@@ -103,7 +106,7 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
 
 
 def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
-    """A cloud with faces as a tensor Open3D mesh.
+    """Make a tensor Open3D mesh of a cloud with faces.
 
     Parameters
     ----------
@@ -129,11 +132,11 @@ def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
     >>> to_tensor(cloud).vertex["positions"].dtype
     Float64
     """
-    o3d = load("open3d", extra="open3d")
-    mesh = o3d.t.geometry.TriangleMesh()
+    library = load("open3d", extra="open3d")
+    mesh: o3d.t.geometry.TriangleMesh = library.t.geometry.TriangleMesh()
     for name, values in {**_named_columns(cloud), **_tensor_colors(cloud)}.items():
-        mesh.vertex[name] = o3d.core.Tensor(values)
-    mesh.triangle["indices"] = o3d.core.Tensor(_faces(cloud).astype(np.int64))
+        mesh.vertex[name] = library.core.Tensor(values)
+    mesh.triangle["indices"] = library.core.Tensor(_faces(cloud).astype(np.int64))
     return mesh
 
 
@@ -169,7 +172,7 @@ def _numpy(tensor: Any) -> Array:
 
 
 def _flat(values: Array) -> Array:
-    """An attribute of one channel as a flat array."""
+    """Flatten an attribute of one channel."""
     return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
 
 
@@ -202,7 +205,7 @@ def _tensor_colors(cloud: Cloud) -> dict[str, Array]:
 
 
 def _column(name: str, values: Array) -> Array:
-    """An attribute in a type and shape that tensors know, without loss."""
+    """Give an attribute a type and shape that tensors know, without loss."""
     if values.dtype.kind not in "biuf" or values.dtype.itemsize > 8:
         raise InputError(
             f"attribute {name!r} has the type {values.dtype}, which Open3D tensors do not know: "

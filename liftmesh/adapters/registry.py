@@ -8,14 +8,18 @@ nobody whose objects another one accepts: it is named when none does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, Any
 
 from liftmesh.adapters import open3d, trimesh
-from liftmesh.cloud import Cloud
 from liftmesh.errors import UnsupportedTypeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from liftmesh.cloud import Cloud
 
 GROUP = "liftmesh.adapters"
 
@@ -37,6 +41,7 @@ class Adapter:
     Examples
     --------
     >>> import numpy as np
+    >>> from liftmesh import Cloud
     >>> adapter = Adapter(
     ...     name="complex plane",
     ...     accepts=lambda source: isinstance(source, complex),
@@ -47,12 +52,12 @@ class Adapter:
     """
 
     name: str
-    accepts: Callable[[object], bool]
-    to_cloud: Callable[[object], Cloud]
+    accepts: Callable[[Any], bool]
+    to_cloud: Callable[[Any], Cloud]
 
 
 def find_adapter(source: object) -> Adapter | None:
-    """The first adapter that accepts an object.
+    """Find the first adapter that accepts an object.
 
     Parameters
     ----------
@@ -78,7 +83,7 @@ def find_adapter(source: object) -> Adapter | None:
 
 
 def unsupported(source: object) -> UnsupportedTypeError:
-    """The error for an object that no adapter accepts.
+    """Make the error for an object that no adapter accepts.
 
     Parameters
     ----------
@@ -92,9 +97,8 @@ def unsupported(source: object) -> UnsupportedTypeError:
 
     Examples
     --------
-    >>> print(unsupported(None))
-    a builtins.NoneType is no point cloud: give an array of shape (n, 2) or (n, 3), a trimesh or \
-Open3D point cloud or mesh, or a path
+    >>> str(unsupported(None)).partition(":")[0]
+    'a builtins.NoneType is no point cloud'
     """
     message = (
         f"a {qualified_name(source)} is no point cloud: give an array of shape (n, 2) or (n, 3), "
@@ -107,7 +111,7 @@ Open3D point cloud or mesh, or a path
 
 
 def qualified_name(source: object) -> str:
-    """The full name of an object's type.
+    """Name the type of an object in full.
 
     Parameters
     ----------
@@ -130,7 +134,7 @@ def qualified_name(source: object) -> str:
 
 
 def _is_of(package: str, names: Collection[str]) -> Callable[[object], bool]:
-    """A test whether a type is, or inherits from, one of a package's classes, without importing."""
+    """Make a test for objects of some classes of a package, derived or not, without import."""
 
     def accepts(source: object) -> bool:
         return any(
@@ -149,14 +153,14 @@ BUILT_IN = (
 
 @lru_cache(maxsize=1)
 def _installed() -> tuple[tuple[Adapter, ...], tuple[str, ...]]:
-    """The adapters of other packages, and what is wrong with those that cannot be loaded."""
+    """Load the adapters of other packages, and say what is wrong with those that fail."""
     loaded = [_load(entry) for entry in sorted(entry_points(group=GROUP), key=lambda e: e.name)]
     good = tuple(item for item in loaded if isinstance(item, Adapter))
     return good, tuple(item for item in loaded if isinstance(item, str))
 
 
 def _load(entry: EntryPoint) -> Adapter | str:
-    """The adapter an entry point names, or the reason why there is none."""
+    """Load the adapter that an entry point names, or give the reason why there is none."""
     try:
         adapter = entry.load()
     except Exception as error:  # noqa: BLE001 - another package's import may raise anything

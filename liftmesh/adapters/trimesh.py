@@ -8,7 +8,6 @@ goes out is copied: trimesh edits meshes in place and locks the arrays of normal
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,13 +19,15 @@ from liftmesh.cloud import Cloud
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import trimesh
 
 Array = NDArray[Any]
 
 
 def to_cloud(source: trimesh.PointCloud | trimesh.Trimesh) -> Cloud:
-    """A trimesh point cloud or mesh as a cloud.
+    """Make a cloud of a trimesh point cloud or mesh.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def to_cloud(source: trimesh.PointCloud | trimesh.Trimesh) -> Cloud:
 
 
 def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
-    """A cloud with faces as a trimesh mesh.
+    """Make a trimesh mesh of a cloud with faces.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     (3, 3)
     """
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
-    return load("trimesh").Trimesh(
+    mesh: trimesh.Trimesh = load("trimesh").Trimesh(
         vertices=cloud.points.copy(),
         faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
         vertex_colors=colors,
@@ -98,10 +99,11 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
         metadata=dict(cloud.metadata),
         process=False,
     )
+    return mesh
 
 
 def _colors(source: Any) -> Array | None:
-    """The colours of the vertices where the object defines some."""
+    """Read the colours of the vertices where the object defines some."""
     if getattr(source.visual, "kind", None) != "vertex":
         return None
     colors = source.visual.vertex_colors
@@ -109,6 +111,6 @@ def _colors(source: Any) -> Array | None:
 
 
 def _normals(source: Any) -> Array | None:
-    """The vertex normals a mesh holds: the test that trimesh's own exporters apply."""
+    """Read the vertex normals a mesh holds, by the test that trimesh's own exporters apply."""
     held = "vertex_normals" in getattr(source, "_cache", ())
     return np.asarray(source.vertex_normals) if held else None

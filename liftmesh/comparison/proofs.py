@@ -82,10 +82,10 @@ def _short(value: Fraction) -> str:
     exact = str(value)
     if len(exact) <= 24:
         return exact
-    sign, numerator = ("-" if value < 0 else ""), abs(value.numerator)
-    power = len(str(numerator)) - len(str(value.denominator))
-    digits = float(abs(value) / Fraction(10) ** power)
-    return f"{sign}{digits:.6g}e{power:+d}, exactly known"
+    size = abs(value)
+    power = len(str(size.numerator)) - len(str(size.denominator))
+    digits = f"{float(size / Fraction(10) ** power):.6g}e{power:+d}"
+    return f"about {'-' if value < 0 else ''}{digits}"
 
 
 def incircle_determinant(points: Points, rows: Sequence[int]) -> Fraction:
@@ -174,6 +174,22 @@ def confirm(points: Points, rows: Rows, triangle: Rows, apexes: Sequence[int]) -
     return Proof("right triangle", corners, shown, len(rows) - 3)
 
 
+def broken_cell(triangle: Rows) -> Proof:
+    """State that a facet is Delaunay by itself, in a cell that is not covered exactly once.
+
+    Parameters
+    ----------
+    triangle : (3,) ndarray of int32
+        Counter-clockwise corners.
+
+    Returns
+    -------
+    Proof
+        Without determinants: the boundary of the facets in the cell is the proof.
+    """
+    return Proof("broken cell", _as_tuple(triangle), (), 0)
+
+
 def _signs(points: Points, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
     """Exact in-circle signs of the rows, for a triangle checked to be counter-clockwise."""
     a, b, c = points[triangle]
@@ -186,8 +202,11 @@ def _signs(points: Points, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
 def _deepest(points: Points, inside: Rows, triangle: Rows) -> int:
     """Index of the row with the largest rounded determinant: any choice is a proof."""
     with np.errstate(all="ignore"):
-        (ax, ay), (bx, by), (cx, cy) = (points[row] - points[inside].T.T for row in triangle)
-    return 0
+        corners = points[triangle] - points[inside][:, None, :]
+        (ax, bx, cx), (ay, by, cy) = corners[..., 0].T, corners[..., 1].T
+        a, b, c = (corners**2).sum(axis=2).T
+        depth = a * (bx * cy - by * cx) - b * (ax * cy - ay * cx) + c * (ax * by - ay * bx)
+    return int(np.argmax(np.nan_to_num(depth)))
 
 
 def _as_tuple(triangle: Rows) -> tuple[int, int, int]:

@@ -1,0 +1,42 @@
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MOST_ROWS: int
+
+def delaunay(
+    rows: NDArray[np.floating[Any]], skip_non_finite: bool
+) -> tuple[
+    str,
+    int,
+    int,
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def orient2d(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    signs: NDArray[np.int8],
+) -> None: ...
+def incircle(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    d: NDArray[np.float64],
+    signs: NDArray[np.int8],
+    canonical: bool,
+) -> None: ...
+
+class Locator:
+    def __init__(
+        self,
+        points: NDArray[np.floating[Any]],
+        simplices: NDArray[np.int32],
+        neighbors: NDArray[np.int32],
+    ) -> None: ...
+    def find(self, queries: NDArray[np.float64], found: NDArray[np.int32]) -> None: ...

@@ -1,0 +1,273 @@
+"""What callers give as points, checked once and handed on without needless copies."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liftmesh import _kernel
+from liftmesh.errors import InputError, NonFiniteError
+
+MOST_ROWS: int = _kernel.MOST_ROWS
+
+_EXACT_INTEGERS = 2**53
+
+
+def as_coordinates(points: ArrayLike) -> NDArray[np.floating[Any]]:
+    """Give points as rows of native float64 or float32, without a copy where none is needed.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2) or (n, 3)
+        Real numbers: float64 and float32 arrays of any strides stay as they are; float16, integers
+        and lists become float64 if a double holds each value exactly. Masked entries become NaN.
+
+    Returns
+    -------
+    (n, 2) or (n, 3) ndarray of float64 or float32
+        The caller's own memory where that is possible.
+
+    Raises
+    ------
+    InputError
+        Another shape, another kind of value, a number that no double holds, or more than 2^29 rows.
+
+    Examples
+    --------
+    >>> as_coordinates([[0, 1], [2, 3]]).dtype
+    dtype('float64')
+    """
+    array = _as_array(points)
+    _check_shape(array.shape)
+    array = _as_floating(array)
+    whole = all(stride % array.itemsize == 0 for stride in array.strides)
+    return array if whole and array.flags.aligned else array.copy()
+
+
+def as_rows3(points: ArrayLike) -> NDArray[np.float64]:
+    """Give points as float64 rows x, y, z; planar rows get z = 0.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2) or (n, 3)
+        As for `as_coordinates`.
+
+    Returns
+    -------
+    (n, 3) ndarray of float64
+        The caller's own memory where it is such an array already.
+
+    Raises
+    ------
+    InputError
+        As `as_coordinates`.
+
+    Examples
+    --------
+    >>> as_rows3([[1, 2]])
+    array([[1., 2., 0.]])
+    """
+    rows = as_coordinates(points)
+    if rows.shape[1] == 3:
+        return rows.astype(np.float64, copy=False)
+    lifted = np.zeros((len(rows), 3))
+    lifted[:, :2] = rows
+    return lifted
+
+
+def as_pairs(points: ArrayLike) -> NDArray[np.float64]:
+    """Give planar points of any leading shape as a contiguous (..., 2) array of float64.
+
+    Parameters
+    ----------
+    points : array_like of shape (..., 2)
+        Real numbers.
+
+    Returns
+    -------
+    (..., 2) ndarray of float64
+        The caller's own memory where it is such an array already.
+
+    Raises
+    ------
+    InputError
+        The last axis is not of length two, or a value is no real number a double holds.
+
+    Examples
+    --------
+    >>> as_pairs((1, 2)).shape
+    (2,)
+    """
+    array = _as_array(points)
+    if array.ndim == 0 or array.shape[-1] != 2:
+        raise InputError(f"planar points need the shape (..., 2), not {array.shape}")
+    flat = _as_floating(array.reshape(-1, 2))
+    return np.ascontiguousarray(flat, dtype=np.float64).reshape(array.shape)
+
+
+def check_finite(points: NDArray[np.floating[Any]]) -> None:
+    """Raise if a row is not finite, naming the first.
+
+    Parameters
+    ----------
+    points : (n, k) ndarray of float
+        Rows of coordinates.
+
+    Raises
+    ------
+    NonFiniteError
+        A coordinate is NaN or infinite.
+
+    Examples
+    --------
+    >>> check_finite(np.array([[0.0, 1.0], [2.0, np.inf]]))
+    Traceback (most recent call last):
+    liftmesh.errors.NonFiniteError: row 1 is not finite: (2.0, inf); ...
+    """
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        raise non_finite(row, points[row])
+
+
+def non_finite(row: int, values: NDArray[np.floating[Any]]) -> NonFiniteError:
+    """Make the exception for a row that is not finite.
+
+    Parameters
+    ----------
+    row : int
+        The row.
+    values : (k,) ndarray of float
+        Its coordinates.
+
+    Returns
+    -------
+    NonFiniteError
+        Ready to be raised.
+
+    Examples
+    --------
+    >>> non_finite(3, np.array([np.nan, 0.0])).row
+    3
+    """
+    shown = ", ".join(repr(float(value)) for value in values)
+    return NonFiniteError(
+        f"row {row} is not finite: ({shown}); remove such rows, or pass nonfinite='skip' "
+        "to leave them unused",
+        row=row,
+    )
+
+
+def _as_array(points: ArrayLike) -> NDArray[Any]:
+    if isinstance(points, np.ma.MaskedArray):
+        return _fill_masked(points)
+    try:
+        return np.asarray(points)
+    except ValueError as error:
+        raise InputError(_describe_ragged(points, error)) from error
+
+
+def _fill_masked(points: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
+    if not np.ma.is_masked(points):
+        return np.asarray(points.data)
+    mask = np.ma.getmaskarray(points)
+    filled = np.array(_as_floating(points.filled(0)), dtype=np.float64)
+    filled[mask] = np.nan
+    return filled
+
+
+def _describe_ragged(points: Any, error: ValueError) -> str:
+    try:
+        lengths = [len(row) for row in points]
+    except TypeError:
+        return f"points cannot be made an array: {error}"
+    odd = next((row for row, length in enumerate(lengths) if length != lengths[0]), None)
+    if odd is None:
+        return f"points cannot be made an array: {error}"
+    return (
+        f"row {odd} has {lengths[odd]} values where row 0 has {lengths[0]}: "
+        "give every row the same two or three coordinates"
+    )
+
+
+def _check_shape(shape: tuple[int, ...]) -> None:
+    if len(shape) != 2 or shape[1] not in (2, 3):
+        raise InputError(
+            f"points need the shape (n, 2) or (n, 3), not {shape}: give one row a point, "
+            "with x, y and optionally z"
+        )
+    if shape[0] > MOST_ROWS:
+        raise InputError(
+            f"{shape[0]} rows are more than the {MOST_ROWS} (2^29) that 32-bit edge names can "
+            "tell apart: triangulate tiles, or thin the points"
+        )
+
+
+def _as_floating(array: NDArray[Any]) -> NDArray[np.floating[Any]]:
+    kind = array.dtype.kind
+    if kind == "f":
+        return _as_double(array)
+    if kind in "iu":
+        return _from_integers(array)
+    if kind == "O":
+        return _from_objects(array)
+    raise InputError(
+        f"points hold {array.dtype} values (row 0: {array[:1].tolist()}): give real numbers, "
+        "float64 best"
+    )
+
+
+def _as_double(array: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
+    if array.itemsize in (4, 8):
+        return array.astype(array.dtype.newbyteorder("="), copy=False)
+    doubles = array.astype(np.float64)
+    inexact = (doubles != array) & ~np.isnan(array)
+    _refuse_inexact(array, inexact)
+    return doubles
+
+
+def _from_integers(array: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+    doubles = array.astype(np.float64)
+    if array.itemsize == 8:
+        large = np.nonzero((array > _EXACT_INTEGERS) | (array < -_EXACT_INTEGERS))
+        inexact = np.zeros(array.shape, dtype=bool)
+        inexact[large] = [int(doubles[at]) != int(array[at]) for at in zip(*large, strict=True)]
+        _refuse_inexact(array, inexact)
+    return doubles
+
+
+def _from_objects(array: NDArray[np.object_]) -> NDArray[np.float64]:
+    doubles = np.empty(array.shape, dtype=np.float64)
+    for at, value in np.ndenumerate(array):
+        doubles[at] = _exact_double(value, at[0])
+    return doubles
+
+
+def _exact_double(value: Any, row: int) -> float:
+    try:
+        exact = value if isinstance(value, float) else operator.index(value)
+        if float(exact) == exact or isinstance(value, float):
+            return float(exact)
+    except TypeError as error:
+        raise InputError(
+            f"row {row} holds {value!r}, a {type(value).__name__}: give real numbers"
+        ) from error
+    except OverflowError:
+        pass
+    raise _inexact(row, value)
+
+
+def _refuse_inexact(array: NDArray[Any], inexact: NDArray[np.bool_]) -> None:
+    if inexact.any():
+        at = tuple(int(i) for i in np.argwhere(inexact)[0])
+        raise _inexact(at[0], array[at])
+
+
+def _inexact(row: int, value: Any) -> InputError:
+    return InputError(
+        f"row {row} holds {value}, which no double holds exactly: subtract an offset from the "
+        "coordinates first, or round them to float64 on purpose"
+    )

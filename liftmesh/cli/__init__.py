@@ -1,0 +1,91 @@
+"""The command line: ``liftmesh triangulate``, ``liftmesh compare``, ``liftmesh info``.
+
+`main` runs a command and turns what went wrong into one line on stderr and an exit code; the
+commands themselves only raise. typer and rich are imported here and nowhere else in the package.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+
+from liftmesh.cli import exit_codes
+from liftmesh.errors import LiftmeshError
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Without the program's name; by default those of the process.
+
+    Returns
+    -------
+    int
+        The exit code, as ``liftmesh --help`` lists them.
+
+    Examples
+    --------
+    >>> main(["--version"])
+    liftmesh 0.1.0
+    0
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    debug = _take(words, "--debug")
+    try:
+        app = import_module("liftmesh.cli.application").app
+        code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
+        sys.stdout.flush()
+    except BrokenPipeError:
+        code = _leave_the_pipe()
+    except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - the last resort of a program
+        if debug:
+            traceback.print_exc()
+        code, message = _explain(error)
+        if message:
+            _complain(message)
+    return int(code)
+
+
+def _take(words: list[str], flag: str) -> bool:
+    """Remove a flag that may stand anywhere before ``--``; say whether it was there."""
+    end = words.index("--") if "--" in words else len(words)
+    found = flag in words[:end]
+    words[:end] = [word for word in words[:end] if word != flag]
+    return found
+
+
+def _explain(error: BaseException) -> tuple[int, str]:
+    """The exit code for an exception, and one line that says what is wrong."""
+    if isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort":
+        return exit_codes.INTERRUPTED, "interrupted"
+    if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
+        return exit_codes.USAGE, str(error.format_message())
+    if isinstance(error, LiftmeshError):
+        return exit_codes.BAD_INPUT, str(error)
+    if isinstance(error, OSError):
+        named = f"{error.filename}: " if error.filename else ""
+        return exit_codes.BAD_INPUT, f"{named}{error.strerror or error}"
+    if isinstance(error, MemoryError):
+        return exit_codes.BAD_INPUT, f"not enough memory ({error})"
+    kind = type(error).__name__
+    return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
+
+
+def _complain(message: str) -> None:
+    """One line on stderr, whatever the message holds."""
+    line = " ".join(message.split())
+    import_module("liftmesh.cli.terminal").error_line(line)
+
+
+def _leave_the_pipe() -> int:
+    """The reader of our output is gone: say nothing, not even when Python closes stdout."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return exit_codes.PIPE_CLOSED

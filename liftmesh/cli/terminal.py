@@ -1,0 +1,115 @@
+"""What people see: tables and sentences on stdout, progress and errors on stderr.
+
+On a terminal rich adds colour and a spinner; into a pipe or a file goes the same text, plain, and
+no progress at all. NO_COLOR and TERM=dumb are rich's to respect.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "name": "cyan", "": ""}
+
+
+@contextmanager
+def stage(text: str) -> Iterator[None]:
+    """Show what is being done and for how long, on a terminal only, while it is done.
+
+    Parameters
+    ----------
+    text : str
+        What is being done: ``"reading cloud.ply"``.
+    """
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        progress.add_task(text, total=None)
+        yield
+
+
+def error_line(text: str) -> None:
+    """Print one line on stderr.
+
+    Parameters
+    ----------
+    text : str
+        What is wrong.
+    """
+    line = Text.assemble(("liftmesh: ", "bold"), ("error: ", STYLES["bad"]), text)
+    Console(stderr=True, soft_wrap=True, highlight=False).print(line)
+
+
+def sentence(text: str, style: str = "") -> None:
+    """Print a paragraph on stdout: wrapped on a terminal, in one line elsewhere.
+
+    Parameters
+    ----------
+    text : str
+        What to say.
+    style : str
+        A key of `STYLES`.
+    """
+    console = _stdout()
+    console.print(Text(text, style=STYLES[style]), soft_wrap=not console.is_terminal)
+
+
+def table(rows: Sequence[tuple[str, ...]], *, header: tuple[str, ...] = ()) -> None:
+    """Print aligned columns on stdout: names on the left, values on the right.
+
+    Parameters
+    ----------
+    rows : sequence of tuple of str
+        A name and its values.
+    header : tuple of str
+        Names of the columns.
+    """
+    if not _stdout().is_terminal:
+        _plain_table([header, *rows] if header else rows)
+        return
+    grid = Table(box=None, show_header=bool(header), pad_edge=False, header_style="bold")
+    for k in range(len(rows[0])):
+        name = header[k] if header else ""
+        numbers = bool(header) and k > 0
+        style = STYLES["name"] if k == 0 else ""
+        grid.add_column(name, style=style, justify="right" if numbers else "left")
+    for row in rows:
+        grid.add_row(*(Text(cell) for cell in row))
+    _stdout().print(grid)
+
+
+def as_json(values: Mapping[str, Any]) -> None:
+    """Print values on stdout as one JSON object.
+
+    Parameters
+    ----------
+    values : mapping
+        What `json` can write.
+    """
+    sys.stdout.write(json.dumps(values, indent=2) + "\n")
+
+
+def _stdout() -> Console:
+    return Console(highlight=False)
+
+
+def _plain_table(rows: Sequence[tuple[str, ...]]) -> None:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for name, *values in rows:
+        cells = [name.ljust(widths[0])]
+        if len(values) == 1:
+            cells += values
+        else:
+            cells += [value.rjust(width) for value, width in zip(values, widths[1:], strict=True)]
+        sys.stdout.write("  ".join(cells).rstrip() + "\n")

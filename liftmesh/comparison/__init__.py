@@ -1,0 +1,133 @@
+"""liftmesh held against trimesh: the same points, two lower hulls, every difference explained.
+
+`compare` builds trimesh's convex hull of the lifted points (`hull_facets`), keeps its lower facets,
+finds each among liftmesh's triangles (`matching`), and sorts the rest (`differences`) into those
+that cut an exactly cocircular cell otherwise (`cells`), where both sides are right, and those that
+are really different, with exact proofs of which side is right (`proofs`, chosen by `evidence`).
+All counts rest on exact signs; nothing is decided by a tolerance.
+"""
+
+from __future__ import annotations
+
+import os
+from time import perf_counter
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh import formats
+from liftmesh.adapters import as_cloud
+from liftmesh.comparison.cells import find_cells
+from liftmesh.comparison.differences import find_differences
+from liftmesh.comparison.evidence import Evidence
+from liftmesh.comparison.hull_facets import trimesh_hull
+from liftmesh.comparison.proofs import Proof
+from liftmesh.comparison.report import Comparison
+from liftmesh.hulls import delaunay
+from liftmesh.lifting import resolve_q
+from liftmesh.plane import resolve_plane
+from liftmesh.surface import Surface
+from liftmesh.triangulation import Triangulation
+
+__all__ = ["Comparison", "Proof", "compare"]
+
+
+def compare(
+    source: object,
+    *,
+    q: Literal["median", "origin"] | tuple[float, float] = "median",
+    plane: object = "xy",
+    nonfinite: Literal["error", "skip"] = "error",
+    max_proofs: int = 10,
+) -> Comparison:
+    """Hold liftmesh's triangles against the lower facets of trimesh's convex hull.
+
+    Parameters
+    ----------
+    source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
+        The points, or their triangulation.
+    q : "median", "origin" or (qx, qy), default "median"
+        Vertex of the paraboloid. Around the median the heights |p - q|^2 are as small as they
+        get wherever the points lie, so that Qhull, which computes in rounded numbers, has its
+        best chance; with the origin, points far away show what it does without. liftmesh's
+        triangles do not depend on q.
+    plane : str, normal or matrix, default "xy"
+        How 3-D points become planar ones, as in `triangulate`. Not used for a Triangulation or
+        a Surface.
+    nonfinite : {"error", "skip"}, default "error"
+        What to do with rows that are NaN or infinite.
+    max_proofs : int, default 10
+        How many really different triangles get an exact proof. Counts are always complete.
+
+    Returns
+    -------
+    Comparison
+        Counts, rows, proofs and times; ``print`` shows it.
+
+    Raises
+    ------
+    InputError
+        Points, `q` or an option that cannot be used.
+    DegenerateInputError
+        No three points, or all on one line.
+    FormatError
+        `source` is a path to a file that cannot be read.
+
+    Notes
+    -----
+    trimesh merges vertices closer than 1e-8, and Qhull rounds: that a point is missing from its
+    hull is reported in ``lost``, that it finds no hull at all in ``error``.
+
+    Examples
+    --------
+    >>> from liftmesh.comparison import compare
+    >>> result = compare([[0, 0], [4, 0], [0, 4], [3, 3], [1, 1]])
+    >>> result.verdict, result.identical
+    ('identical', 4)
+    """
+    triangulation, seconds = _triangulate(source, plane, nonfinite)
+    triangles = triangulation.simplices
+    rows = np.unique(triangles).astype(np.int32, copy=False)
+    vertex = resolve_q(q, triangulation.points[rows])
+    hull = trimesh_hull(triangulation.points, rows, vertex)
+    cells = find_cells(triangulation.points, triangles, triangulation.neighbors)
+    differences = find_differences(triangles, cells, hull.lower)
+    evidence = Evidence(triangulation, rows, hull.lower, cells, differences)
+    return Comparison(
+        triangulation=triangulation,
+        q=vertex,
+        hull=hull.facets,
+        lower=hull.lower,
+        vertical=hull.vertical,
+        identical=differences.identical,
+        cocircular=differences.cocircular,
+        cells=differences.cells,
+        missing=triangles[differences.missing],
+        wrong=hull.lower[differences.wrong],
+        lost=np.setdiff1d(rows, hull.lower),
+        coincident=hull.coincident,
+        violations=len(cells.violations),
+        proofs=() if hull.error else tuple(evidence.proofs(max_proofs)),
+        seconds=MappingProxyType({"liftmesh": seconds, "trimesh": hull.seconds}),
+        error=hull.error,
+    )
+
+
+def _triangulate(source: object, plane: object, nonfinite: str) -> tuple[Triangulation, float]:
+    """The triangulation and the seconds it takes; a given one is timed by computing it again."""
+    if isinstance(source, Surface):
+        source = source.triangulation
+    if isinstance(source, Triangulation):
+        return source, _timed(source.points, "skip")[1]
+    if isinstance(source, (str, os.PathLike)):
+        source = formats.read(source)
+    cloud = as_cloud(source)
+    return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
+
+
+def _timed(points: NDArray[np.float64], nonfinite: str) -> tuple[Triangulation, float]:
+    start = perf_counter()
+    triangulation = delaunay(points, nonfinite=nonfinite)
+    return triangulation, perf_counter() - start

@@ -1,0 +1,92 @@
+"""Which of the really different triangles get a proof: some of each side, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.comparison.cells import Cells, opposite_rows
+from liftmesh.comparison.differences import Differences
+from liftmesh.comparison.proofs import Proof, broken_cell, confirm, refute
+from liftmesh.triangulation import Triangulation
+
+Rows = NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """Everything that proofs draw on.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+        liftmesh's side.
+    rows : (k,) ndarray of int32
+        The rows that are its vertices.
+    lower : (l, 3) ndarray of int32
+        trimesh's lower facets.
+    cells : Cells
+        liftmesh's cocircular cells.
+    differences : Differences
+        What to prove.
+    """
+
+    triangulation: Triangulation
+    rows: Rows
+    lower: Rows
+    cells: Cells
+    differences: Differences
+
+    def proofs(self, limit: int) -> list[Proof]:
+        """Prove the first differences: liftmesh's faults if any, then half and half.
+
+        Parameters
+        ----------
+        limit : int
+            How many proofs at most.
+
+        Returns
+        -------
+        list of Proof
+            Each rests on an exact test of all rows.
+        """
+        faults = list(islice(self._faults(), limit))
+        limit -= len(faults)
+        for_wrong = limit - min(limit // 2, len(self.differences.missing))
+        wrong = list(islice(self._wrong(), for_wrong))
+        return [*faults, *wrong, *islice(self._missing(), limit - len(wrong))]
+
+    def _faults(self) -> Iterator[Proof]:
+        """Triangles of liftmesh that are not Delaunay."""
+        simplices, points = self.triangulation.simplices, self.triangulation.points
+        for index, _ in self.cells.violations:
+            proof = refute(points, self.rows, simplices[index], claim="wrong triangle")
+            if proof is not None:
+                yield proof
+
+    def _wrong(self) -> Iterator[Proof]:
+        """Facets of trimesh: a point in their circle, or a cell that they do not cover."""
+        facets = self.lower[self.differences.wrong]
+        for facet, cell in zip(facets, self.differences.wrong_cell, strict=True):
+            proof = refute(self.triangulation.points, self.rows, facet) if cell < 0 else None
+            yield proof or broken_cell(facet)
+
+    def _missing(self) -> Iterator[Proof]:
+        """Triangles of liftmesh that trimesh lacks."""
+        simplices, points = self.triangulation.simplices, self.triangulation.points
+        for index in self.differences.missing:
+            proof = confirm(points, self.rows, simplices[index], self._apexes(int(index)))
+            if proof is not None:
+                yield proof
+
+    def _apexes(self, index: int) -> list[int]:
+        """Rows across the edges of a triangle, where it has neighbours."""
+        neighbors = self.triangulation.neighbors[index]
+        side = np.flatnonzero(neighbors >= 0)
+        triangle = np.full(len(side), index, dtype=np.intp)
+        apexes = opposite_rows(self.triangulation.simplices, triangle, side, neighbors[side])
+        return [int(row) for row in apexes]

@@ -1,0 +1,46 @@
+"""Rows of differing length in two flat arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Ragged:
+    """Row i holds ``sizes[i]`` of the ``values``, which stand one row after the other."""
+
+    sizes: NDArray[np.int64]
+    values: Array
+
+    @classmethod
+    def uniform(cls, rows: Array) -> Ragged:
+        """Take an (m, k) array: m rows of k values."""
+        return cls(np.full(len(rows), rows.shape[1], dtype=np.int64), rows.reshape(-1))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Ragged]) -> Ragged:
+        """Stack rows upon rows."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(
+            np.concatenate([each.sizes for each in parts]),
+            np.concatenate([each.values for each in parts]),
+        )
+
+    def __len__(self) -> int:
+        return len(self.sizes)
+
+    def starts(self) -> NDArray[np.int64]:
+        """Locate the first value of each row."""
+        return np.cumsum(self.sizes) - self.sizes
+
+    def row_of(self, position: int) -> int:
+        """Tell which row the value at ``position`` belongs to."""
+        return int(np.searchsorted(np.cumsum(self.sizes), position, side="right"))

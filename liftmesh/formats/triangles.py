@@ -1,0 +1,78 @@
+"""Faces as files hold them, polygons of any size, checked and turned into triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.errors import FormatError
+from liftmesh.formats.ragged import Ragged
+
+Array = NDArray[Any]
+
+
+def triangulated(
+    faces: Ragged, vertices: int, name: str, where: Callable[[int], str] = "face {}".format
+) -> NDArray[np.int32]:
+    """Cut polygons into fans about their first corner, in order.
+
+    Parameters
+    ----------
+    faces : Ragged
+        Vertices of each face, counted from 0.
+    vertices : int
+        How many vertices there are.
+    name : str
+        The file's name for messages.
+    where : callable, optional
+        Names face number i in messages.
+
+    Raises
+    ------
+    FormatError
+        A face refers to a vertex that is not there.
+    """
+    wrong = np.flatnonzero((faces.values < 0) | (faces.values >= vertices))
+    if len(wrong):
+        face, vertex = faces.row_of(wrong[0]), int(faces.values[wrong[0]])
+        raise FormatError(f"{name}: {where(face)} {_outside(vertex, vertices)}")
+    return _fans(faces).astype(np.int32)
+
+
+def _fans(faces: Ragged) -> Array:
+    if (faces.sizes == 3).all():
+        return faces.values.reshape(-1, 3)
+    fans = np.maximum(faces.sizes - 2, 0)
+    first = np.repeat(faces.starts(), fans)
+    step = np.arange(len(first)) - np.repeat(np.cumsum(fans) - fans, fans)
+    return faces.values[np.stack([first, first + step + 1, first + step + 2], axis=1)]
+
+
+def remarks(faces: Ragged) -> dict[str, int]:
+    """Count what a list of triangles no longer shows, for a cloud's metadata."""
+    counts = {
+        "polygons": int((faces.sizes > 3).sum()),
+        "degenerate_faces": int((faces.sizes < 3).sum()),
+    }
+    return {key: count for key, count in counts.items() if count}
+
+
+def checked_faces(faces: Array, vertices: int, name: str) -> NDArray[np.int32]:
+    """Return (m, 3) faces as int32, or name the one that refers to no vertex."""
+    if faces.dtype.kind not in "iu" or faces.ndim != 2 or faces.shape[1] != 3:
+        raise FormatError(
+            f"{name}: faces must be an (m, 3) array of integers, "
+            f"not {faces.dtype} of shape {faces.shape}"
+        )
+    wrong = (faces < 0) | (faces >= vertices)
+    if wrong.any():
+        row, corner = (int(each) for each in np.argwhere(wrong)[0])
+        raise FormatError(f"{name}: face {row} {_outside(int(faces[row, corner]), vertices)}")
+    return faces.astype(np.int32, copy=False)
+
+
+def _outside(vertex: int, vertices: int) -> str:
+    return f"refers to vertex {vertex} (counted from 0), but there are {vertices} vertices"

@@ -1,0 +1,99 @@
+"""The exact planar predicates on which everything rests, for arrays of points.
+
+They are exact for every finite double: a floating-point filter decides where it can, integers of
+fixed width where it cannot.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liftmesh import _kernel
+from liftmesh.arrays import as_pairs, check_finite
+
+
+def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
+    """Say which way a, b, c turn.
+
+    Parameters
+    ----------
+    a, b, c : array_like of shape (..., 2)
+        Finite planar points; their leading shapes are broadcast against each other.
+
+    Returns
+    -------
+    ndarray of int8
+        1 for a counter-clockwise turn, -1 for a clockwise one, 0 for three points on a line, in
+        the broadcast leading shape.
+
+    Raises
+    ------
+    InputError
+        The last axis is not of length two, or a value is not finite.
+
+    Notes
+    -----
+    The sign of the determinant of (a - c, b - c). The filter is that of J. R. Shewchuk, "Adaptive
+    Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates" (1997).
+
+    Examples
+    --------
+    >>> orient2d((0, 0), (1, 0), [(0, 1), (2, 0), (0, -5e-324)])
+    array([ 1,  0, -1], dtype=int8)
+    """
+    (a, b, c), signs = _prepare(a, b, c)
+    _kernel.orient2d(a, b, c, signs.reshape(-1))
+    return signs
+
+
+def incircle(
+    a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike, *, canonical: bool = False
+) -> NDArray[np.int8]:
+    """Say on which side of the circle through a, b, c the point d lies.
+
+    Lifted to the paraboloid, it is the side of d's lift on the plane of the other three: inside the
+    circle is below the plane.
+
+    Parameters
+    ----------
+    a, b, c : array_like of shape (..., 2)
+        Finite planar points in counter-clockwise order (the sign flips if they are clockwise).
+    d : array_like of shape (..., 2)
+        Finite planar points. All leading shapes are broadcast against each other.
+    canonical : bool, default False
+        Decide points on the circle too, by lifting lexicographically larger points infinitely
+        little more: the rule that makes the triangulation unique.
+
+    Returns
+    -------
+    ndarray of int8
+        1 inside, -1 outside, 0 exactly on the circle (with `canonical` only where points coincide
+        or lie on one line), in the broadcast leading shape.
+
+    Raises
+    ------
+    InputError
+        The last axis is not of length two, or a value is not finite.
+
+    Examples
+    --------
+    >>> square = (0, 0), (1, 0), (1, 1)
+    >>> incircle(*square, [(0.5, 0.5), (0, 1), (2, 2)])
+    array([ 1,  0, -1], dtype=int8)
+    >>> incircle(*square, (0, 1), canonical=True)
+    array(1, dtype=int8)
+    """
+    (a, b, c, d), signs = _prepare(a, b, c, d)
+    _kernel.incircle(a, b, c, d, signs.reshape(-1), canonical)
+    return signs
+
+
+def _prepare(*points: ArrayLike) -> tuple[list[NDArray[np.float64]], NDArray[Any]]:
+    pairs = np.broadcast_arrays(*(as_pairs(p) for p in points))
+    flat = [np.ascontiguousarray(p).reshape(-1, 2) for p in pairs]
+    for rows in flat:
+        check_finite(rows)
+    return flat, np.empty(pairs[0].shape[:-1], dtype=np.int8)

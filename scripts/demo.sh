@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# The main job on a fresh machine: installs liftmesh into .venv, triangulates the shipped terrain and
+# holds the result against trimesh's convex hull of the lifted points.
+set -euo pipefail
+cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
+source scripts/setup.sh
+
+show() {
+    printf '\n$ %s\n' "$*"
+    PATH="$PWD/.venv/bin:$PATH" "$@"
+}
+
+prepare_machine build
+make_environment .venv "pyproject.toml README.md LICENSE liftmesh" .
+mkdir -p out
+
+show liftmesh info data/jacksboro.ply
+show liftmesh triangulate data/jacksboro.ply out/jacksboro.ply
+show liftmesh triangulate data/jacksboro.ply out/jacksboro.obj
+show liftmesh compare data/jacksboro.ply --lower out/lower.ply --hull out/hull.ply
+
+cat <<END
+
+What happened:
+  out/jacksboro.ply, out/jacksboro.obj   the Delaunay mesh of the terrain
+  out/lower.ply                          its lift: the lower hull on the paraboloid, by liftmesh
+  out/hull.ply                           trimesh's convex hull of the same lifted points
+Open them in MeshLab, Blender, trimesh or Open3D. To go on by hand: source .venv/bin/activate
+END

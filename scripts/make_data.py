@@ -1,0 +1,91 @@
+"""Makes the clouds of ``data/`` again, byte for byte: ``python scripts/make_data.py [FOLDER]``.
+
+The terrain comes from the elevation model that matplotlib packages; the small clouds are computed
+here with integers and the four operations, so that every machine finds the same digits.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib import cbook
+
+import liftmesh
+
+MODEL = "jacksboro_fault_dem.npz"
+MODEL_SHA256 = "d493f50a33e82a4420494c54d1fca1539d177bdc27ab190bc5fe6e92f62fb637"
+METRES_PER_DEGREE = 111_200.0
+DATA = Path(__file__).resolve().parent.parent / "data"
+
+
+def main(folder: Path) -> None:
+    """Write every cloud of ``data/`` into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, cloud in (
+        ("jacksboro.ply", jacksboro()),
+        ("quad.xyz", quad()),
+        ("hill.csv", hill()),
+        ("overhang.ply", overhang()),
+    ):
+        liftmesh.write(folder / name, cloud)
+        print(f"{folder / name}: {len(cloud)} points")
+
+
+def jacksboro() -> liftmesh.Cloud:
+    """Return the terrain around the Jacksboro fault in metres east and north of its corner.
+
+    One latitude, the middle one, scales all longitudes: so the samples stay a lattice whose every
+    cell is a rectangle, four points of one circle, and no distance is off by more than 0.2 %.
+    Coordinates are rounded to the millimetre, which takes the last bit of ``cos`` out of the file.
+    """
+    with np.load(_model()) as model:
+        elevation = model["elevation"].astype(np.float64)
+        dx, dy = float(model["dx"]), float(model["dy"])
+        middle = (float(model["ymin"]) + float(model["ymax"])) / 2
+    rows, columns = elevation.shape
+    x = METRES_PER_DEGREE * math.cos(math.radians(middle)) * dx * np.arange(columns)
+    y = METRES_PER_DEGREE * dy * np.arange(rows)[::-1]  # the model's rows run from north to south
+    east, north = np.meshgrid(np.round(x, 3), np.round(y, 3))
+    return liftmesh.Cloud(np.column_stack([east.ravel(), north.ravel(), elevation.ravel()]))
+
+
+def quad() -> liftmesh.Cloud:
+    """Return the corners of a square: four points of one circle, the smallest tie there is."""
+    return liftmesh.Cloud(np.array([[0, 0, 0], [1, 0, 1], [1, 1, 0], [0, 1, 1]], dtype=np.float64))
+
+
+def hill() -> liftmesh.Cloud:
+    """Return a hill of 80 scattered points with the colours of its heights."""
+    k = np.arange(80)
+    x, y = (k * 618) % 1000 / 10, (k * 757 + k * k) % 1000 / 10
+    z = np.round(20 / (1 + ((x - 50) ** 2 + (y - 45) ** 2) / 600), 2)
+    shade = np.minimum(z * 10, 200).astype(np.uint8)
+    colors = np.column_stack([55 + shade, 105 + shade // 2, 40 + shade])
+    return liftmesh.Cloud(np.column_stack([x, y, z]), colors=colors)
+
+
+def overhang() -> liftmesh.Cloud:
+    """Return two terraces joined by a vertical wall, which a planar triangulation cannot hold.
+
+    Foot and top of the wall share their planar position; the last row repeats the first.
+    """
+    low = [(x, y, 0.0) for x in range(3) for y in range(4)]
+    high = [(x, y, 8.0) for x in range(2, 5) for y in range(4)]
+    classes = np.array([2] * len(low) + [6] * len(high) + [2], dtype=np.uint8)
+    points = np.array([*low, *high, low[0]], dtype=np.float64)
+    return liftmesh.Cloud(points, attributes={"classification": classes})
+
+
+def _model() -> Path:
+    path = Path(cbook.get_sample_data(MODEL, asfileobj=False))
+    if hashlib.sha256(path.read_bytes()).hexdigest() != MODEL_SHA256:
+        raise SystemExit(f"{path} is not the elevation model that data/jacksboro.ply was made from")
+    return path
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else DATA)

@@ -1,0 +1,142 @@
+# shellcheck shell=bash
+# What demo.sh and test.sh share: a machine that can build liftmesh, and an environment that holds it.
+# Sourced by them, never run. PYTHON names another interpreter than python3: PYTHON=python3.12 scripts/demo.sh
+
+say() { printf '%s\n' "$*"; }
+
+stop() {
+    printf 'liftmesh: %s\n' "$*" >&2
+    exit 1
+}
+
+# run_quietly TITLE COMMAND...: one line for the reader; the command's own words only if it fails.
+run_quietly() {
+    local title=$1 began=$SECONDS log
+    shift
+    log=$(mktemp)
+    printf '%s ... ' "$title"
+    if "$@" >"$log" 2>&1; then
+        rm -f "$log"
+        say "done ($((SECONDS - began)) s)"
+    else
+        say "failed"
+        cat "$log" >&2
+        rm -f "$log"
+        stop "\"$title\" failed, see above"
+    fi
+}
+
+# --- the machine --------------------------------------------------------------------------------
+
+find_python() {
+    local name
+    for name in ${PYTHON:-python3 python3.13 python3.12 python3.11 python3.10}; do
+        if "$name" -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then
+            command -v "$name"
+            return
+        fi
+    done
+    return 1
+}
+
+# What is missing, one Debian package a line. With "open3d", also what Open3D's wheel loads.
+missing_packages() {
+    local python version
+    if python=$(find_python); then
+        version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
+        "$python" -c 'import venv, ensurepip' 2>/dev/null || say "$version-venv"
+        has_headers "$python" || say "$version-dev"
+    else
+        printf '%s\n' python3 python3-venv python3-dev
+    fi
+    has_compiler || say g++
+    if [[ $1 == open3d && -n $python ]]; then
+        missing_libraries "$python"
+    fi
+}
+
+has_headers() {
+    "$1" -c '
+import pathlib, sys, sysconfig
+sys.exit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file())'
+}
+
+has_compiler() {
+    printf '#include <bit>\n#include <span>\nint main() {}\n' |
+        "${CXX:-c++}" -std=c++20 -fsyntax-only -x c++ - 2>/dev/null
+}
+
+missing_libraries() {
+    "$1" - <<'PYTHON'
+import ctypes
+
+PACKAGES = {
+    "libusb-1.0.so.0": "libusb-1.0-0",
+    "libGL.so.1": "libgl1",
+    "libEGL.so.1": "libegl1",
+    "libX11.so.6": "libx11-6",
+    "libudev.so.1": "libudev1",
+    "libidn2.so.0": "libidn2-0",
+    "libgomp.so.1": "libgomp1",
+}
+for library, package in PACKAGES.items():
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        print(package)
+PYTHON
+}
+
+# prepare_machine build|open3d: installs what is missing where it may, else says in one line what to install.
+prepare_machine() {
+    local packages
+    mapfile -t packages < <(missing_packages "$1")
+    if ((${#packages[@]} > 0)) && ((EUID == 0)) && command -v apt-get >/dev/null; then
+        install_packages "${packages[@]}"
+        mapfile -t packages < <(missing_packages "$1")
+        if ((${#packages[@]} > 0)); then # a Python that came just now names more of them
+            install_packages "${packages[@]}"
+            mapfile -t packages < <(missing_packages "$1")
+        fi
+    fi
+    if ((${#packages[@]} > 0)); then
+        stop "this machine lacks ${packages[*]} (Python must be 3.10 or newer); as root: apt-get update && apt-get install ${packages[*]}"
+    fi
+}
+
+install_packages() {
+    run_quietly "Installing system packages: $*" apt_install "$@"
+}
+
+apt_install() {
+    apt-get update || true # one stale list must not stop the rest: the next line tells
+    DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "$@"
+}
+
+# --- the environment ----------------------------------------------------------------------------
+
+# make_environment FOLDER FILES REQUIREMENT...: a virtual environment in FOLDER with liftmesh installed
+# by `pip install REQUIREMENT...`. Nothing is done again while FILES and the interpreter are the same.
+make_environment() {
+    local folder=$1 files=$2 python version state
+    shift 2
+    python=$(find_python)
+    version=$("$python" --version)
+    # shellcheck disable=SC2086 # FILES is a list of names without blanks
+    state="$version $* $(fingerprint $files)"
+    if [[ -f $folder/installed && $(<"$folder/installed") == "$state" ]]; then
+        say "$folder is up to date ($version)"
+        return
+    fi
+    if [[ $("$folder/bin/python" --version 2>/dev/null) != "$version" ]]; then
+        run_quietly "Making the environment $folder ($version)" "$python" -m venv --clear "$folder"
+    fi
+    rm -f "$folder/installed"
+    run_quietly "Building liftmesh, installing it and what it needs into $folder" \
+        "$folder/bin/python" -m pip install --disable-pip-version-check --no-input "$@"
+    printf '%s' "$state" >"$folder/installed"
+}
+
+fingerprint() {
+    find "$@" -type f ! -name '*.pyc' -print0 | LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum
+}

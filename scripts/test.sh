@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Everything that must hold: style, types, rooms, the wheel in an environment of its own, and the tests.
+# Installs what it needs into .venv-test. Ends with a non-zero exit at the first thing that does not hold.
+set -euo pipefail
+cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
+source scripts/setup.sh
+
+check() {
+    local title=$1
+    shift
+    printf '\n== %s\n' "$title"
+    "$@"
+}
+
+format_cpp() {
+    find liftmesh/_core -name '*.[ch]pp' -print0 | xargs -0 .venv-test/bin/clang-format --dry-run -Werror
+}
+
+# The wheel is built, installed and used outside the repository, so that only what it holds can be found.
+wheel() (
+    local terrain=$PWD/data/jacksboro.ply checker=$PWD/scripts/check_wheel.py python=$PWD/.venv-test/bin/python
+    outside=$(mktemp -d)
+    trap 'rm -rf "$outside"' EXIT
+    run_quietly "Building the wheel" \
+        "$python" -m pip wheel --disable-pip-version-check --no-deps --wheel-dir "$outside" .
+    cd "$outside"
+    run_quietly "Making an environment outside the repository" "$python" -m venv environment
+    run_quietly "Installing the wheel there" \
+        environment/bin/python -m pip install --disable-pip-version-check --no-input ./*.whl
+    environment/bin/python "$checker" ./*.whl "$terrain"
+)
+
+prepare_machine open3d
+make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --editable '.[test]'
+
+check "ruff: lint" .venv-test/bin/ruff check .
+check "ruff: format" .venv-test/bin/ruff format --check .
+check "clang-format" format_cpp
+check "mypy" .venv-test/bin/mypy
+check "import-linter" .venv-test/bin/lint-imports
+check "the wheel, outside the repository" wheel
+check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --doctest-modules liftmesh tests
+say
+say "All checks passed in $SECONDS s."

@@ -1,0 +1,134 @@
+"""Long calls leave the interpreter free, run side by side, and stop at Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from clouds import FAMILIES
+
+import liftmesh
+
+LONG_RUN = textwrap.dedent(
+    """
+    import sys, time
+    import numpy as np
+    import liftmesh
+
+    rng = np.random.default_rng(0)
+    points = {points}
+    print("ready", flush=True)
+    try:
+        liftmesh.delaunay(points)
+    except KeyboardInterrupt:
+        print("interrupted", time.monotonic(), flush=True)
+    else:
+        print("finished", flush=True)
+    """
+)
+CIRCLE = "np.exp(1j * rng.uniform(0, 2 * np.pi, 5_000_000)).view(float).reshape(-1, 2)"
+UNIFORM = "rng.random((5_000_000, 2))"
+MILLION_COPIES_AND_MORE = "np.repeat(rng.random((3_000_000, 2)), 3, axis=0)"
+DENORMAL = "rng.integers(0, 2**20, (3_000_000, 2)) * 2.0**-1074"
+ONE_COLUMN = "np.column_stack((np.zeros(6_000_000), rng.random(6_000_000)))"
+
+
+class Ticker:
+    """Counts in a second thread how often Python code runs while the first one is busy."""
+
+    def __enter__(self) -> Ticker:
+        self.ticks = 0
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+        return self
+
+    def _run(self) -> None:
+        while not self._stop.wait(0.001):
+            self.ticks += 1
+
+    def __exit__(self, *error: object) -> None:
+        self._stop.set()
+        self._thread.join()
+
+
+@pytest.mark.parametrize("family", ["uniform", "circle"])
+def test_another_thread_runs_during_a_large_call(family: str) -> None:
+    points = FAMILIES[family](1_000_000, np.random.default_rng(0))
+    with Ticker() as ticker:
+        start, before = time.perf_counter(), ticker.ticks
+        liftmesh.delaunay(points)
+        during, seconds = ticker.ticks - before, time.perf_counter() - start
+    assert during > 20 * seconds, f"{during} ticks in {seconds:.2f} s"
+
+
+def test_another_thread_runs_during_point_location() -> None:
+    rng = np.random.default_rng(0)
+    triangulation = liftmesh.delaunay(rng.random((200_000, 2)))
+    queries = rng.random((1_000_000, 2))
+    with Ticker() as ticker:
+        start, before = time.perf_counter(), ticker.ticks
+        triangulation.find_simplex(queries)
+        during, seconds = ticker.ticks - before, time.perf_counter() - start
+    assert during > 20 * seconds, f"{during} ticks in {seconds:.2f} s"
+
+
+def test_threads_at_once_give_what_one_gives() -> None:
+    names = ["uniform", "lattice", "circle", "utm-lattice", "clusters", "denormal", "parabola"]
+    clouds = [FAMILIES[name](30_000, np.random.default_rng(1)) for name in names] * 2
+    one_by_one = [liftmesh.delaunay(points) for points in clouds]
+    with ThreadPoolExecutor(max_workers=6) as pool:
+        at_once = list(pool.map(liftmesh.delaunay, clouds))
+    for expected, actual in zip(one_by_one, at_once, strict=True):
+        np.testing.assert_array_equal(actual.simplices, expected.simplices)
+        np.testing.assert_array_equal(actual.neighbors, expected.neighbors)
+
+
+def test_threads_share_one_triangulation() -> None:
+    rng = np.random.default_rng(2)
+    points = rng.random((20_000, 2))
+    queries = rng.random((8, 5000, 2))
+    expected = [liftmesh.delaunay(points).find_simplex(part) for part in queries]
+    shared = liftmesh.delaunay(points)
+    with ThreadPoolExecutor(max_workers=8) as pool:
+        actual = list(pool.map(shared.find_simplex, queries))
+    np.testing.assert_array_equal(actual, expected)
+
+
+@pytest.mark.parametrize(
+    ("points", "delay"),
+    [
+        (UNIFORM, 0.02),
+        (UNIFORM, 0.3),
+        (UNIFORM, 1.0),
+        (CIRCLE, 0.5),
+        (MILLION_COPIES_AND_MORE, 0.3),
+        (DENORMAL, 0.7),
+        (ONE_COLUMN, 0.3),
+    ],
+    ids=["start", "ordering", "merging", "circle", "copies", "denormal", "one column"],
+)
+def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float) -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-c", LONG_RUN.format(points=points)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    with child:
+        assert child.stdout is not None
+        assert child.stdout.readline() == "ready\n"
+        time.sleep(delay)
+        sent = time.monotonic()
+        os.kill(child.pid, signal.SIGINT)
+        answer, complaint = child.communicate(timeout=60)
+    assert answer.startswith("interrupted"), answer + complaint
+    assert float(answer.split()[1]) - sent < 1.0
