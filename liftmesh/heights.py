@@ -186,7 +186,8 @@ class _Groups:
 
     def carriers(self, policy: str) -> Rows:
         if policy == "last":
-            return self.rows[self.starts + self.lengths() - 1]
+            lasts: Rows = self.rows[self.starts + self.lengths() - 1]
+            return lasts
         if policy in ("lowest", "highest"):
             return self._at_extreme(np.minimum if policy == "lowest" else np.maximum)
         return self.firsts()

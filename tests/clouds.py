@@ -8,6 +8,8 @@ which may contain equal rows.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from distributions import DISTRIBUTIONS, SMALLEST_STEP, Distribution, Points, lattice
 from numpy.random import Generator
@@ -15,11 +17,16 @@ from numpy.random import Generator
 ULP = 2.0**-52
 
 
+@cache
+def on_radius_325() -> Points:
+    """Find the sixty integer points at distance 325 from the origin."""
+    x, y = np.indices((651, 651)) - 325
+    return np.argwhere(x * x + y * y == 325 * 325) - 325.0
+
+
 def integer_circle(n: int, rng: Generator) -> Points:
     """Integers at distance 325 from the origin, exactly: all sixty of them, or fewer."""
-    x, y = np.indices((651, 651)) - 325
-    exact = np.argwhere(x * x + y * y == 325 * 325) - 325.0
-    return rng.permutation(exact)[:n]
+    return rng.permutation(on_radius_325())[:n]
 
 
 def integer_circles(n: int, rng: Generator) -> Points:

@@ -52,16 +52,20 @@ def exact_triangles(points: NDArray[np.float64], simplices: NDArray[np.int32]) -
     return [tuple(corners[vertex] for vertex in row) for row in simplices.tolist()]
 
 
-def assert_oracle_agrees(points: NDArray[np.float64], simplices: NDArray[np.int32]) -> None:
+def assert_oracle_agrees(
+    points: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    expected: set[oracle.Triangle] | None = None,
+) -> None:
     """Compare with the oracle: every row counter-clockwise, the same set, no triangle twice."""
     triangles = exact_triangles(points, simplices)
     clockwise = [row for row, corners in enumerate(triangles) if oracle.cross(*corners) <= 0]
     assert not clockwise, f"rows that are not counter-clockwise: {clockwise[:5]}"
     found = Counter(oracle.counter_clockwise(*corners) for corners in triangles)
-    expected = Counter(oracle_triangles(points))
-    assert found == expected, (
-        f"{points.tolist()}: extra {list((found - expected).elements())[:2]}, "
-        f"missing {list((expected - found).elements())[:2]} (in lattice units)"
+    wanted = Counter(oracle_triangles(points) if expected is None else expected)
+    assert found == wanted, (
+        f"{points.tolist()}: extra {list((found - wanted).elements())[:2]}, "
+        f"missing {list((wanted - found).elements())[:2]} (in lattice units)"
     )
 
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "blocks.hpp"
 #include "delaunay.hpp"
 #include "floating_point.hpp"
 #include "locate.hpp"
@@ -41,7 +42,7 @@ Input read(const PlanarRows& rows) {
 // Looks for a pending signal some twenty times a second. Python hands signals to its main thread
 // only; in any other this never answers yes.
 class PythonInterrupt final : public liftmesh::Interrupt {
-   public:
+ public:
     bool requested() override {
         const Clock::time_point now = Clock::now();
         if (requested_ || now < due_) return requested_;
@@ -51,7 +52,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         return requested_;
     }
 
-   private:
+ private:
     using Clock = std::chrono::steady_clock;
     Clock::time_point due_ = Clock::now() + std::chrono::milliseconds(50);
     bool requested_ = false;
@@ -80,16 +81,22 @@ nb::object duplicates(const std::vector<liftmesh::Duplicate>& pairs) {
 }
 
 nb::object skipped(const std::vector<Row>& rows) {
-    return table(rows, 1, [](Row row, std::int32_t* out) { *out = static_cast<std::int32_t>(row); });
+    return table(rows, 1,
+                 [](Row row, std::int32_t* out) { *out = static_cast<std::int32_t>(row); });
 }
 
 const char* name(liftmesh::Status status) {
     switch (status) {
-        case liftmesh::Status::ok: return "ok";
-        case liftmesh::Status::non_finite: return "non-finite";
-        case liftmesh::Status::too_few: return "too few";
-        case liftmesh::Status::collinear: return "collinear";
-        case liftmesh::Status::interrupted: return "interrupted";
+        case liftmesh::Status::ok:
+            return "ok";
+        case liftmesh::Status::non_finite:
+            return "non-finite";
+        case liftmesh::Status::too_few:
+            return "too few";
+        case liftmesh::Status::collinear:
+            return "collinear";
+        case liftmesh::Status::interrupted:
+            return "interrupted";
     }
     return "";
 }
@@ -114,7 +121,7 @@ nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite) {
 
 // Keeps the arrays it reads alive.
 class PyLocator {
-   public:
+ public:
     PyLocator(PlanarRows points, Triples simplices, Triples neighbors)
         : points_(std::move(points)),
           simplices_(std::move(simplices)),
@@ -132,16 +139,13 @@ class PyLocator {
         if (interrupted) throw nb::python_error();
     }
 
-   private:
+ private:
     bool find_all(const double* queries, std::int32_t* found, std::size_t count,
                   liftmesh::Interrupt& interrupt) const {
-        constexpr std::size_t patience = 4096;
         const liftmesh::IeeeArithmetic ieee;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (i % patience == 0 && interrupt.requested()) return false;
+        return liftmesh::for_each_in_blocks(count, interrupt, [&](std::size_t i) {
             found[i] = locator_.find({queries[2 * i], queries[2 * i + 1]});
-        }
-        return true;
+        });
     }
 
     PlanarRows points_;
@@ -167,8 +171,8 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
     const liftmesh::IeeeArithmetic ieee;
     const auto side = canonical ? liftmesh::incircle_canonical_exact : liftmesh::incircle_exact;
     for (std::size_t i = 0; i < signs.shape(0); ++i)
-        signs.data()[i] = static_cast<std::int8_t>(side(point(a, i), point(b, i), point(c, i),
-                                                        point(d, i), liftmesh::Guard::anywhere()));
+        signs.data()[i] = static_cast<std::int8_t>(
+            side(point(a, i), point(b, i), point(c, i), point(d, i), liftmesh::Guard::anywhere()));
 }
 
 }  // namespace

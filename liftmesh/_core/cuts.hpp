@@ -12,7 +12,7 @@
 namespace liftmesh {
 
 class Cuts {
-   public:
+ public:
     // `sample` is reordered; it needs at least one point for each of the 2^depth cells.
     Cuts(std::vector<Point> sample, int depth);
 
@@ -33,7 +33,7 @@ class Cuts {
         return node - cells();
     }
 
-   private:
+ private:
     void learn(std::size_t node, int level, Point* first, Point* last);
 
     int depth_;

@@ -26,8 +26,8 @@ Delaunay delaunay(const Input& input, bool skip_non_finite, Interrupt& interrupt
     const auto triangles = std::make_unique_for_overwrite<Triangle[]>(2 * order.count - 2);
     outcome.status = divide_and_conquer(order, triangles.get(), interrupt);
     if (outcome.status != Status::ok) return outcome;
-    outcome.result = emit(Mesh(order.points.get(), triangles.get()), order.rows.get(), order.count);
-    if (outcome.result.triangle_count == 0) outcome.status = Status::collinear;
+    const Mesh mesh(order.points.get(), triangles.get());
+    outcome.status = emit(mesh, order.rows.get(), order.count, interrupt, outcome.result);
     return outcome;
 }
 

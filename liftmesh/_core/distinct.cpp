@@ -31,7 +31,8 @@ std::size_t by_hash(Point* points, Row* rows, std::size_t count,
     for (std::size_t i = 0; i < count; ++i) {
         const Point p = points[i];
         std::size_t slot = hash(p) & (size - 1);
-        while (table[slot] != nothing && !(points[table[slot]] == p)) slot = (slot + 1) & (size - 1);
+        while (table[slot] != nothing && !(points[table[slot]] == p))
+            slot = (slot + 1) & (size - 1);
         if (table[slot] != nothing) {
             duplicates.push_back({rows[i], rows[table[slot]]});
             continue;
@@ -73,7 +74,7 @@ std::size_t by_sorting(Point* points, Row* rows, std::size_t count,
 
 std::size_t keep_distinct(Point* points, Row* rows, std::size_t count,
                           std::vector<Duplicate>& duplicates) {
-    constexpr std::size_t crowded = std::size_t{1} << 14;
+    constexpr std::size_t crowded = std::size_t{1} << 16;
     return count < crowded ? by_hash(points, rows, count, duplicates)
                            : by_sorting(points, rows, count, duplicates);
 }

@@ -24,7 +24,7 @@ struct Item {
 static_assert(sizeof(Item) <= sizeof(Triangle), "a cell's slots must hold its points");
 
 class Engine {
-   public:
+ public:
     Engine(Order& order, Triangle* triangles, Interrupt& interrupt)
         : order_(order),
           mesh_(order.points.get(), triangles),
@@ -36,7 +36,7 @@ class Engine {
         return interrupt_.requested() ? Status::interrupted : Status::ok;
     }
 
-   private:
+ private:
     using Index = std::size_t;
 
     // The node'th subtree at a level of the kd tree. A subtree with a child too small to stand

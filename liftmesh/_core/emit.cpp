@@ -3,22 +3,26 @@
 
 #include "emit.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <vector>
+
+#include "blocks.hpp"
 
 namespace liftmesh {
 
 namespace {
 
 class Ranks {
-   public:
+ public:
     Ranks(const Mesh& mesh, std::size_t slots) : bits_((slots + 63) / 64), before_(bits_.size()) {
         std::uint32_t count = 0;
         for (std::size_t word = 0; word < bits_.size(); ++word) {
             before_[word] = count;
             const std::size_t end = std::min(slots, 64 * (word + 1));
             for (std::size_t t = 64 * word; t < end; ++t)
-                bits_[word] |= std::uint64_t{!mesh[static_cast<TriangleId>(t)].is_ghost()} << (t % 64);
+                bits_[word] |= std::uint64_t{!mesh[static_cast<TriangleId>(t)].is_ghost()}
+                               << (t % 64);
             count += static_cast<std::uint32_t>(std::popcount(bits_[word]));
         }
         total_ = count;
@@ -33,7 +37,7 @@ class Ranks {
                                          static_cast<std::uint32_t>(std::popcount(lower)));
     }
 
-   private:
+ private:
     std::vector<std::uint64_t> bits_;
     std::vector<std::uint32_t> before_;
     std::size_t total_ = 0;
@@ -53,10 +57,10 @@ void emit_hull(const Mesh& mesh, TriangleId any, const Row* rows, std::int32_t* 
 
 }  // namespace
 
-Result emit(const Mesh& mesh, const Row* rows, std::size_t points) {
+Status emit(const Mesh& mesh, const Row* rows, std::size_t points, Interrupt& interrupt,
+            Result& result) {
     const std::size_t slots = 2 * points - 2;
     const Ranks ranks(mesh, slots);
-    Result result;
     result.triangle_count = ranks.total();
     result.hull_count = slots - ranks.total();
     result.simplices = std::make_unique_for_overwrite<std::int32_t[]>(3 * result.triangle_count);
@@ -66,19 +70,20 @@ Result emit(const Mesh& mesh, const Row* rows, std::size_t points) {
     std::int32_t* simplex = result.simplices.get();
     std::int32_t* neighbor = result.neighbors.get();
     TriangleId some_ghost = 0;
-    for (TriangleId t = 0; t < slots; ++t) {
-        const Triangle& triangle = mesh[t];
+    const bool done = for_each_in_blocks(slots, interrupt, [&](std::size_t slot) {
+        const Triangle& triangle = mesh[static_cast<TriangleId>(slot)];
         if (triangle.is_ghost()) {
-            some_ghost = t;
-            continue;
+            some_ghost = static_cast<TriangleId>(slot);
+            return;
         }
         for (int k = 0; k < 3; ++k) {
             *simplex++ = static_cast<std::int32_t>(rows[triangle.vertex[k]]);
             *neighbor++ = ranks[triangle_of(triangle.twin[k])];
         }
-    }
+    });
+    if (!done) return Status::interrupted;
     emit_hull(mesh, some_ghost, rows, result.hull.get());
-    return result;
+    return result.triangle_count == 0 ? Status::collinear : Status::ok;
 }
 
 }  // namespace liftmesh

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "mesh.hpp"
+#include "status.hpp"
 
 namespace liftmesh {
 
@@ -16,6 +17,7 @@ struct Result {
     std::size_t hull_count = 0;
 };
 
-Result emit(const Mesh& mesh, const Row* rows, std::size_t points);
+Status emit(const Mesh& mesh, const Row* rows, std::size_t points, Interrupt& interrupt,
+            Result& result);
 
 }  // namespace liftmesh

@@ -7,7 +7,7 @@
 namespace liftmesh {
 
 class IeeeArithmetic {
-   public:
+ public:
     IeeeArithmetic() {
         std::fegetenv(&saved_);
         std::fesetenv(FE_DFL_ENV);
@@ -16,7 +16,7 @@ class IeeeArithmetic {
     IeeeArithmetic(const IeeeArithmetic&) = delete;
     IeeeArithmetic& operator=(const IeeeArithmetic&) = delete;
 
-   private:
+ private:
     std::fenv_t saved_;
 };
 

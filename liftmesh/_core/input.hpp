@@ -18,17 +18,20 @@ struct Input {
     // Adding zero turns -0.0 into 0.0: the two are one position.
     Point operator[](std::size_t row) const {
         const std::byte* at = data + static_cast<std::ptrdiff_t>(row) * row_stride;
-        if (single_precision) return {value<float>(at) + 0.0, value<float>(at + column_stride) + 0.0};
+        if (single_precision)
+            return {value<float>(at) + 0.0, value<float>(at + column_stride) + 0.0};
         return {value<double>(at) + 0.0, value<double>(at + column_stride) + 0.0};
     }
 
-   private:
+ private:
     template <class Real>
     static double value(const std::byte* at) {
         return static_cast<double>(*reinterpret_cast<const Real*>(at));
     }
 };
 
-inline bool is_finite(Point p) { return std::isfinite(p.x) & std::isfinite(p.y); }
+inline bool is_finite(Point p) {
+    return std::isfinite(p.x) & std::isfinite(p.y);
+}
 
 }  // namespace liftmesh

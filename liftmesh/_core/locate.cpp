@@ -1,5 +1,5 @@
-// A kd tree over a sample of the triangles leads to one near the query; from there a visibility walk
-// crosses, one after the other, edges that have the query on their far side. In a Delaunay
+// A kd tree over a sample of the triangles leads to one near the query; from there a visibility
+// walk crosses, one after the other, edges that have the query on their far side. In a Delaunay
 // triangulation such a walk never returns to a triangle (Edelsbrunner 1990), and with exact
 // orientations it ends where it should.
 
@@ -14,13 +14,14 @@ namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t simplices_per_cell = 16;
+constexpr std::size_t simplices_per_cell = 8;
 
 std::vector<Point> sample_corners(const Triangulated& triangulated, std::size_t wanted) {
     std::vector<Point> sample(wanted);
     for (std::size_t i = 0; i < wanted; ++i) {
         const std::size_t simplex = i * triangulated.count / wanted;
-        sample[i] = triangulated.points[static_cast<std::size_t>(triangulated.simplices[3 * simplex])];
+        sample[i] =
+            triangulated.points[static_cast<std::size_t>(triangulated.simplices[3 * simplex])];
     }
     return sample;
 }
@@ -35,12 +36,15 @@ Locator::Locator(const Triangulated& triangulated)
     : triangulated_(triangulated),
       cuts_(sample_corners(triangulated, std::size_t{1} << depth_for(triangulated.count)),
             depth_for(triangulated.count)),
-      start_(cuts_.cells(), 0) {
-    const std::size_t stride = std::max<std::size_t>(1, triangulated.count / (4 * cuts_.cells()));
+      start_(cuts_.cells(), -1) {
+    const std::size_t stride = std::max<std::size_t>(1, triangulated.count / (2 * cuts_.cells()));
     for (std::size_t simplex = 0; simplex < triangulated.count; simplex += stride) {
         const auto id = static_cast<std::int32_t>(simplex);
         start_[cuts_.cell(corner(id, 0))] = id;
     }
+    // An empty cell starts where the one before it does: in kd order they are neighbours.
+    std::int32_t last = 0;
+    for (std::int32_t& start : start_) last = start = start < 0 ? last : start;
 }
 
 std::int32_t Locator::find(Point p) const {
@@ -84,7 +88,7 @@ Locator::Found Locator::walk(Point p) const {
 // The star of a vertex, counter-clockwise and, where the hull interrupts it, clockwise from the
 // start again.
 std::int32_t Locator::smallest_around(std::int32_t simplex, int k) const {
-    const std::int32_t centre = triangulated_.simplices[3 * simplex + k];
+    const std::int32_t centre = vertex(simplex, k);
     std::int32_t smallest = simplex;
     for (const int turn : {1, 2}) {
         std::int32_t at = simplex;
@@ -94,8 +98,7 @@ std::int32_t Locator::smallest_around(std::int32_t simplex, int k) const {
             if (at == simplex) return smallest;
             if (at < 0) break;
             smallest = std::min(smallest, at);
-            const std::int32_t* corners = triangulated_.simplices + 3 * static_cast<std::ptrdiff_t>(at);
-            place = static_cast<int>(std::find(corners, corners + 3, centre) - corners);
+            for (place = 0; vertex(at, place) != centre;) ++place;
         }
     }
     return smallest;

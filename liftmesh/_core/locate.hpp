@@ -20,21 +20,24 @@ struct Triangulated {
 };
 
 class Locator {
-   public:
+ public:
     explicit Locator(const Triangulated& triangulated);
 
     // The smallest simplex whose closed triangle holds the point; -1 outside the hull and for
     // points that are not finite.
     std::int32_t find(Point p) const;
 
-   private:
+ private:
     struct Found {
         std::int32_t simplex;  // -1 where the point is outside
         int turn[3];           // the side of the point on each edge
     };
 
+    std::int32_t vertex(std::int32_t simplex, int k) const {
+        return triangulated_.simplices[3 * static_cast<std::ptrdiff_t>(simplex) + k];
+    }
     Point corner(std::int32_t simplex, int k) const {
-        return triangulated_.points[static_cast<std::size_t>(triangulated_.simplices[3 * simplex + k])];
+        return triangulated_.points[static_cast<std::size_t>(vertex(simplex, k))];
     }
     std::int32_t neighbor(std::int32_t simplex, int k) const {
         return triangulated_.neighbors[3 * static_cast<std::ptrdiff_t>(simplex) + k];

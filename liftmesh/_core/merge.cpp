@@ -1,6 +1,6 @@
-// The merge step of divide and conquer (Lee and Schachter 1980, Guibas and Stolfi 1985), told on the
-// lifted lower hull: the lower tangent is the first edge of the seam; then the plane through the
-// base edge turns upward until it touches the next lifted point, left or right, which closes a
+// The merge step of divide and conquer (Lee and Schachter 1980, Guibas and Stolfi 1985), told on
+// the lifted lower hull: the lower tangent is the first edge of the seam; then the plane through
+// the base edge turns upward until it touches the next lifted point, left or right, which closes a
 // triangle and gives the next base. Edges of either part whose two triangles are not lower facets
 // any more are opened on the way: the triangle inside and the ghost outside become two ghosts.
 //
@@ -39,7 +39,7 @@ TriangleId climb(const Mesh& mesh, Part part, Precedes precedes) {
 }
 
 class Merge {
-   public:
+ public:
     Merge(const Seam& seam, TriangleId slot)
         : mesh_(seam.mesh), guard_(seam.guard), interrupt_(seam.interrupt), slot_(slot) {}
 
@@ -51,7 +51,7 @@ class Merge {
         return {slot_, slot_ + 1};
     }
 
-   private:
+ private:
     Point at(Vertex v) const { return mesh_.point(v); }
     bool below(Point p) const { return orient2d(pa_, pb_, p) < 0; }
     bool above(Point p) const { return orient2d(pa_, pb_, p) > 0; }

@@ -29,14 +29,24 @@ struct Triangle {
     bool is_ghost() const { return vertex[2] == ghost; }
 };
 
-constexpr Edge edge(TriangleId triangle, unsigned k) { return 4 * triangle + k; }
-constexpr TriangleId triangle_of(Edge e) { return e >> 2; }
-constexpr unsigned place(Edge e) { return e & 3; }
-constexpr Edge next(Edge e) { return e + 1 - 3 * ((e >> 1) & 1); }
-constexpr Edge previous(Edge e) { return e - 1 + 3 * ((e & 3) == 0); }
+constexpr Edge edge(TriangleId triangle, unsigned k) {
+    return 4 * triangle + k;
+}
+constexpr TriangleId triangle_of(Edge e) {
+    return e >> 2;
+}
+constexpr unsigned place(Edge e) {
+    return e & 3;
+}
+constexpr Edge next(Edge e) {
+    return e + 1 - 3 * ((e >> 1) & 1);
+}
+constexpr Edge previous(Edge e) {
+    return e - 1 + 3 * ((e & 3) == 0);
+}
 
 class Mesh {
-   public:
+ public:
     Mesh(const Point* points, Triangle* triangles) : points_(points), triangles_(triangles) {}
 
     Point point(Vertex v) const { return points_[v]; }
@@ -64,7 +74,7 @@ class Mesh {
     }
     void chain(TriangleId g, TriangleId successor) { join(edge(g, 1), edge(successor, 0)); }
 
-   private:
+ private:
     const Point* points_;
     Triangle* triangles_;
 };

@@ -9,30 +9,20 @@
 #include <bit>
 #include <cstdint>
 
+#include "blocks.hpp"
 #include "scale.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t block = std::size_t{1} << 16;  // rows between two looks at the interrupt
 constexpr std::size_t cell_population = 96;
 constexpr int deepest = 13;
 constexpr std::size_t sample_per_cell = 8;
 constexpr std::uint16_t no_cell = 0xffff;
 
-template <class Visit>
-bool for_each_row(std::size_t rows, Interrupt& interrupt, Visit visit) {
-    for (std::size_t start = 0; start < rows; start += block) {
-        if (start != 0 && interrupt.requested()) return false;
-        const std::size_t end = std::min(start + block, rows);
-        for (std::size_t row = start; row < end; ++row) visit(row);
-    }
-    return true;
-}
-
 class Arrangement {
-   public:
+ public:
     Arrangement(const Input& input, Interrupt& interrupt, Order& order)
         : input_(input), interrupt_(interrupt), order_(order) {}
 
@@ -42,17 +32,15 @@ class Arrangement {
             return {Status::non_finite, order_.skipped.front()};
         const Scale scale(range_);
         order_.guard = scale.guard;
-        const bool moved = scale.first != 1;
-        const bool done = moved ? distribute([&](std::size_t row) { return scale(input_[row]); })
-                                : distribute([&](std::size_t row) { return input_[row]; });
-        if (!done) return {Status::interrupted, 0};
-        keep_distinct_in_cells();
-        return {Status::ok, 0};
+        const bool done = scale.moves
+                              ? distribute([&](std::size_t row) { return scale(input_[row]); })
+                              : distribute([&](std::size_t row) { return input_[row]; });
+        return {done && keep_distinct_in_cells() ? Status::ok : Status::interrupted, 0};
     }
 
-   private:
+ private:
     bool survey() {
-        return for_each_row(input_.rows, interrupt_, [&](std::size_t row) {
+        return for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
             const Point p = input_[row];
             if (is_finite(p)) {
                 range_.add(p);
@@ -69,7 +57,7 @@ class Arrangement {
         order_.depth = cuts.depth();
         order_.cell_starts.assign(cuts.cells() + 1, 0);
         const auto cell_of = std::make_unique_for_overwrite<std::uint16_t[]>(input_.rows);
-        const bool counted = for_each_row(input_.rows, interrupt_, [&](std::size_t row) {
+        const bool counted = for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
             const Point p = read(row);
             if (!is_finite(p)) {
                 cell_of[row] = no_cell;
@@ -90,7 +78,7 @@ class Arrangement {
         order_.points = std::make_unique_for_overwrite<Point[]>(finite);
         order_.rows = std::make_unique_for_overwrite<Row[]>(finite);
         std::vector<std::size_t> cursor = order_.cell_starts;
-        return for_each_row(input_.rows, interrupt_, [&](std::size_t row) {
+        return for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
             if (cell_of[row] == no_cell) return;
             const std::size_t at = cursor[cell_of[row]]++;
             order_.points[at] = read(row);
@@ -101,8 +89,8 @@ class Arrangement {
     // Rows are sampled by a Weyl sequence: evenly, and out of step with any raster.
     template <class Read>
     Cuts learn_cuts(Read read, std::size_t finite) {
-        const int depth = std::clamp(
-            static_cast<int>(std::bit_width(finite / cell_population)) - 1, 0, deepest);
+        const int depth =
+            std::clamp(static_cast<int>(std::bit_width(finite / cell_population)) - 1, 0, deepest);
         const std::size_t wanted = sample_per_cell << depth;
         std::vector<Point> sample;
         if (depth == 0) return Cuts(std::move(sample), 0);
@@ -116,13 +104,14 @@ class Arrangement {
         return Cuts(std::move(sample), depth);
     }
 
-    void keep_distinct_in_cells() {
+    bool keep_distinct_in_cells() {
+        Point* points = order_.points.get();
+        Row* rows = order_.rows.get();
         std::size_t kept = 0;
         for (std::size_t cell = 0; cell + 1 < order_.cell_starts.size(); ++cell) {
+            if (interrupt_.requested()) return false;
             const std::size_t start = order_.cell_starts[cell];
             const std::size_t count = order_.cell_starts[cell + 1] - start;
-            Point* points = order_.points.get();
-            Row* rows = order_.rows.get();
             const std::size_t distinct =
                 keep_distinct(points + start, rows + start, count, order_.duplicates);
             if (kept != start) {
@@ -136,6 +125,7 @@ class Arrangement {
         order_.count = kept;
         std::sort(order_.duplicates.begin(), order_.duplicates.end(),
                   [](const Duplicate& a, const Duplicate& b) { return a.row < b.row; });
+        return true;
     }
 
     const Input& input_;

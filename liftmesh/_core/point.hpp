@@ -15,11 +15,17 @@ struct Point {
 
 enum class Axis : std::uint8_t { x, y };
 
-constexpr Axis other(Axis axis) { return axis == Axis::x ? Axis::y : Axis::x; }
+constexpr Axis other(Axis axis) {
+    return axis == Axis::x ? Axis::y : Axis::x;
+}
 
 // Bitwise operators keep these free of branches: the outcome is a coin toss for a predictor.
-inline bool before_xy(Point a, Point b) { return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y)); }
-inline bool before_yx(Point a, Point b) { return (a.y < b.y) | ((a.y == b.y) & (a.x < b.x)); }
+inline bool before_xy(Point a, Point b) {
+    return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y));
+}
+inline bool before_yx(Point a, Point b) {
+    return (a.y < b.y) | ((a.y == b.y) & (a.x < b.x));
+}
 
 inline bool before(Axis axis, Point a, Point b) {
     return axis == Axis::x ? before_xy(a, b) : before_yx(a, b);

@@ -17,7 +17,7 @@ namespace liftmesh {
 
 // The least and the greatest magnitude among non-zero coordinates.
 class Range {
-   public:
+ public:
     void add(Point p) {
         add(p.x);
         add(p.y);
@@ -26,7 +26,7 @@ class Range {
     double least() const { return std::bit_cast<double>(least_ + 1); }
     double greatest() const { return std::bit_cast<double>(greatest_); }
 
-   private:
+ private:
     // Magnitudes compare as their bits do; less one, zero becomes the greatest of all.
     void add(double value) {
         const std::uint64_t bits = std::bit_cast<std::uint64_t>(value) & ~(std::uint64_t{1} << 63);
@@ -37,6 +37,7 @@ class Range {
 };
 
 struct Scale {
+    bool moves = false;
     double first = 1, second = 1;  // two factors, as 2^1273 is no double
     Guard guard = Guard::in_window();
 
@@ -49,6 +50,7 @@ struct Scale {
             guard = Guard::anywhere();
             return;
         }
+        moves = true;
         const int shift = Guard::greatest_exponent - 1 - greatest;
         first = std::ldexp(1.0, shift / 2);
         second = std::ldexp(1.0, shift - shift / 2);

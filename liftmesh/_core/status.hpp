@@ -10,7 +10,7 @@ enum class Status : std::uint8_t { ok, non_finite, too_few, collinear, interrupt
 // Asked now and then from long runs. Once the answer is true it stays so, and the run ends with
 // Status::interrupted.
 class Interrupt {
-   public:
+ public:
     virtual ~Interrupt() = default;
     virtual bool requested() = 0;
 };

@@ -23,6 +23,7 @@ from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.evidence import Evidence
 from liftmesh.comparison.hull_facets import trimesh_hull
+from liftmesh.comparison.matching import used_rows
 from liftmesh.comparison.proofs import Proof
 from liftmesh.comparison.report import Comparison
 from liftmesh.hulls import delaunay
@@ -89,7 +90,7 @@ def compare(
     """
     triangulation, seconds = _triangulate(source, plane, nonfinite)
     triangles = triangulation.simplices
-    rows = np.unique(triangles).astype(np.int32, copy=False)
+    rows = used_rows(triangulation.npoints, triangles)
     vertex = resolve_q(q, triangulation.points[rows])
     hull = trimesh_hull(triangulation.points, rows, vertex)
     cells = find_cells(triangulation.points, triangles, triangulation.neighbors)
@@ -106,7 +107,7 @@ def compare(
         cells=differences.cells,
         missing=triangles[differences.missing],
         wrong=hull.lower[differences.wrong],
-        lost=np.setdiff1d(rows, hull.lower),
+        lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
         coincident=hull.coincident,
         violations=len(cells.violations),
         proofs=() if hull.error else tuple(evidence.proofs(max_proofs)),

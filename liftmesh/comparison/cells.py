@@ -58,7 +58,10 @@ class Cells:
         large = np.bincount(self.labels, minlength=self.count) > 1
         chosen = large[self.labels]
         rows = self.simplices[chosen].astype(np.int64).ravel()
-        return np.unique(rows * self.count + np.repeat(self.labels[chosen], 3))
+        pairs = np.sort(rows * self.count + np.repeat(self.labels[chosen], 3))
+        is_new = np.ones(len(pairs), dtype=bool)
+        is_new[1:] = pairs[1:] != pairs[:-1]
+        return pairs[is_new]
 
     def containing(self, triangles: Rows) -> Rows:
         """Find the cell of two triangles or more that has all three corners of a triangle.
@@ -75,7 +78,7 @@ class Cells:
         """
         low = np.searchsorted(self._corners, triangles * np.int64(self.count))
         high = np.searchsorted(self._corners, (triangles + np.int64(1)) * self.count)
-        # The corner with the fewest cells proposes them; the other two must have them as well.
+        # The corner with the fewest cells proposes them; all three must have the cell.
         every = np.arange(len(triangles))
         pivot = np.argmin(high - low, axis=1)
         counts = (high - low)[every, pivot]
@@ -135,7 +138,7 @@ def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows
     return apex
 
 
-def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> Indices:
+def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> NDArray[np.bool_]:
     """Find the cells in which two sets of triangles do not have the same boundary.
 
     Parameters
@@ -147,8 +150,8 @@ def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Row
 
     Returns
     -------
-    (u,) ndarray of int
-        Cells whose boundaries differ, ascending.
+    (cells,) ndarray of bool
+        True for the cells whose boundaries differ.
     """
     parts = [_directed_edges(*plus, 1), _directed_edges(*minus, -1)]
     cell, low, high, sign = (np.concatenate(column) for column in zip(*parts, strict=True))
@@ -156,13 +159,12 @@ def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Row
     keys = np.column_stack([cell, low, high])[order]
     starts = np.ones(len(keys), dtype=bool)
     starts[1:] = (keys[1:] != keys[:-1]).any(axis=1)
-    begin = np.flatnonzero(starts)
-    if len(begin) == 0:
-        return begin
-    total = np.add.reduceat(sign[order], begin)
     flawed = np.zeros(cells, dtype=bool)
-    flawed[keys[begin[total != 0], 0]] = True
-    return np.flatnonzero(flawed)
+    if len(keys):
+        begin = np.flatnonzero(starts)
+        total = np.add.reduceat(sign[order], begin)
+        flawed[keys[begin[total != 0], 0]] = True
+    return flawed
 
 
 def _directed_edges(triangles: Rows, cell: Rows, weight: int) -> tuple[Rows, Rows, Rows, Rows]:

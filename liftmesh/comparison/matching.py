@@ -1,4 +1,7 @@
-"""Which triangles of two sets are the same: equal corners, whatever corner comes first."""
+"""Which triangles of two sets are the same, and which rows they use.
+
+Triangles are the same when their corners are, whatever corner comes first.
+"""
 
 from __future__ import annotations
 
@@ -68,6 +71,32 @@ def first_of_each(indices: Indices) -> NDArray[np.bool_]:
     >>> first_of_each(np.array([3, -1, 3, 0]))
     array([ True, False, False,  True])
     """
-    mark = np.zeros(len(indices), dtype=bool)
-    mark[np.unique(indices, return_index=True)[1]] = True
-    return mark & (indices >= 0)
+    first = np.full(indices.max(initial=-1) + 2, -1)
+    # Of repeated assignments the last stays: backwards, that is the first place.
+    first[indices[::-1]] = np.arange(len(indices))[::-1]
+    return (first[indices] == np.arange(len(indices))) & (indices >= 0)
+
+
+def used_rows(length: int, triangles: Rows) -> Rows:
+    """List the rows that are corners of triangles.
+
+    Parameters
+    ----------
+    length : int
+        Number of all rows.
+    triangles : (m, 3) ndarray of int32
+        Triangles.
+
+    Returns
+    -------
+    (k,) ndarray of int32
+        Ascending, each row once.
+
+    Examples
+    --------
+    >>> used_rows(5, np.array([[4, 0, 1], [4, 1, 0]])).tolist()
+    [0, 1, 4]
+    """
+    used = np.zeros(length, dtype=bool)
+    used[triangles] = True
+    return np.flatnonzero(used).astype(np.int32)

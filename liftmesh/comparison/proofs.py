@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from typing import Literal
 
@@ -24,20 +25,20 @@ Claim = Literal["wrong facet", "broken cell", "right triangle", "wrong triangle"
 
 _SENTENCES: dict[Claim, str] = {
     "wrong facet": (
-        "trimesh's facet {rows} is no Delaunay triangle: row {row} lies strictly inside its "
-        "circle (in-circle determinant {value})"
+        "trimesh's facet {rows} is wrong: row {row} lies strictly inside its circle, "
+        "in-circle determinant {value} > 0"
     ),
     "broken cell": (
-        "trimesh's facet {rows} has an empty circle, but trimesh's facets leave a gap or overlap "
+        "trimesh's facet {rows} has an empty circle, but trimesh's facets overlap or leave a gap "
         "among the cocircular points around it"
     ),
     "right triangle": (
-        "liftmesh's triangle {rows} is Delaunay and not among trimesh's facets: none of the other "
-        "{tested} points lies strictly inside its circle (across its edges: {values})"
+        "liftmesh's triangle {rows} is right and missing from trimesh's hull: none of the other "
+        "{tested:,} points lies strictly inside its circle, across its edges {values}"
     ),
     "wrong triangle": (
-        "liftmesh's triangle {rows} is not Delaunay: row {row} lies strictly inside its circle "
-        "(in-circle determinant {value})"
+        "liftmesh's triangle {rows} is wrong: row {row} lies strictly inside its circle, "
+        "in-circle determinant {value} > 0"
     ),
 }
 
@@ -71,21 +72,18 @@ class Proof:
 
     def __str__(self) -> str:
         row, value = self.determinants[0] if self.determinants else (-1, Fraction(0))
-        values = ", ".join(f"row {r}: {_short(v)}" for r, v in self.determinants)
+        values = ", ".join(f"{_short(value)} (row {row})" for row, value in self.determinants)
         return _SENTENCES[self.claim].format(
-            rows=self.rows, row=row, value=_short(value), values=values or "none", tested=self.tested
+            rows=self.rows, row=row, value=_short(value), values=values, tested=self.tested
         )
 
 
 def _short(value: Fraction) -> str:
-    """The exact number when it is short, its leading digits otherwise."""
+    """The exact number when it is short, its leading digits otherwise, whatever its magnitude."""
     exact = str(value)
-    if len(exact) <= 24:
+    if len(exact) <= 12:
         return exact
-    size = abs(value)
-    power = len(str(size.numerator)) - len(str(size.denominator))
-    digits = f"{float(size / Fraction(10) ** power):.6g}e{power:+d}"
-    return f"about {'-' if value < 0 else ''}{digits}"
+    return f"{Decimal(value.numerator) / Decimal(value.denominator):.5e}"
 
 
 def incircle_determinant(points: Points, rows: Sequence[int]) -> Fraction:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.cloud import Cloud
+from liftmesh.comparison.matching import used_rows
 from liftmesh.comparison.proofs import Proof
 from liftmesh.lifting import LowerHull, lift
 from liftmesh.triangulation import Triangulation
@@ -20,9 +21,10 @@ Verdict = Literal["identical", "cocircular", "different", "failed"]
 _CONCLUSIONS: dict[Verdict, str] = {
     "identical": "Both sides are right: every triangle is identical.",
     "cocircular": (
-        "Both sides are right: they differ only in how they cut {cells} exactly cocircular cells."
+        "Both sides are right: they differ only in how they cut exactly cocircular cells, {cells} "
+        "of them."
     ),
-    "different": "trimesh's hull is wrong: {wrong} of its lower facets, {lost} points lost.",
+    "different": "trimesh's hull is wrong: {faults}.",
     "failed": "trimesh has no hull of these points: {error}.",
 }
 _FAULT = "liftmesh's triangulation is wrong at {violations} edges: please report these points."
@@ -146,11 +148,18 @@ class Comparison:
         sentence = _FAULT if self.violations else _CONCLUSIONS[self.verdict]
         return sentence.format(
             cells=f"{self.cells:,}",
-            wrong=f"{len(self.wrong):,}",
-            lost=f"{len(self.lost):,}",
+            faults=self._faults(),
             error=self.error,
             violations=f"{self.violations:,}",
         )
+
+    def _faults(self) -> str:
+        counts = {
+            "it lacks {} lower facets": len(self.missing),
+            "has {} that do not belong there": len(self.wrong),
+            "lost {} points": len(self.lost),
+        }
+        return ", ".join(text.format(f"{count:,}") for text, count in counts.items() if count)
 
     def __str__(self) -> str:
         name_width = max(len(name) for name, _, _ in self.table())
@@ -161,7 +170,7 @@ class Comparison:
 
     def table(self) -> list[tuple[str, str, str]]:
         """Rows of (what, liftmesh's value, trimesh's value) for people to read."""
-        lifted = len(np.unique(self.triangulation.simplices))
+        lifted = len(used_rows(self.triangulation.npoints, self.triangulation.simplices))
         kept = lifted - len(self.lost)
         rows = [
             ("points on the lower hull", f"{lifted:,}", f"{kept:,}"),

@@ -19,12 +19,16 @@ Array = NDArray[Any]
 ROWS = 1 << 15
 
 
-def write_rows(stream: BinaryIO, columns: Sequence[Array], *, prefix: str = "") -> None:
+def write_rows(
+    stream: BinaryIO, columns: Sequence[Array], *, prefix: str = "", template: str = ""
+) -> None:
     """Write one line a row: ``prefix``, then the values of all columns between single spaces.
 
-    Columns are (n,) or (n, k) arrays of float, integers, or ready-made strings (dtype object).
+    Columns are (n,) or (n, k) arrays of float, integers, or ready-made strings (dtype object);
+    ``template`` replaces the whole line if it must look otherwise.
     """
-    template = prefix + " ".join(chain.from_iterable(map(_specifiers, columns))) + "\n"
+    values_apart = " ".join(chain.from_iterable(map(_specifiers, columns)))
+    template = template or f"{prefix}{values_apart}\n"
     for start in range(0, len(columns[0]), ROWS):
         flat = [part for each in columns for part in _flat(each[start : start + ROWS])]
         values = tuple(chain.from_iterable(zip(*flat, strict=True)))

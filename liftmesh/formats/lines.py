@@ -31,7 +31,8 @@ class Block:
 class Lines:
     """The lines of a stream that hold something, taken block by block.
 
-    Lines that are empty, or begin with one of ``comments``, are passed over but counted.
+    Lines that are empty, or begin with one of ``comments``, are passed over but counted; with
+    comments, what follows a ``#`` is cut off.
     """
 
     def __init__(
@@ -52,9 +53,14 @@ class Lines:
     def __iter__(self) -> Iterator[str]:
         for raw in self._raw:
             self.number += 1
-            text = self._decoded(raw).strip()
-            if text and not (self._comments and text.startswith(self._comments)):
+            text = self._bare(self._decoded(raw).strip())
+            if text:
                 yield text
+
+    def _bare(self, text: str) -> str:
+        if not self._comments:
+            return text
+        return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
 
     def _decoded(self, raw: bytes) -> str:
         try:
@@ -111,7 +117,8 @@ def exact_column(
     with np.errstate(invalid="ignore", over="ignore"):
         converted = column.astype(dtype)
     if dtype.kind in "iu":
-        wrong = np.flatnonzero(converted != column)
+        wide = dtype.itemsize == 8
+        wrong = np.flatnonzero((converted != column) | (wide & (np.abs(column) >= 2.0**53)))
         if len(wrong):
             row = int(wrong[0])
             raise FormatError(

@@ -41,14 +41,14 @@ class AsciiBody:
 
     def lists(self, element: Element) -> dict[str, Ragged]:
         """Read an element with lists; a scalar property counts as a list of one."""
+        if not element.rows:
+            return {each.name: Ragged.empty(each.dtype) for each in element.properties}
         parts = [
             self._uniform(element, block) or self._by_line(element, block)
             for block in self._taken(element)
         ]
         return {
             each.name: Ragged.joined([part[position] for part in parts])
-            if parts
-            else Ragged.uniform(np.empty((0, 3), each.dtype))
             for position, each in enumerate(element.properties)
         }
 
@@ -70,7 +70,7 @@ class AsciiBody:
         if shape is None:
             return None
         try:
-            table = number_table(block, self._name, width=shape[-1].stop if shape else 0)
+            table = number_table(block, self._name, width=shape[-1].stop)
         except FormatError:
             return None
         for each, place in zip(element.properties, shape, strict=True):

@@ -35,19 +35,25 @@ class BinaryBody:
     def blocks(self, element: Element) -> Iterator[tuple[slice, Mapping[str, Array]]]:
         """Yield the rows of an element without lists, some at a time, column by name."""
         layout = np.dtype([(each.name, each.dtype) for each in element.properties])
+        if not element.properties:
+            return
         self._expect(element, layout.itemsize)
-        step = max(_BLOCK // max(layout.itemsize, 1), 1)
+        step = max(_BLOCK // layout.itemsize, 1)
         for start in range(0, element.rows, step):
             count = min(step, element.rows - start)
             data = read_exactly(
                 self._stream, count * layout.itemsize, self._name, f"element {element.name}"
             )
             block = np.frombuffer(data, layout, count)
-            yield slice(start, start + count), {each: block[each] for each in layout.names or ()}
+            yield slice(start, start + count), {
+                each.name: block[each.name] for each in element.properties
+            }
 
     def lists(self, element: Element) -> dict[str, Ragged]:
         """Read an element with lists; a scalar property counts as a list of one."""
         self._expect(element, sum((each.length or each.dtype).itemsize for each in element.properties))
+        if not element.rows:
+            return {each.name: Ragged.empty(each.dtype) for each in element.properties}
         begin = self._stream.tell()
         data = self._stream.read(remaining(self._stream))
         walk = _Walk(element, data, f"{self._name}: byte {begin}")
@@ -78,7 +84,7 @@ class _Walk:
     def uniform(self) -> tuple[dict[str, Ragged], int] | None:
         """Read rows that all have the shape of the first; None if they do not."""
         rows, properties = self._element.rows, self._element.properties
-        sizes = [size for _, size in self._row(0, 0)[1]] if rows else [1] * len(properties)
+        sizes = [size for _, size in self._row(0, 0)[1]]
         if max(sizes) > _LONGEST_UNIFORM:
             return None
         layout = _layout(properties, sizes)

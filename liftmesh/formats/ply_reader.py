@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
@@ -142,5 +141,3 @@ class _Reading:
         return {key: value for key, value in found.items() if value} | (
             remarks(faces) if faces is not None else {}
         )
-
-

@@ -25,6 +25,11 @@ class Ragged:
         return cls(np.full(len(rows), rows.shape[1], dtype=np.int64), rows.reshape(-1))
 
     @classmethod
+    def empty(cls, dtype: np.dtype) -> Ragged:
+        """Make no rows at all."""
+        return cls(np.empty(0, dtype=np.int64), np.empty(0, dtype))
+
+    @classmethod
     def joined(cls, parts: Sequence[Ragged]) -> Ragged:
         """Stack rows upon rows."""
         if len(parts) == 1:

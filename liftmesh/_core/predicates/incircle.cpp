@@ -16,13 +16,14 @@ int sign_in_128_bits(const std::int64_t (&dx)[3], const std::int64_t (&dy)[3]) {
     Int128 det = 0;
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        det += static_cast<Int128>(dx[i] * dx[i] + dy[i] * dy[i]) *
-               (dx[j] * dy[k] - dx[k] * dy[j]);
+        det += static_cast<Int128>(dx[i] * dx[i] + dy[i] * dy[i]) * (dx[j] * dy[k] - dx[k] * dy[j]);
     }
     return (det > 0) - (det < 0);
 }
 
-bool is_small(std::int64_t value) { return -(1 << 30) < value && value < (1 << 30); }
+bool is_small(std::int64_t value) {
+    return -(1 << 30) < value && value < (1 << 30);
+}
 
 template <int N>
 int sign_of_side(const Lattice<4>& lattice) {

@@ -18,7 +18,7 @@ namespace liftmesh {
 // 2^-192, terms of degree four lie in [2^-768, 2^810], and the filter needs no further care;
 // elsewhere it certifies nothing and the exact ladder decides.
 class Guard {
-   public:
+ public:
     static constexpr int least_exponent = -140;
     static constexpr int greatest_exponent = 200;
 
@@ -27,7 +27,7 @@ class Guard {
     double margin() const { return margin_; }
     bool vouches() const { return margin_ == 0.0; }
 
-   private:
+ private:
     constexpr explicit Guard(double margin) : margin_(margin) {}
     double margin_;
 };

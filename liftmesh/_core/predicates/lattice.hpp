@@ -38,7 +38,7 @@ inline int bit_length(std::int64_t value) {
 // The coordinates of K points on their common lattice.
 template <int K>
 class Lattice {
-   public:
+ public:
     explicit Lattice(const Point (&points)[K]) {
         int low = std::numeric_limits<int>::max();
         int high = std::numeric_limits<int>::min();
@@ -70,7 +70,7 @@ class Lattice {
         return place<N>(y_[i]);
     }
 
-   private:
+ private:
     template <int N>
     Wide<N> place(Dyadic part) const {
         return shifted<N>(part.mantissa, part.mantissa == 0 ? 0 : part.exponent - low_);

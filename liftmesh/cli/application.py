@@ -1,0 +1,59 @@
+"""The application: its commands, what ``liftmesh --help`` says, and ``--version``."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from liftmesh.cli import compare, exit_codes, info, triangulate
+
+HELP = (
+    "Exact Delaunay meshes of point clouds: planar points are lifted to a paraboloid, and the "
+    "lower hull of the lifted points, projected back, is the mesh."
+)
+
+
+def _paragraphs(title: str, lines: list[str]) -> str:
+    return "\n\n".join([f"[bold]{title}[/bold]", *lines])
+
+
+EXIT_CODES = _paragraphs(
+    "Exit codes", [f"{code:>4}  {meaning}" for code, meaning in exit_codes.MEANINGS.items()]
+)
+DEBUG = "[cyan]--debug[/cyan] with any command shows the traceback of an error."
+
+app = typer.Typer(
+    name="liftmesh",
+    help=HELP,
+    epilog=f"{EXIT_CODES}\n\n{DEBUG}",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"liftmesh {version('liftmesh')}")
+        raise typer.Exit
+
+
+@app.callback()
+def liftmesh(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show it.")
+    ] = False,
+) -> None:
+    """Hold the options that stand before a command."""
+
+
+for module in (triangulate, compare, info):
+    app.command(
+        name=module.__name__.rpartition(".")[2],
+        help=module.HELP,
+        epilog=_paragraphs("Examples", [f"[green]$[/green] {line}" for line in module.EXAMPLES]),
+    )(module.run)

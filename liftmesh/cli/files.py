@@ -1,0 +1,119 @@
+"""Files as commands name them: ``-`` for the standard streams, and a check before the work."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from liftmesh.cli.terminal import stage
+from liftmesh.errors import FormatError
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.formats import Written
+
+
+def read(path: Path, file_format: str | None) -> Cloud:
+    """Read a cloud, or stdin if the path is ``-``.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    file_format : str, optional
+        Its format; by default its suffix tells.
+
+    Returns
+    -------
+    Cloud
+        Its rows.
+
+    Raises
+    ------
+    FormatError
+        The format is unknown, or the file is broken.
+    """
+    from liftmesh import formats  # noqa: PLC0415 - help and --version do without
+
+    source = sys.stdin.buffer if is_stream(path) else path
+    with stage(f"reading {'stdin' if is_stream(path) else path.name}"):
+        return formats.read(source, format=file_format)
+
+
+def write(path: Path, mesh: Any, file_format: str | None) -> Written:
+    """Write a mesh, or to stdout if the path is ``-``.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    mesh : Cloud or anything with vertices and faces
+        What to write.
+    file_format : str, optional
+        Its format; by default the suffix tells.
+
+    Returns
+    -------
+    Written
+        What was written.
+
+    Raises
+    ------
+    FormatError
+        The file cannot be written.
+    """
+    from liftmesh import formats  # noqa: PLC0415 - help and --version do without
+
+    target = sys.stdout.buffer if is_stream(path) else path
+    with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
+        return formats.write(target, mesh, format=file_format)
+
+
+def is_stream(path: Path) -> bool:
+    """Whether a path stands for a standard stream.
+
+    Parameters
+    ----------
+    path : Path
+        As given on the command line.
+
+    Returns
+    -------
+    bool
+        True for ``-``.
+
+    Examples
+    --------
+    >>> is_stream(Path("-"))
+    True
+    """
+    return str(path) == "-"
+
+
+def check_target(path: Path | None, file_format: str | None = None) -> None:
+    """Refuse what cannot be written before the work starts.
+
+    Parameters
+    ----------
+    path : Path, optional
+        The file to be written; none is fine.
+    file_format : str, optional
+        Its format; by default the suffix tells.
+
+    Raises
+    ------
+    FormatError
+        The format is unknown or cannot be written, or there is no such folder.
+    """
+    from liftmesh.formats.registry import find_format  # noqa: PLC0415 - as above
+
+    if path is None:
+        return
+    found = find_format(file_format or path.suffix, str(path))
+    if found.write is None:
+        raise FormatError(f"{path}: {found.name} files can be read, not written")
+    if path.is_dir():
+        raise FormatError(f"{path}: is a folder: give the name of a file")
+    if not path.absolute().parent.is_dir():
+        raise FormatError(f"{path}: the folder {path.parent} does not exist: make it first")

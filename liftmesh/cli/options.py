@@ -1,0 +1,118 @@
+"""Options that several commands share: their help, and how their text becomes values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+import typer
+
+Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
+NonFinite: TypeAlias = Literal["error", "skip"]
+
+Source: TypeAlias = Annotated[
+    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
+]
+SourceFormat: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--from", metavar="FORMAT", help="Format of IN, when its suffix does not tell."),
+]
+Plane: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        metavar="PLANE",
+        help="Seen from above of: xy, fit (the best fit), a normal NX,NY,NZ, or the path of a "
+        "4x4 matrix, text or .npy, that takes space to the plane.",
+    ),
+]
+SkipNonFinite: TypeAlias = Annotated[
+    NonFinite, typer.Option("--nonfinite", help="Rows with NaN or infinity.")
+]
+Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def parse_plane(text: str) -> Any:
+    """Turn the text of ``--plane`` into what `liftmesh.triangulate` accepts.
+
+    Parameters
+    ----------
+    text : str
+        A name, three numbers separated by commas, or a path.
+
+    Returns
+    -------
+    str, tuple of float or (4, 4) ndarray
+        The plane.
+
+    Raises
+    ------
+    typer.BadParameter
+        The text is none of these, or the file holds no 4x4 matrix.
+
+    Examples
+    --------
+    >>> parse_plane("0,0,1")
+    (0.0, 0.0, 1.0)
+    """
+    if text in {"xy", "fit"}:
+        return text
+    numbers = _numbers(text, 3)
+    return _matrix(Path(text)) if numbers is None else numbers
+
+
+def parse_q(text: str) -> Any:
+    """Turn the text of ``--q`` into what `liftmesh.compare` accepts.
+
+    Parameters
+    ----------
+    text : str
+        A name, or two numbers separated by a comma.
+
+    Returns
+    -------
+    str or tuple of float
+        The vertex of the paraboloid.
+
+    Raises
+    ------
+    typer.BadParameter
+        The text is neither.
+
+    Examples
+    --------
+    >>> parse_q("1.5,-2")
+    (1.5, -2.0)
+    """
+    if text in {"median", "origin"}:
+        return text
+    numbers = _numbers(text, 2)
+    if numbers is None:
+        raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or QX,QY")
+    return numbers
+
+
+def _numbers(text: str, count: int) -> tuple[float, ...] | None:
+    """The numbers between commas, or None if the text is not that many numbers."""
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        return None
+    return numbers if len(numbers) == count else None
+
+
+def _matrix(path: Path) -> Any:
+    """A 4x4 matrix from a text or .npy file."""
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    if not path.is_file():
+        raise typer.BadParameter(
+            f"--plane {str(path)!r} is neither a name nor a file: "
+            "give xy, fit, NX,NY,NZ or the path of a 4x4 matrix"
+        )
+    try:
+        matrix = np.load(path) if path.suffix == ".npy" else np.loadtxt(path)
+    except (ValueError, OSError, EOFError) as error:
+        raise typer.BadParameter(f"--plane {path}: no matrix can be read: {error}") from error
+    if matrix.shape != (4, 4):
+        raise typer.BadParameter(f"--plane {path}: the matrix is {matrix.shape}, not 4x4")
+    return matrix

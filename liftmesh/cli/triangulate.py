@@ -1,0 +1,101 @@
+"""``liftmesh triangulate``: a point cloud in, a mesh file out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from liftmesh.cli import files, options, terminal
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.formats import Written
+    from liftmesh.surface import Report, Surface
+
+HELP = "Triangulate a cloud: every row becomes a vertex, in its order; the faces look up."
+EXAMPLES = [
+    "liftmesh triangulate cloud.ply mesh.ply",
+    "liftmesh triangulate lidar.csv mesh.obj --duplicates highest",
+    "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
+    "liftmesh triangulate - - --from xyz --format ply < points.xyz > mesh.ply",
+]
+
+
+def run(
+    source: options.Source,
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
+    plane: options.Plane = "xy",
+    duplicates: Annotated[
+        options.Duplicates,
+        typer.Option(help="Which of several rows at one planar position carries the surface."),
+    ] = "first",
+    nonfinite: options.SkipNonFinite = "error",
+    method: Annotated[
+        Literal["auto", "divide-and-conquer"], typer.Option(help="The engine; same triangles.")
+    ] = "auto",
+    source_format: options.SourceFormat = None,
+    target_format: Annotated[
+        str | None,
+        typer.Option("--format", metavar="FORMAT", help="Format of OUT, in place of its suffix."),
+    ] = None,
+    json: options.Json = False,
+) -> None:
+    """Read, triangulate, write, and say what became of every row.
+
+    Parameters
+    ----------
+    source, target : Path
+        IN and OUT.
+    plane, duplicates, nonfinite, method : str
+        As in `liftmesh.triangulate`.
+    source_format, target_format : str, optional
+        Formats, in place of suffixes.
+    json : bool
+        Print JSON.
+    """
+    frame = options.parse_plane(plane)
+    files.check_target(target, target_format)
+    start = perf_counter()
+    cloud = files.read(source, source_format)
+    seconds = {"read": perf_counter() - start}
+    surface = _triangulate(
+        cloud, plane=frame, duplicates=duplicates, nonfinite=nonfinite, method=method
+    )
+    seconds["triangulate"] = sum(surface.report.seconds.values())
+    start = perf_counter()
+    written = files.write(target, surface, target_format)
+    seconds["write"] = perf_counter() - start
+    if not files.is_stream(target):
+        _say(written, surface.report, seconds, as_json=json)
+
+
+def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
+    import liftmesh  # noqa: PLC0415 - help and --version do without
+
+    with terminal.stage(f"triangulating {len(cloud):,} rows"):
+        return liftmesh.triangulate(cloud, **choices)
+
+
+def _say(written: Written, report: Report, seconds: dict[str, float], *, as_json: bool) -> None:
+    if as_json:
+        terminal.as_json(_values(written, report, seconds))
+        return
+    terminal.sentence(f"{written}", "good")
+    counts = _counts(report)
+    rows = [(name, f"{count:,}") for name, count in counts.items()]
+    rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
+    terminal.table(rows)
+
+
+def _counts(report: Report) -> dict[str, int]:
+    return {
+        "rows": report.rows,
+        "used": report.used,
+        "duplicates": report.duplicates,
+        "overhangs": report.overhangs,
+        "not finite": report.skipped,
+        "triangles": report.triangles,
+    }

@@ -1,0 +1,239 @@
+"""NumPy's own files: one array of points (NPY), or points with all that belongs to them (NPZ).
+
+Nothing is unpickled: a file cannot run code. Sizes are compared with what the file really holds
+before memory is taken for them.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from collections.abc import Mapping
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError
+from liftmesh.formats.format import Format
+from liftmesh.formats.npz_header import header_of
+from liftmesh.formats.sheet import Sheet
+from liftmesh.formats.streams import remaining
+from liftmesh.formats.triangles import checked_faces
+
+Array = NDArray[Any]
+
+_POINTS = ("points", "vertices", "xyz")
+_FACES = ("faces", "triangles")
+_RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
+
+# Deflate shrinks nothing more than 1,032-fold.
+_DENSEST = 1100
+
+_BROKEN = (
+    ValueError, SyntaxError, EOFError, OSError, KeyError, NotImplementedError, RuntimeError,
+    OverflowError, MemoryError, zlib.error, zipfile.BadZipFile,
+)  # fmt: skip
+
+
+def read_npy(stream: BinaryIO, name: str) -> Cloud:
+    """Read points from an NPY file.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Cloud
+        Of an (n, 2) or (n, 3) array of numbers; of a structured array with fields x and y, all
+        fields as if they were columns of a PLY file.
+
+    Raises
+    ------
+    FormatError
+        The file is broken, or the array is of another shape or type.
+    """
+    return _points_alone(_array(stream, remaining(stream), name), name)
+
+
+def read_npz(stream: BinaryIO, name: str) -> Cloud:
+    """Read a cloud or mesh from an NPZ file.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Cloud
+        ``points`` (or ``vertices``, or the only array there is) as float64; ``faces``, ``colors``
+        and ``normals``; other arrays of n rows as attributes. Arrays that fit nowhere are named in
+        ``metadata["skipped"]``.
+
+    Raises
+    ------
+    FormatError
+        The file is broken, or has no array of points.
+    """
+    arrays = _members(stream, name)
+    key = next((each for each in _POINTS if each in arrays), None)
+    if key is None and len(arrays) == 1:
+        return _points_alone(*arrays.values(), name)
+    if key is None:
+        raise FormatError(
+            f"{name}: no array is called points: there are {', '.join(sorted(arrays)) or 'none'}"
+        )
+    return _cloud(_points(arrays.pop(key), name), arrays, name)
+
+
+def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> None:
+    """Write a cloud or mesh as NPZ: every array in its own type.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Where to write.
+    cloud : Cloud
+        ``points``, and if it has them ``colors``, ``normals``, ``faces`` and each attribute by its
+        name.
+    compressed : bool
+        Deflate the arrays.
+
+    Raises
+    ------
+    FormatError
+        An attribute has the name of one of these, or holds Python objects.
+    """
+    parts = {"colors": cloud.colors, "normals": cloud.normals, "faces": cloud.faces}
+    arrays = {key: values for key, values in parts.items() if values is not None}
+    for key, values in cloud.attributes.items():
+        if key in _RESERVED or values.dtype.hasobject:
+            raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
+    save = np.savez_compressed if compressed else np.savez
+    save(stream, **{"points": cloud.points, **arrays, **cloud.attributes})
+
+
+def _members(stream: BinaryIO, name: str) -> dict[str, Array]:
+    try:
+        with zipfile.ZipFile(stream) as archive:
+            return {
+                each.filename.removesuffix(".npy"): _member(archive, each, name)
+                for each in archive.infolist()
+                if each.filename.endswith(".npy")
+            }
+    except FormatError:
+        raise
+    except _BROKEN as error:
+        raise FormatError(f"{name}: not a whole NPZ file: {error}") from error
+
+
+def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> Array:
+    where = f"{name}: {info.filename}"
+    if info.file_size > _DENSEST * (info.compress_size + 1):
+        raise FormatError(f"{where}: {info.file_size} bytes cannot come of {info.compress_size}")
+    return _array(io.BytesIO(archive.read(info)), info.file_size, where)
+
+
+def _array(stream: BinaryIO, size: int, name: str) -> Array:
+    """Read one array of ``size`` bytes, header included."""
+    begin = stream.tell()
+    try:
+        expected = header_of(stream)
+        here = stream.tell() - begin
+        if here + expected > size:
+            raise FormatError(
+                f"{name}: byte {here}: the header promises {expected} bytes, but {size - here} "
+                "are left: the file is cut short, or its header is wrong"
+            )
+        stream.seek(begin)
+        array: Array = npy.read_array(stream, allow_pickle=False)
+    except FormatError:
+        raise
+    except _BROKEN as error:
+        raise FormatError(f"{name}: not a whole NPY array: {error}") from error
+    return array
+
+
+def _points_alone(array: Array, name: str) -> Cloud:
+    if array.dtype.names is None:
+        return Cloud(_points(array, name))
+    types = {each: array.dtype[each] for each in array.dtype.names}
+    numeric = all(each.kind in "biuf" for each in types.values())
+    if array.ndim != 1 or not numeric or not {"x", "y"} <= types.keys():
+        raise FormatError(f"{name}: a structured array needs numeric fields x and y: {array.dtype}")
+    sheet = Sheet(types, len(array))
+    for each in types:
+        sheet.columns[each][:] = array[each]
+    return sheet.cloud(None, {})
+
+
+def _points(array: Array, name: str) -> NDArray[np.float64]:
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise FormatError(
+            f"{name}: the points have shape {array.shape}, not (n, 2) or (n, 3): save "
+            "array[:, :3] as points, and further columns by name with numpy.savez"
+        )
+    if array.dtype.kind not in "iuf":
+        raise FormatError(f"{name}: points of type {array.dtype} are no coordinates: convert them")
+    points = np.zeros((len(array), 3))
+    points[:, : array.shape[1]] = array
+    inexact = (points[:, : array.shape[1]] != array) & (array == array)  # noqa: PLR0124 - not NaN
+    if inexact.any():
+        row = int(np.argmax(inexact.any(axis=1)))
+        raise FormatError(f"{name}: row {row} is {array[row].tolist()}: no double holds that")
+    return points
+
+
+def _cloud(points: NDArray[np.float64], arrays: Mapping[str, Array], name: str) -> Cloud:
+    faces = next((arrays[each] for each in _FACES if each in arrays), None)
+    rest = {key: values for key, values in arrays.items() if key not in _RESERVED}
+    fitting = {key: v for key, v in rest.items() if v.ndim and len(v) == len(points)}
+    skipped = tuple(f"{key} {v.shape}" for key, v in rest.items() if key not in fitting)
+    return Cloud(
+        points,
+        colors=_rows(arrays, "colors", (3, 4), len(points), name),
+        normals=_rows(arrays, "normals", (3,), len(points), name),
+        attributes=fitting,
+        faces=None if faces is None else checked_faces(faces, len(points), name),
+        metadata={"skipped": skipped} if skipped else {},
+    )
+
+
+def _rows(
+    arrays: Mapping[str, Array], key: str, widths: tuple[int, ...], rows: int, name: str
+) -> Array | None:
+    values = arrays.get(key)
+    if values is None:
+        return None
+    if values.ndim != 2 or len(values) != rows or values.shape[1] not in widths:
+        raise FormatError(f"{name}: {key} have shape {values.shape} for {rows} points")
+    if values.dtype.kind not in "iuf":
+        raise FormatError(f"{name}: {key} of type {values.dtype} are no numbers")
+    return values
+
+
+NPY = Format(
+    name="npy",
+    suffixes=(".npy",),
+    read=read_npy,
+    write=None,
+    description="one NumPy array of points",
+)
+
+NPZ = Format(
+    name="npz",
+    suffixes=(".npz",),
+    read=read_npz,
+    write=write_npz,
+    description="NumPy arrays by name: points, faces, colors, normals, attributes",
+)

@@ -1,0 +1,122 @@
+"""The faces of an OBJ file: corners as vertex, vertex/texture, vertex/texture/normal, vertex//normal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.errors import FormatError
+from liftmesh.formats.lines import Block, shown
+from liftmesh.formats.ragged import Ragged
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Corners:
+    """Faces as ragged rows of vertices counted from 0, the normal of each corner (-1: none), and
+    the line of each face.
+    """
+
+    vertices: Ragged
+    normals: Indices
+    lines: Indices
+
+    @classmethod
+    def joined(cls, parts: Sequence[Corners]) -> Corners:
+        """Stack faces upon faces."""
+        return cls(
+            Ragged.joined([each.vertices for each in parts]),
+            np.concatenate([each.normals for each in parts]),
+            np.concatenate([each.lines for each in parts]),
+        )
+
+
+def parse_corners(
+    faces: Block, name: str, numbers: tuple[list[int], list[int]], before: tuple[int, int]
+) -> Corners:
+    """Parse the face lines of a block.
+
+    Parameters
+    ----------
+    faces : Block
+        What follows the keyword ``f``.
+    name : str
+        The file's name for messages.
+    numbers : pair of lists of int
+        The lines of the block's vertices and of its normals: backward indices count from there.
+    before : pair of int
+        How many vertices and normals the blocks before had.
+
+    Raises
+    ------
+    FormatError
+        A corner is broken; the message names its line.
+    """
+    lines = np.array(faces.numbers, dtype=np.int64)
+    corners = [text.split() for text in faces.texts]
+    sizes = np.fromiter(map(len, corners), np.int64, len(corners))
+    try:
+        vertices, normals = _indices([corner for row in corners for corner in row])
+    except (ValueError, OverflowError) as error:
+        raise _blame(faces, corners, name) from error
+    at = np.repeat(lines, sizes)
+    return Corners(
+        Ragged(sizes, _from_zero(vertices, at, numbers[0], before[0])),
+        _from_zero(normals, at, numbers[1], before[1]),
+        lines,
+    )
+
+
+def _indices(corners: list[str]) -> tuple[Indices, Indices]:
+    """Split corners into vertex and normal numbers, 0 for no normal."""
+    joined = " ".join(corners)
+    if "_" in joined:
+        raise ValueError("_")
+    if "/" not in joined:
+        vertices = np.fromiter(map(int, corners), np.int64, len(corners))
+        return _nonzero(vertices), np.zeros(len(corners), dtype=np.int64)
+    parts = [corner.split("/") for corner in corners]
+    if max(map(len, parts)) > 3:
+        raise ValueError("/")
+    count = len(parts)
+    vertices = np.fromiter((int(part[0]) for part in parts), np.int64, count)
+    has_normal = np.fromiter((len(part) == 3 for part in parts), bool, count)
+    normals = np.zeros(count, dtype=np.int64)
+    normals[has_normal] = [int(part[2]) for part in parts if len(part) == 3]
+    _nonzero(normals[has_normal])
+    return _nonzero(vertices), normals
+
+
+def _nonzero(numbers: Indices) -> Indices:
+    if not numbers.all():
+        raise ValueError("0")
+    return numbers
+
+
+def _from_zero(numbers: Indices, at: Indices, lines: list[int], before: int) -> Indices:
+    """Count from 0; negative numbers count back from what the file held up to their own line."""
+    backward = numbers < 0
+    if not backward.any():
+        return numbers - 1
+    so_far = before + np.searchsorted(np.array(lines, dtype=np.int64), at)
+    resolved = np.where(backward, so_far + numbers, numbers - 1)
+    # Back beyond the first is no vertex at all; -1 would mean that there is no normal.
+    return np.where(backward & (resolved < 0), resolved - 1, resolved)
+
+
+def _blame(faces: Block, corners: list[list[str]], name: str) -> FormatError:
+    for row, number in zip(corners, faces.numbers, strict=True):
+        for corner in row:
+            try:
+                _indices([corner])
+            except (ValueError, OverflowError):
+                return FormatError(
+                    f"{name}: line {number}: {shown(corner)} is no corner of a face: it should be "
+                    "vertex, vertex/texture, vertex/texture/normal or vertex//normal, "
+                    "counted from 1"
+                )
+    return FormatError(f"{name}: line {faces.numbers[0]} or later: a face is broken")

@@ -1,0 +1,160 @@
+"""OBJ to Cloud.
+
+An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, ``vn`` a normal,
+``f`` a face whose corners are vertex, vertex/texture, vertex/texture/normal or vertex//normal,
+counted from 1, or backwards from the last one so far. The lines are taken in large blocks and
+sorted by keyword, so that all vertices of a block are parsed at once. Keywords that say nothing
+about the shape are counted and passed over.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError
+from liftmesh.formats.colors import recognized
+from liftmesh.formats.lines import BLOCK, Block, Lines, number_table
+from liftmesh.formats.obj_corners import Corners, parse_corners
+from liftmesh.formats.obj_normals import vertex_normals
+from liftmesh.formats.triangles import remarks, triangulated
+
+Array = NDArray[Any]
+
+# How many values a vertex line may have: x y z, with a weight, with r g b, with alpha.
+_VERTEX_WIDTHS = (3, 4, 6, 7)
+
+
+def read_obj(stream: BinaryIO, name: str) -> Cloud:
+    """Read an OBJ file.
+
+    Parameters
+    ----------
+    stream : binary stream
+        At the first byte of the file.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Cloud
+        Coordinates as float64; colours ``v x y z r g b`` as uint8 if they are multiples of 1/255,
+        else as floats; normals if all corners of a vertex agree on one. ``metadata`` counts
+        ``ignored`` lines by keyword, ``polygons`` cut into triangles, ``degenerate_faces`` of fewer
+        than three corners left out.
+
+    Raises
+    ------
+    FormatError
+        A line is broken; the message names it.
+    """
+    reading = _Reading(name)
+    lines = Lines(_continued(stream), name, comments=("#",))
+    while len(block := lines.take(BLOCK)):
+        reading.take(block)
+    return reading.cloud()
+
+
+def _continued(stream: BinaryIO) -> Iterator[bytes]:
+    """Join lines that end in a backslash; empty lines in their place keep the count right."""
+    held = b""
+    passed = 0
+    for line in stream:
+        text = line.rstrip(b"\r\n")
+        if text.endswith(b"\\"):
+            held += text[:-1] + b" "
+            passed += 1
+            continue
+        yield from [b""] * passed
+        yield held + line
+        held, passed = b"", 0
+    yield held
+
+
+@dataclass(slots=True)
+class _Reading:
+    """One OBJ file on its way into a Cloud: what the blocks gave so far."""
+
+    name: str
+    vertices: list[Array] = field(default_factory=list)
+    normals: list[Array] = field(default_factory=list)
+    corners: list[Corners] = field(default_factory=list)
+    ignored: Counter[str] = field(default_factory=Counter)
+    vertex_count: int = 0
+    normal_count: int = 0
+
+    def take(self, block: Block) -> None:
+        sorted_lines = self._sorted(block)
+        v, vn, f = (sorted_lines[key] for key in ("v", "vn", "f"))
+        if len(f):
+            before = (self.vertex_count, self.normal_count)
+            self.corners.append(parse_corners(f, self.name, (v.numbers, vn.numbers), before))
+        self._take_vertices(v)
+        if len(vn):
+            self.normals.append(number_table(vn, self.name, width=3))
+        self.vertex_count += len(v)
+        self.normal_count += len(vn)
+
+    def _sorted(self, block: Block) -> dict[str, Block]:
+        found = {key: Block([], []) for key in ("v", "vn", "f")}
+        for text, number in zip(block.texts, block.numbers, strict=True):
+            keyword, *rest = text.split(None, 1)
+            if keyword not in found:
+                self.ignored[keyword] += 1
+            elif not rest:
+                raise FormatError(f"{self.name}: line {number}: {keyword!r} without values")
+            else:
+                found[keyword].texts.append(rest[0])
+                found[keyword].numbers.append(number)
+        return found
+
+    def _take_vertices(self, block: Block) -> None:
+        if not len(block):
+            return
+        width = self.vertices[0].shape[1] if self.vertices else None
+        table = number_table(block, self.name, width=width)
+        if table.shape[1] not in _VERTEX_WIDTHS:
+            raise FormatError(
+                f"{self.name}: line {block.numbers[0]}: a vertex has 3 coordinates, and perhaps "
+                f"3 colours: found {table.shape[1]} values"
+            )
+        if table.shape[1] == 4:
+            self.ignored["weight of v"] += len(table)
+        self.vertices.append(table)
+
+    def cloud(self) -> Cloud:
+        if not self.vertices:
+            raise FormatError(f"{self.name}: no line 'v x y z': no OBJ file, or one of no vertices")
+        table = np.concatenate(self.vertices)
+        corners = Corners.joined(self.corners) if self.corners else None
+        metadata: dict[str, Any] = {"ignored": dict(self.ignored)} if self.ignored else {}
+        faces = None
+        if corners is not None:
+            lines = corners.lines
+            faces = triangulated(
+                corners.vertices, len(table), self.name, lambda face: f"line {lines[face]}: face"
+            )
+            metadata |= remarks(corners.vertices)
+        extra = np.ascontiguousarray(table[:, 3:]) if table.shape[1] >= 6 else None
+        colors = None if extra is None else recognized(extra)
+        # Three more values that cannot be colours are kept under a name of their own.
+        attributes = {"color": extra} if extra is not None and colors is None else {}
+        return Cloud(
+            np.ascontiguousarray(table[:, :3]),
+            colors=colors,
+            normals=self._normals(corners, len(table)),
+            attributes=attributes,
+            faces=faces,
+            metadata=metadata,
+        )
+
+    def _normals(self, corners: Corners | None, vertices: int) -> Array | None:
+        if not self.normals:
+            return None
+        return vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)

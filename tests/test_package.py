@@ -1,0 +1,113 @@
+"""The package as a whole: what an import loads, what its names mean, and where its version stands."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import liftmesh
+
+ROOT = Path(__file__).resolve().parent.parent
+HEAVY = ("trimesh", "scipy", "open3d", "matplotlib", "typer", "click", "rich", "pandas")
+
+
+def run(*command: str, cwd: Path) -> str:
+    """Run a command away from the repository and return what it prints."""
+    done = subprocess.run(command, cwd=cwd, check=True, capture_output=True, text=True)
+    return done.stdout
+
+
+def python(code: str, cwd: Path) -> str:
+    return run(sys.executable, "-c", code, cwd=cwd)
+
+
+def loaded_after(code: str, cwd: Path) -> set[str]:
+    names = python(f"{code}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))", cwd)
+    return {name.partition(".")[0] for name in json.loads(names)}
+
+
+def test_import_loads_no_library_but_numpy(tmp_path: Path) -> None:
+    assert loaded_after("import liftmesh", tmp_path).isdisjoint(HEAVY)
+
+
+def test_planar_triangulation_loads_no_library_but_numpy(tmp_path: Path) -> None:
+    code = "import liftmesh; liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).find_simplex([[0, 0]])"
+    loaded = loaded_after(code, tmp_path)
+    assert "numpy" in loaded
+    assert loaded.isdisjoint(HEAVY)
+
+
+def test_surface_from_an_array_loads_no_library_but_numpy(tmp_path: Path) -> None:
+    code = "import liftmesh; liftmesh.triangulate([[0, 0, 1], [1, 0, 2], [0, 1, 3]])"
+    assert loaded_after(code, tmp_path).isdisjoint(HEAVY)
+
+
+def test_every_public_name_stays_what_it_was() -> None:
+    for name in liftmesh.__all__:
+        first = getattr(liftmesh, name)
+        assert getattr(liftmesh, name) is first
+        assert not isinstance(first, ModuleType), f"liftmesh.{name} is a module"
+
+
+def test_every_public_name_stays_what_it_was_after_all_modules_are_loaded(tmp_path: Path) -> None:
+    code = """
+import importlib, pkgutil, types, liftmesh
+for module in pkgutil.walk_packages(liftmesh.__path__, "liftmesh."):
+    if not module.name.endswith("__main__"):
+        importlib.import_module(module.name)
+print([n for n in liftmesh.__all__ if isinstance(getattr(liftmesh, n), types.ModuleType)])
+"""
+    assert python(code, tmp_path).strip() == "[]"
+
+
+def test_no_module_bears_the_name_of_a_public_name() -> None:
+    modules = {module.name for module in pkgutil.iter_modules(liftmesh.__path__)}
+    assert len(modules) > 10
+    assert modules.isdisjoint(liftmesh.__all__)
+
+
+def test_public_names_are_listed_and_unique() -> None:
+    assert set(liftmesh.__all__) <= set(dir(liftmesh))
+    assert len(set(liftmesh.__all__)) == len(liftmesh.__all__)
+
+
+def test_star_import_brings_the_public_names(tmp_path: Path) -> None:
+    code = "from liftmesh import *\nimport json; print(json.dumps(sorted(globals())))"
+    assert set(liftmesh.__all__) <= set(json.loads(python(code, tmp_path)))
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'delauney'"):
+        liftmesh.delauney  # noqa: B018 - the access is the test
+
+
+def test_the_version_stands_in_one_place(tmp_path: Path) -> None:
+    version = importlib.metadata.version("liftmesh")
+    assert liftmesh.__version__ == version
+    assert f'version = "{version}"' in (ROOT / "pyproject.toml").read_text("utf-8")
+    assert f"[{version}]" in (ROOT / "CHANGELOG.md").read_text("utf-8")
+    for source in (ROOT / "liftmesh").rglob("*.[ch]pp"):
+        assert version not in source.read_text("utf-8"), source
+    for source in (ROOT / "liftmesh").rglob("*.py"):
+        assert version not in source.read_text("utf-8"), source
+
+
+@pytest.mark.parametrize(
+    "command", [["-m", "liftmesh"], [str(Path(sys.executable).parent / "liftmesh")]]
+)
+def test_the_command_line_tells_the_version(command: list[str], tmp_path: Path) -> None:
+    words = [sys.executable, *command] if command[0] == "-m" else command
+    assert run(*words, "--version", cwd=tmp_path).split() == ["liftmesh", liftmesh.__version__]
+
+
+def test_type_information_is_shipped() -> None:
+    folder = Path(liftmesh.__path__[0])
+    assert (folder / "py.typed").is_file()
+    assert (folder / "_kernel.pyi").is_file()
