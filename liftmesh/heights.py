@@ -217,7 +217,8 @@ def _means(heights: Heights, starts: NDArray[np.int64]) -> Heights:
     """Average each run of increasing heights, within the run's range.
 
     Runs of huge heights are scaled down by a power of two, so that no sum overflows. The mean of
-    the deviations from a first mean makes good what that lost to rounding in a long run.
+    the deviations from a first mean makes good what that lost to rounding in a long run; of two
+    heights the first mean is the right one.
     """
     counts = np.diff(starts, append=len(heights))
     lows, highs = heights[starts], heights[starts + counts - 1]
@@ -225,4 +226,4 @@ def _means(heights: Heights, starts: NDArray[np.int64]) -> Heights:
     scaled = heights * np.repeat(scales, counts)
     rough = np.add.reduceat(scaled, starts) / counts
     rest = np.add.reduceat(scaled - np.repeat(rough, counts), starts) / counts
-    return np.clip((rough + rest) / scales, lows, highs)
+    return np.clip((rough + np.where(counts > 2, rest, 0.0)) / scales, lows, highs)

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 from hypothesis import settings
-
-# Open3D starts a thread for every core in every worker; the tests' clouds are small.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 settings.register_profile("liftmesh", derandomize=True, deadline=None, database=None)
 settings.load_profile("liftmesh")
@@ -18,7 +13,7 @@ LEFT_OUT = ("skipped", "xfailed", "deselected")
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Fail a whole run in which a test was left out: a missing package must not look like success."""
+    """Fail a whole run in which a test was left out: what is missing must not look like success."""
     if session.config.option.keyword or session.config.option.markexpr:
         return  # someone chose some tests by hand
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")

@@ -1,4 +1,4 @@
-"""The shipped clouds: made again by their script they are the same bytes, and they are what data/README.md says."""
+"""The shipped clouds: their script makes the same bytes again, and they hold what is said."""
 
 from __future__ import annotations
 

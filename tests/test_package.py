@@ -1,4 +1,4 @@
-"""The package as a whole: what an import loads, what its names mean, and where its version stands."""
+"""The package as a whole: what an import loads, what its names mean, where its version stands."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
 // A triangle's place in the result is the number of real triangles in the slots before its own. A
-// bit for each real slot, with a running count for each 64 of them, answers that in two loads.
+// bit for each real slot, with a running count for each 64 of them, answers that in two loads; most
+// words have no ghost at all, and then nothing needs counting.
 
 #include "emit.hpp"
 
@@ -29,10 +30,11 @@ class Ranks {
     }
 
     std::size_t total() const { return total_; }
-    bool is_real(TriangleId t) const { return bits_[t / 64] >> (t % 64) & 1; }
     std::int32_t operator[](TriangleId t) const {
-        if (!is_real(t)) return -1;
-        const std::uint64_t lower = bits_[t / 64] & ((std::uint64_t{1} << (t % 64)) - 1);
+        const std::uint64_t word = bits_[t / 64];
+        if (word == ~std::uint64_t{0}) return static_cast<std::int32_t>(before_[t / 64] + t % 64);
+        if ((word >> (t % 64) & 1) == 0) return -1;
+        const std::uint64_t lower = word & ((std::uint64_t{1} << (t % 64)) - 1);
         return static_cast<std::int32_t>(before_[t / 64] +
                                          static_cast<std::uint32_t>(std::popcount(lower)));
     }

@@ -41,7 +41,7 @@ def read(path: Path, file_format: str | None) -> Cloud:
         return formats.read(source, format=file_format)
 
 
-def write(path: Path, mesh: Any, file_format: str | None) -> Written:
+def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     """Write a mesh, or to stdout if the path is ``-``.
 
     Parameters

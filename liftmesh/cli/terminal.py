@@ -65,6 +65,27 @@ def sentence(text: str, style: str = "") -> None:
     console.print(Text(text, style=STYLES[style]), soft_wrap=not console.is_terminal)
 
 
+def item(text: str) -> None:
+    """Print one point of a list, with a hanging indent on a terminal.
+
+    Parameters
+    ----------
+    text : str
+        What to say.
+    """
+    if not _stdout().is_terminal:
+        sentence(f"- {text}")
+        return
+    grid = Table.grid(padding=(0, 1))
+    grid.add_row(Text("•", style=STYLES["name"]), Text(text, style=STYLES["quiet"]))
+    _stdout().print(grid)
+
+
+def blank() -> None:
+    """Print an empty line."""
+    sys.stdout.write("\n")
+
+
 def table(rows: Sequence[tuple[str, ...]], *, header: tuple[str, ...] = ()) -> None:
     """Print aligned columns on stdout: names on the left, values on the right.
 

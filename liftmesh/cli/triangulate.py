@@ -99,3 +99,13 @@ def _counts(report: Report) -> dict[str, int]:
         "not finite": report.skipped,
         "triangles": report.triangles,
     }
+
+
+def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
+    return {
+        "written": asdict(written),
+        **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
+        "policy": report.policy,
+        "left_out": report.left_out.tolist(),
+        "seconds": seconds,
+    }

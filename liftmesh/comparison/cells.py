@@ -138,7 +138,9 @@ def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows
     return apex
 
 
-def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> NDArray[np.bool_]:
+def unbalanced_cells(
+    cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]
+) -> NDArray[np.bool_]:
     """Find the cells in which two sets of triangles do not have the same boundary.
 
     Parameters

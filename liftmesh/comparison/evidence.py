@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.comparison.cells import Cells, opposite_rows
-from liftmesh.comparison.differences import Differences
 from liftmesh.comparison.proofs import Proof, broken_cell, confirm, refute
-from liftmesh.triangulation import Triangulation
+
+if TYPE_CHECKING:
+    from liftmesh.comparison.differences import Differences
+    from liftmesh.triangulation import Triangulation
 
 Rows = NDArray[np.int32]
 

@@ -97,7 +97,7 @@ def _lifted(points: Points, rows: Rows, q: tuple[float, float]) -> Points:
 
 
 def _convex_hull(lifted: Points) -> tuple[Any, float, str | None]:
-    """trimesh's hull (or None), the seconds it took, and why it failed."""
+    """Build trimesh's hull (or None); tell the seconds it took and why it failed."""
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
     convex, qhull = load("trimesh.convex"), load("scipy.spatial")

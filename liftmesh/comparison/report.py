@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.cloud import Cloud
 from liftmesh.comparison.matching import used_rows
-from liftmesh.comparison.proofs import Proof
 from liftmesh.lifting import LowerHull, lift
-from liftmesh.triangulation import Triangulation
+
+if TYPE_CHECKING:
+    from liftmesh.comparison.proofs import Proof
+    from liftmesh.triangulation import Triangulation
 
 Rows = NDArray[np.int32]
 Verdict = Literal["identical", "cocircular", "different", "failed"]
@@ -114,7 +116,7 @@ class Comparison:
         return self.verdict in {"identical", "cocircular"}
 
     def lower_hull(self) -> LowerHull:
-        """liftmesh's lower hull of the lifted points, as a mesh.
+        """Give liftmesh's lower hull of the lifted points, as a mesh.
 
         Returns
         -------
@@ -124,7 +126,7 @@ class Comparison:
         return self.triangulation.lifted(q=self.q)
 
     def trimesh_hull(self) -> Cloud:
-        """trimesh's whole hull on the vertices of :meth:`lower_hull`.
+        """Give trimesh's whole hull on the vertices of :meth:`lower_hull`.
 
         Returns
         -------
@@ -134,7 +136,7 @@ class Comparison:
         return Cloud(lift(self.triangulation.points, q=self.q), faces=self.hull)
 
     def trimesh_lower_facets(self) -> Cloud:
-        """The lower facets of trimesh's hull on the vertices of :meth:`lower_hull`.
+        """Give the lower facets of trimesh's hull on the vertices of :meth:`lower_hull`.
 
         Returns
         -------
@@ -144,7 +146,7 @@ class Comparison:
         return Cloud(lift(self.triangulation.points, q=self.q), faces=self.lower)
 
     def conclusion(self) -> str:
-        """The verdict in a sentence."""
+        """Say the verdict in a sentence."""
         sentence = _FAULT if self.violations else _CONCLUSIONS[self.verdict]
         return sentence.format(
             cells=f"{self.cells:,}",

@@ -1,7 +1,6 @@
 """NumPy's own files: one array of points (NPY), or points with all that belongs to them (NPZ).
 
-Nothing is unpickled: a file cannot run code. Sizes are compared with what the file really holds
-before memory is taken for them.
+Nothing is unpickled: a file cannot run code.
 """
 
 from __future__ import annotations
@@ -13,15 +12,13 @@ from collections.abc import Mapping
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.format import Format
-from liftmesh.formats.npz_header import header_of
+from liftmesh.formats.npy_array import read_array
 from liftmesh.formats.sheet import Sheet
-from liftmesh.formats.streams import remaining
 from liftmesh.formats.triangles import checked_faces
 
 Array = NDArray[Any]
@@ -33,9 +30,10 @@ _RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
 # Deflate shrinks nothing more than 1,032-fold.
 _DENSEST = 1100
 
+# What zipfile raises for files that are damaged, encrypted, or compressed in an unknown way.
 _BROKEN = (
-    ValueError, SyntaxError, EOFError, OSError, KeyError, NotImplementedError, RuntimeError,
-    OverflowError, MemoryError, zlib.error, zipfile.BadZipFile,
+    zipfile.BadZipFile, zlib.error, EOFError, ValueError, OSError, NotImplementedError,
+    RuntimeError, OverflowError,
 )  # fmt: skip
 
 
@@ -60,7 +58,7 @@ def read_npy(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         The file is broken, or the array is of another shape or type.
     """
-    return _points_alone(_array(stream, remaining(stream), name), name)
+    return _points_alone(read_array(stream, name), name)
 
 
 def read_npz(stream: BinaryIO, name: str) -> Cloud:
@@ -141,27 +139,7 @@ def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> Array
     where = f"{name}: {info.filename}"
     if info.file_size > _DENSEST * (info.compress_size + 1):
         raise FormatError(f"{where}: {info.file_size} bytes cannot come of {info.compress_size}")
-    return _array(io.BytesIO(archive.read(info)), info.file_size, where)
-
-
-def _array(stream: BinaryIO, size: int, name: str) -> Array:
-    """Read one array of ``size`` bytes, header included."""
-    begin = stream.tell()
-    try:
-        expected = header_of(stream)
-        here = stream.tell() - begin
-        if here + expected > size:
-            raise FormatError(
-                f"{name}: byte {here}: the header promises {expected} bytes, but {size - here} "
-                "are left: the file is cut short, or its header is wrong"
-            )
-        stream.seek(begin)
-        array: Array = npy.read_array(stream, allow_pickle=False)
-    except FormatError:
-        raise
-    except _BROKEN as error:
-        raise FormatError(f"{name}: not a whole NPY array: {error}") from error
-    return array
+    return read_array(io.BytesIO(archive.read(info)), where)
 
 
 def _points_alone(array: Array, name: str) -> Cloud:

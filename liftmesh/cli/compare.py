@@ -1,0 +1,129 @@
+"""``liftmesh compare``: liftmesh's lower hull held against trimesh's convex hull."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liftmesh.cli import exit_codes, files, options, terminal
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.comparison import Comparison
+
+HELP = (
+    "Hold liftmesh's triangles against the lower facets of trimesh's convex hull (Qhull) of the "
+    "same lifted points. Differences inside exactly cocircular cells are choices; all others are "
+    "errors, and come with exact proofs. Exit code 1 when there are any."
+)
+EXAMPLES = [
+    "liftmesh compare cloud.ply",
+    "liftmesh compare cloud.ply --lower lower.ply --hull hull.ply",
+    "liftmesh compare utm.csv --q origin --proofs 3",
+]
+
+
+def run(
+    source: options.Source,
+    q: Annotated[
+        str,
+        typer.Option(
+            "--q",
+            metavar="Q",
+            help="Vertex of the paraboloid: median (Qhull's best chance), origin or QX,QY.",
+        ),
+    ] = "median",
+    lower: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write liftmesh's lower hull of the lifted points."),
+    ] = None,
+    hull: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write trimesh's whole hull of them.")
+    ] = None,
+    proofs: Annotated[int, typer.Option(min=0, help="How many proofs at most.")] = 4,
+    plane: options.Plane = "xy",
+    nonfinite: options.SkipNonFinite = "error",
+    source_format: options.SourceFormat = None,
+    json: options.Json = False,
+) -> None:
+    """Compare, write the hulls that were asked for, and say who is right.
+
+    Parameters
+    ----------
+    source : Path
+        IN.
+    q, plane, nonfinite : str
+        As in `liftmesh.compare`.
+    lower, hull : Path, optional
+        Files to write.
+    proofs : int
+        How many proofs at most.
+    source_format : str, optional
+        Format, in place of the suffix.
+    json : bool
+        Print JSON.
+    """
+    vertex, frame = options.parse_q(q), options.parse_plane(plane)
+    files.check_target(lower)
+    files.check_target(hull)
+    cloud = files.read(source, source_format)
+    result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=proofs)
+    if lower is not None:
+        files.write(lower, result.lower_hull())
+    if hull is not None and result.error is None:
+        files.write(hull, result.trimesh_hull())
+    if json:
+        terminal.as_json(_values(result))
+    else:
+        _say(result)
+    if not result.agrees:
+        raise typer.Exit(exit_codes.DIFFERENT)
+
+
+def _compare(cloud: Cloud, **choices: Any) -> Comparison:
+    import liftmesh  # noqa: PLC0415 - help and --version do without
+
+    with terminal.stage(f"comparing {len(cloud):,} rows with trimesh's convex hull"):
+        return liftmesh.compare(cloud, **choices)
+
+
+def _say(result: Comparison) -> None:
+    terminal.table(result.table(), header=("", "liftmesh", "trimesh"))
+    terminal.blank()
+    terminal.sentence(result.conclusion(), "good" if result.agrees else "bad")
+    for proof in result.proofs:
+        terminal.item(str(proof))
+
+
+def _values(result: Comparison) -> dict[str, Any]:
+    return {
+        "verdict": result.verdict,
+        "error": result.error,
+        "q": list(result.q),
+        "triangles": result.triangles,
+        "lower_facets": len(result.lower),
+        "hull_facets": len(result.hull),
+        "vertical_facets": result.vertical,
+        "identical": result.identical,
+        "cocircular": result.cocircular,
+        "cells": result.cells,
+        "missing": len(result.missing),
+        "wrong": len(result.wrong),
+        "lost": len(result.lost),
+        "lost_rows": result.lost[:1000].tolist(),
+        "coincident": result.coincident,
+        "violations": result.violations,
+        "seconds": dict(result.seconds),
+        "proofs": [
+            {
+                "claim": proof.claim,
+                "rows": list(proof.rows),
+                "determinants": [[row, str(value)] for row, value in proof.determinants],
+                "tested": proof.tested,
+                "text": str(proof),
+            }
+            for proof in result.proofs
+        ],
+    }

@@ -1,0 +1,105 @@
+"""``liftmesh info``: what is in a file, and what to expect of it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from liftmesh.cli import files, options, terminal
+
+if TYPE_CHECKING:
+    from liftmesh.cli.facts import Facts
+
+HELP = (
+    "Tell what a cloud or mesh holds: rows, extent, spacing, duplicates, overhangs, whether a "
+    "triangle exists, whether float32 is enough, and the memory that triangulating it takes."
+)
+EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
+
+
+def run(
+    source: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --from).")
+    ],
+    source_format: options.SourceFormat = None,
+    json: options.Json = False,
+) -> None:
+    """Read a file and print its facts.
+
+    Parameters
+    ----------
+    source : Path
+        FILE.
+    source_format : str, optional
+        Format, in place of the suffix.
+    json : bool
+        Print JSON.
+    """
+    cloud = files.read(source, source_format)
+    from liftmesh.cli.facts import gather  # noqa: PLC0415 - help and --version do without
+
+    with terminal.stage(f"measuring {len(cloud):,} rows"):
+        facts = gather(cloud)
+    if json:
+        terminal.as_json(asdict(facts) | {"float32_is_enough": facts.float32_is_enough})
+    else:
+        terminal.table(_lines(facts))
+
+
+def _lines(facts: Facts) -> list[tuple[str, str]]:
+    lines = [("rows", f"{facts.rows:,}" + _noted(facts.not_finite, "not finite"))]
+    if facts.faces:
+        lines.append(("faces", f"{facts.faces:,}"))
+    lines.append(("holds", ", ".join(("coordinates", *facts.holds))))
+    if facts.positions:
+        lines += _measures(facts)
+    return [*lines, ("triangulate", _outlook(facts))]
+
+
+def _measures(facts: Facts) -> list[tuple[str, str]]:
+    axes = zip("xyz", facts.minimum, facts.maximum, strict=True)
+    return [
+        *((axis, f"{low:.10g} to {high:.10g}  ({high - low:.6g})") for axis, low, high in axes),
+        ("spacing", _spacing(facts)),
+        ("duplicates", f"{facts.duplicates:,}"),
+        ("overhangs", f"{facts.overhangs:,}"),
+        ("float32", _float32(facts)),
+    ]
+
+
+def _noted(count: int, what: str) -> str:
+    return f", {count:,} {what}" if count else ""
+
+
+def _spacing(facts: Facts) -> str:
+    if facts.spacing is None:
+        return "none: one position"
+    return f"{facts.spacing:.6g}  (median distance to the nearest neighbour)"
+
+
+def _float32(facts: Facts) -> str:
+    if facts.float32_shift == 0:
+        return "enough: holds every coordinate exactly"
+    moved = f"moves coordinates by up to {facts.float32_shift:.3g}"
+    if facts.spacing:
+        moved += f", {facts.float32_shift / facts.spacing:.2g} of the spacing"
+    return f"enough: {moved}" if facts.float32_is_enough else f"not enough: {moved}"
+
+
+def _outlook(facts: Facts) -> str:
+    if facts.collinear:
+        reason = "all points lie on one line" if facts.positions > 2 else "needs three points"
+        return f"no triangle exists: {reason}"
+    skip = ", --nonfinite skip" if facts.not_finite else ""
+    return f"about {_size(facts.memory)} of memory{skip}"
+
+
+def _size(count: float) -> str:
+    for unit in ("B", "KB", "MB", "GB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} TB"

@@ -1,0 +1,50 @@
+"""One array in NumPy's NPY layout: a short header, then the values.
+
+``numpy.load`` takes the memory that a header asks for before it looks at the file. Here the header
+is compared with the file first.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from liftmesh.errors import FormatError
+from liftmesh.formats.streams import read_exactly
+
+Array = NDArray[Any]
+
+
+def read_array(stream: BinaryIO, name: str) -> Array:
+    """Read one array; its values are never unpickled.
+
+    Raises
+    ------
+    FormatError
+        The header is broken or promises more than is there, or the values are Python objects.
+    """
+    try:
+        shape, by_columns, dtype = _header(stream)
+    except (ValueError, SyntaxError, TypeError, EOFError, OverflowError, RecursionError) as error:
+        raise FormatError(f"{name}: not an NPY file, or its header is broken: {error}") from error
+    if dtype.hasobject:
+        raise FormatError(f"{name}: the array holds Python objects: save it as numbers")
+    if min(shape, default=0) < 0:
+        raise FormatError(f"{name}: the header says shape {shape}")
+    count = math.prod(shape)
+    data = read_exactly(stream, count * dtype.itemsize, name, f"{dtype} array of shape {shape}")
+    flat = np.frombuffer(bytearray(data), dtype, count) if data else np.empty(count, dtype)
+    return flat.reshape(shape, order="F" if by_columns else "C")
+
+
+def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype]:
+    version = npy.read_magic(stream)
+    if version == (1, 0):
+        return npy.read_array_header_1_0(stream)
+    if version == (2, 0):
+        return npy.read_array_header_2_0(stream)
+    raise ValueError(f"version {version} of the layout is not known")

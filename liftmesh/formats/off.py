@@ -1,0 +1,109 @@
+"""OFF: trimesh reads it; the writer is ours, since trimesh writes a fixed number of decimals.
+
+trimesh does not notice that faces are missing at the end of a file: that is checked here.
+"""
+
+from __future__ import annotations
+
+from typing import BinaryIO
+
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError
+from liftmesh.formats.digits import write_rows
+from liftmesh.formats.exchange import read_with_trimesh
+from liftmesh.formats.format import Format
+from liftmesh.formats.lines import Lines, fields
+
+
+def read_off(stream: BinaryIO, name: str) -> Cloud:
+    """Read an OFF file: coordinates and faces; trimesh passes over colours.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Cloud
+        Coordinates as float64, polygons as triangles.
+
+    Raises
+    ------
+    FormatError
+        The file is broken.
+    """
+    begin = stream.tell()
+    _check(Lines(stream, name, comments=("#",)), name)
+    stream.seek(begin)
+    return read_with_trimesh(stream, name, "off")
+
+
+def write_off(stream: BinaryIO, cloud: Cloud) -> None:
+    """Write coordinates and faces as OFF, with the shortest digits that round-trip.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Where to write.
+    cloud : Cloud
+        What to write; OFF has no place for normals and attributes, and colours are left out.
+    """
+    faces = 0 if cloud.faces is None else len(cloud.faces)
+    stream.write(f"OFF\n{len(cloud)} {faces} 0\n".encode("ascii"))
+    write_rows(stream, [cloud.points])
+    if cloud.faces is not None:
+        write_rows(stream, [cloud.faces], prefix="3 ")
+
+
+def _check(lines: Lines, name: str) -> None:
+    """Compare the counts with the lines that follow."""
+    words = _header(lines, name)
+    vertices, faces = (_count(word, lines, name) for word in words[:2])
+    for _ in range(vertices):
+        _expect(lines, 3, name)
+    for _ in range(faces):
+        _expect_face(lines, name)
+
+
+def _header(lines: Lines, name: str) -> list[str]:
+    words = fields(next(iter(lines), ""), None)
+    if words[:1] not in (["OFF"], ["COFF"]):
+        raise FormatError(f"{name}: not an OFF file: its first word is not OFF")
+    counts = words[1:] or fields(next(iter(lines), ""), None)
+    if len(counts) < 2:
+        raise FormatError(f"{name}: line {lines.number}: no counts of vertices and faces")
+    return counts
+
+
+def _count(word: str, lines: Lines, name: str) -> int:
+    if not (word.isascii() and word.isdigit()):
+        raise FormatError(f"{name}: line {lines.number}: {word!r} is no count")
+    return int(word)
+
+
+def _expect(lines: Lines, count: int, name: str) -> list[str]:
+    words = fields(next(iter(lines), ""), None)
+    if len(words) < count:
+        raise FormatError(
+            f"{name}: line {lines.number}: expected {count} values, found {len(words)}: "
+            "the file is cut short, or its counts are wrong"
+        )
+    return words
+
+
+def _expect_face(lines: Lines, name: str) -> None:
+    words = _expect(lines, 1, name)
+    if len(words) <= _count(words[0], lines, name):
+        raise FormatError(f"{name}: line {lines.number}: expected {words[0]} corners of a face")
+
+
+FORMAT = Format(
+    name="off",
+    suffixes=(".off",),
+    read=read_off,
+    write=write_off,
+    description="OFF: coordinates and faces as text",
+)

@@ -1,0 +1,138 @@
+"""The sources themselves: documentation that is whole, files that stay small, honest paths."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import inspect
+import re
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import liftmesh
+from liftmesh import errors
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "liftmesh"
+LONGEST_FILE = 450
+SUFFIXES = {".py", ".pyi", ".cpp", ".hpp", ".txt", ".md", ".toml", ".yaml", ".sh"}
+MADE_HERE = ("build", "out", "dist")
+
+EXCEPTIONS = {
+    name
+    for name, value in [*vars(errors).items(), *vars(builtins).items()]
+    if isinstance(value, type) and issubclass(value, BaseException)
+}
+
+
+def public_names() -> Iterator[tuple[str, object]]:
+    for name in liftmesh.__all__:
+        if name not in EXCEPTIONS and name != "__version__":
+            yield name, getattr(liftmesh, name)
+
+
+def public_methods() -> Iterator[tuple[str, object]]:
+    for name, value in public_names():
+        if inspect.isclass(value):
+            for key, member in vars(value).items():
+                if inspect.isfunction(member) and not key.startswith("_"):
+                    yield f"{name}.{key}", member
+
+
+NAMES = dict(public_names())
+METHODS = dict(public_methods())
+CALLABLES = {**METHODS, **{n: v for n, v in NAMES.items() if inspect.isfunction(v)}}
+
+
+def sections(value: object) -> dict[str, str]:
+    """Split a numpydoc docstring at its underlined headings; the summary stands under ""."""
+    parts = re.split(r"^([A-Z][A-Za-z ]+)\n-{3,}$", inspect.getdoc(value) or "", flags=re.MULTILINE)
+    return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
+
+
+def entries(section: str) -> list[str]:
+    """Return the names that a section describes: its lines at the margin, before the colon."""
+    lines = re.findall(r"^(\S.*)$", section, flags=re.MULTILINE)
+    names = [line.partition(" :")[0].split(", ") for line in lines]
+    return [name.lstrip("*") for group in names for name in group]
+
+
+@pytest.mark.parametrize("name", [*NAMES, *METHODS])
+def test_every_public_name_is_described_with_an_example(name: str) -> None:
+    found = sections({**NAMES, **METHODS}[name])
+    assert found[""].strip()
+    assert ">>> " in found.get("Examples", "")
+
+
+@pytest.mark.parametrize("name", CALLABLES)
+def test_parameters_and_results_are_described(name: str) -> None:
+    signature = inspect.signature(CALLABLES[name])  # type: ignore[arg-type]
+    found = sections(CALLABLES[name])
+    assert entries(found.get("Parameters", "")) == [p for p in signature.parameters if p != "self"]
+    assert ("Returns" in found) == (signature.return_annotation not in {"None", None})
+
+
+@pytest.mark.parametrize("name", [*NAMES, *METHODS])
+def test_documented_errors_exist(name: str) -> None:
+    raised = entries(sections({**NAMES, **METHODS}[name]).get("Raises", ""))
+    assert set(raised) <= EXCEPTIONS
+
+
+@pytest.mark.parametrize("name", CALLABLES)
+def test_errors_raised_in_a_body_are_documented(name: str) -> None:
+    tree = ast.parse(textwrap.dedent(inspect.getsource(CALLABLES[name])))  # type: ignore[arg-type]
+    calls = [node.exc for node in ast.walk(tree) if isinstance(node, ast.Raise)]
+    raised = {
+        call.func.id for call in calls if isinstance(call, ast.Call) and hasattr(call.func, "id")
+    }
+    assert raised & EXCEPTIONS <= set(entries(sections(CALLABLES[name]).get("Raises", "")))
+
+
+@pytest.mark.parametrize("name", ["Triangulation", "LowerHull"])
+def test_every_property_is_described(name: str) -> None:
+    for key, member in vars(NAMES[name]).items():
+        if not key.startswith("_"):
+            assert inspect.getdoc(member), f"{name}.{key}"
+
+
+def project_files() -> list[Path]:
+    return [
+        path
+        for path in ROOT.rglob("*")
+        if path.suffix in SUFFIXES
+        and not any(p.startswith(".") or p in MADE_HERE for p in path.relative_to(ROOT).parts)
+    ]
+
+
+def test_no_doctest_is_left_out() -> None:
+    switch = re.compile(r"doctest:.*" + "SKIP")
+    assert [p for p in PACKAGE.rglob("*.py") if switch.search(p.read_text("utf-8"))] == []
+
+
+def test_files_stay_small() -> None:
+    sources = [p for p in project_files() if p.suffix in {".py", ".cpp", ".hpp"}]
+    assert len(sources) > 50
+    lengths = {p: len(p.read_text("utf-8").splitlines()) for p in sources}
+    assert {p: n for p, n in lengths.items() if n > LONGEST_FILE} == {}
+
+
+def test_no_text_names_a_folder_of_one_machine() -> None:
+    folder = re.compile(r"(?<![\w.])/(?:home|root|tmp|work|Users)/\w")
+    assert [p for p in project_files() if folder.search(p.read_text("utf-8"))] == []
+
+
+def test_every_room_stands_in_the_architecture() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text("utf-8")
+    rooms = [p for p in PACKAGE.iterdir() if not p.name.startswith("__") and p.suffix != ".so"]
+    names = [f"{p.name}/" if p.is_dir() else p.name for p in rooms if p.name != "py.typed"]
+    assert [name for name in names if name not in text] == []
+
+
+def test_every_kernel_source_is_compiled() -> None:
+    core = PACKAGE / "_core"
+    listed = (core / "CMakeLists.txt").read_text("utf-8")
+    sources = [p.relative_to(core).as_posix() for p in core.rglob("*.cpp")]
+    assert [s for s in sources if s not in listed] == []
