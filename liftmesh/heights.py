@@ -129,14 +129,14 @@ def choose_carriers(
     carriers = groups.carriers(policy)
     moved, new_heights = groups.means() if policy == "mean" else (carriers[:0], heights[:0])
     stand_ins = groups.spread(carriers)
-    left = np.flatnonzero(groups.rows != stand_ins)
-    left = left[np.argsort(groups.rows[left])]
+    left = groups.rows != stand_ins
+    left_out, stand_ins = _sorted_pairs(groups.rows[left], stand_ins[left])
     return Choice(
         kept=groups.firsts(),
         carriers=carriers,
-        left_out=groups.rows[left],
-        stand_ins=stand_ins[left],
-        overhanging=heights[groups.rows[left]] != heights[stand_ins[left]],
+        left_out=left_out,
+        stand_ins=stand_ins,
+        overhanging=heights[left_out] != heights[stand_ins],
         moved=moved,
         new_heights=new_heights,
     )
@@ -168,11 +168,10 @@ class _Groups:
     @classmethod
     def of(cls, duplicates: Rows, heights: Heights) -> _Groups:
         kept = np.unique(duplicates[:, 1])
-        rows = np.concatenate([kept, duplicates[:, 0]])
-        keys = np.concatenate([kept, duplicates[:, 1]])
-        order = np.argsort(keys, kind="stable")
-        starts = np.flatnonzero(np.diff(keys[order], prepend=-1))
-        return cls(rows[order], heights[rows[order]], starts)
+        keys, rows = _sorted_pairs(
+            np.concatenate([kept, duplicates[:, 1]]), np.concatenate([kept, duplicates[:, 0]])
+        )
+        return cls(rows, heights[rows], np.flatnonzero(np.diff(keys, prepend=-1)))
 
     def firsts(self) -> Rows:
         return self.rows[self.starts]
@@ -211,6 +210,13 @@ class _Groups:
         counted = np.add.reduceat(keep.astype(np.int64), self.starts)[several]
         starts = np.cumsum(counted) - counted
         return self.firsts()[several], _means(ordered[keep], starts)
+
+
+def _sorted_pairs(first: Rows, second: Rows) -> tuple[Rows, Rows]:
+    """Sort pairs of rows by the first, then the second: as one number each, which sorts fastest."""
+    pairs = first.astype(np.int64) << 32 | second
+    pairs.sort()
+    return (pairs >> 32).astype(np.int32), (pairs & 0xFFFFFFFF).astype(np.int32)
 
 
 def _means(heights: Heights, starts: NDArray[np.int64]) -> Heights:

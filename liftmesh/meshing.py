@@ -84,7 +84,9 @@ def triangulate(
     UnsupportedTypeError
         No adapter turns the object into a cloud.
     FormatError
-        The file cannot be read.
+        The file is of an unknown format or broken.
+    OSError
+        The file is not there or cannot be opened.
 
     Examples
     --------
@@ -164,23 +166,33 @@ def _solve(
         planar = planar.copy()
         planar[~finite] = np.nan
     try:
-        return delaunay(planar, method=method, nonfinite=nonfinite)
+        solution = delaunay(planar, method=method, nonfinite=nonfinite)
     except NonFiniteError:
         raise _nonfinite_error(points, planar, heights) from None
+    _refuse_overflow(points, solution.skipped)
+    return solution
 
 
-def _nonfinite_error(
-    points: Coordinates, planar: Coordinates, heights: Coordinates
-) -> NonFiniteError:
+def _nonfinite_error(points: Coordinates, planar: Coordinates, heights: Coordinates) -> InputError:
     """Make the error for the first row that is not finite, in the caller's coordinates."""
     finite = np.isfinite(planar).all(axis=1) & np.isfinite(heights)
     row = int(np.argmin(finite))
-    if not np.isfinite(points[row]).all():
-        return non_finite(row, points[row])
-    return NonFiniteError(
+    if np.isfinite(points[row]).all():
+        return _overflow(row, points)
+    return non_finite(row, points[row])
+
+
+def _refuse_overflow(points: Coordinates, skipped: Rows) -> None:
+    """Raise for a finite row that was skipped because its planar coordinates overflow."""
+    overflown = skipped[np.isfinite(points[skipped]).all(axis=1)]
+    if len(overflown):
+        raise _overflow(int(overflown[0]), points)
+
+
+def _overflow(row: int, points: Coordinates) -> InputError:
+    return InputError(
         f"row {row}, {tuple(points[row].tolist())}, overflows in the coordinates of the plane: "
-        "scale the cloud down",
-        row=row,
+        "scale the cloud down"
     )
 
 

@@ -288,7 +288,9 @@ class Surface:
         Raises
         ------
         FormatError
-            The format is unknown or cannot hold the surface.
+            The format or an option is unknown, or the format cannot hold the surface.
+        OSError
+            The file cannot be written.
 
         Examples
         --------

@@ -25,14 +25,10 @@ DATA = Path(__file__).resolve().parent.parent / "data"
 def main(folder: Path) -> None:
     """Write every cloud of ``data/`` into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name, cloud in (
-        ("jacksboro.ply", jacksboro()),
-        ("quad.xyz", quad()),
-        ("hill.csv", hill()),
-        ("overhang.ply", overhang()),
-    ):
-        liftmesh.write(folder / name, cloud)
-        print(f"{folder / name}: {len(cloud)} points")
+    liftmesh.write(folder / "jacksboro.ply", jacksboro())
+    liftmesh.write(folder / "overhang.ply", overhang())
+    (folder / "hill.csv").write_text(hill(), "utf-8")
+    (folder / "quad.xyz").write_text(quad(), "utf-8")
 
 
 def jacksboro() -> liftmesh.Cloud:
@@ -53,19 +49,20 @@ def jacksboro() -> liftmesh.Cloud:
     return liftmesh.Cloud(np.column_stack([east.ravel(), north.ravel(), elevation.ravel()]))
 
 
-def quad() -> liftmesh.Cloud:
+def quad() -> str:
     """Return the corners of a square: four points of one circle, the smallest tie there is."""
-    return liftmesh.Cloud(np.array([[0, 0, 0], [1, 0, 1], [1, 1, 0], [0, 1, 1]], dtype=np.float64))
+    return "0 0 0\n1 0 1\n1 1 0\n0 1 1\n"
 
 
-def hill() -> liftmesh.Cloud:
+def hill() -> str:
     """Return a hill of 80 scattered points with the colours of its heights."""
-    k = np.arange(80)
-    x, y = (k * 618) % 1000 / 10, (k * 757 + k * k) % 1000 / 10
-    z = np.round(20 / (1 + ((x - 50) ** 2 + (y - 45) ** 2) / 600), 2)
-    shade = np.minimum(z * 10, 200).astype(np.uint8)
-    colors = np.column_stack([55 + shade, 105 + shade // 2, 40 + shade])
-    return liftmesh.Cloud(np.column_stack([x, y, z]), colors=colors)
+    lines = ["x,y,z,red,green,blue"]
+    for k in range(80):
+        x, y = (618 * k) % 1000 / 10, (757 * k + k * k) % 1000 / 10
+        z = 20 / (1 + ((x - 50) ** 2 + (y - 45) ** 2) / 600)
+        shade = int(10 * z)
+        lines.append(f"{x},{y},{z:.2f},{55 + shade},{105 + shade // 2},{40 + shade}")
+    return "\n".join(lines) + "\n"
 
 
 def overhang() -> liftmesh.Cloud:

@@ -17,9 +17,7 @@ import liftmesh
 SMALL = st.integers(0, 6).map(float)
 
 
-def hard_queries(
-    triangulation: liftmesh.Triangulation, rng: Generator
-) -> NDArray[np.float64]:
+def hard_queries(triangulation: liftmesh.Triangulation, rng: Generator) -> NDArray[np.float64]:
     """Vertices, middles of sides, their neighbours by one ulp, and points all around."""
     points = triangulation.points
     corners = points[triangulation.simplices]

@@ -34,9 +34,7 @@ def test_the_diagonal_of_a_square_avoids_the_largest_corner(corners: list[int]) 
 
 @given(st.lists(st.tuples(COORDINATE, COORDINATE), max_size=12))
 def test_the_hull_is_where_a_triangle_has_no_partner(points: list[oracle.Point]) -> None:
-    sides = {
-        side for a, b, c in oracle.delaunay(points) for side in ((a, b), (b, c), (c, a))
-    }
+    sides = {side for a, b, c in oracle.delaunay(points) for side in ((a, b), (b, c), (c, a))}
     hull = oracle.hull_edges(points)
     assert set(hull) == {(a, b) for a, b in sides if (b, a) not in sides}
     assert all(edge[1] == after[0] for edge, after in zip(hull, hull[1:] + hull[:1], strict=True))

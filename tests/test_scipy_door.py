@@ -197,9 +197,7 @@ def test_coplanar_rows_are_duplicates_as_scipy_reports_them() -> None:
     points = np.array([[0, 0], [2, 0], [0, 2], [2, 3], [0, 0], [2, 3], [0, 0]], dtype=float)
     actual, expected = liftmesh.Delaunay(points), scipy.spatial.Delaunay(points)
     assert len(actual.coplanar) == len(expected.coplanar) == 3
-    np.testing.assert_array_equal(
-        points[actual.coplanar[:, 0]], points[actual.coplanar[:, 2]]
-    )
+    np.testing.assert_array_equal(points[actual.coplanar[:, 0]], points[actual.coplanar[:, 2]])
     assert (actual.vertex_to_simplex == -1).sum() == 3
 
 
@@ -244,10 +242,17 @@ class TestToScipy:
         assert type(real) is scipy.spatial.Delaunay
 
     @pytest.mark.parametrize(
-        "name", ["points", "simplices", "neighbors", "convex_hull", "vertex_to_simplex", "coplanar"]
+        "name", ["points", "simplices", "neighbors", "coplanar", "equations", "good"]
     )
     def test_its_arrays_are_ours(self, real, ours, name: str) -> None:
         np.testing.assert_array_equal(getattr(real, name), getattr(ours, name))
+
+    def test_its_own_hull_and_vertex_table_are_as_right_as_ours(self, real, ours) -> None:
+        assert {*map(frozenset, real.convex_hull.tolist())} == {
+            *map(frozenset, ours.convex_hull.tolist())
+        }
+        vertices = np.arange(ours.npoints)
+        assert (real.simplices[real.vertex_to_simplex] == vertices[:, None]).any(axis=1).all()
 
     def test_its_own_transform_and_neighbors_of_vertices_work(self, real, ours) -> None:
         np.testing.assert_allclose(real.transform, ours.transform, rtol=1e-6, atol=1e-6)
@@ -278,7 +283,9 @@ def test_what_is_not_offered_is_said(points: NDArray[np.float64], option: str) -
         liftmesh.Delaunay(points, **{option: True})
 
 
-@pytest.mark.parametrize("clone", [copy.copy, copy.deepcopy, lambda t: pickle.loads(pickle.dumps(t))])
+@pytest.mark.parametrize(
+    "clone", [copy.copy, copy.deepcopy, lambda t: pickle.loads(pickle.dumps(t))]
+)
 def test_copies_and_pickles(ours: liftmesh.Delaunay, clone) -> None:
     ours.find_simplex([0.5, 0.5])
     other = clone(ours)

@@ -67,7 +67,7 @@ def _explain(error: BaseException) -> tuple[int, str]:
     if isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort":
         return exit_codes.INTERRUPTED, "interrupted"
     if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
-        return exit_codes.USAGE, str(error.format_message())
+        return exit_codes.USAGE, f"{error.format_message()}{_where_to_look(error)}"
     if isinstance(error, LiftmeshError):
         return exit_codes.BAD_INPUT, str(error)
     if isinstance(error, OSError):
@@ -77,6 +77,12 @@ def _explain(error: BaseException) -> tuple[int, str]:
         return exit_codes.BAD_INPUT, f"not enough memory ({error})"
     kind = type(error).__name__
     return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
+
+
+def _where_to_look(error: BaseException) -> str:
+    """The command whose help explains a wrong usage."""
+    context = getattr(error, "ctx", None)
+    return f" (see {context.command_path} --help)" if context else ""
 
 
 def _complain(message: str) -> None:

@@ -15,12 +15,12 @@ HELP = (
 )
 
 
-def _paragraphs(title: str, lines: list[str]) -> str:
-    return "\n\n".join([f"[bold]{title}[/bold]", *lines])
+def _listed(title: str, lines: list[str]) -> str:
+    return "\n".join([f"[bold]{title}[/bold]", *(f"  {line}" for line in lines)])
 
 
-EXIT_CODES = _paragraphs(
-    "Exit codes", [f"{code:>4}  {meaning}" for code, meaning in exit_codes.MEANINGS.items()]
+EXIT_CODES = _listed(
+    "Exit codes", [f"{code:>3}  {meaning}" for code, meaning in exit_codes.MEANINGS.items()]
 )
 DEBUG = "[cyan]--debug[/cyan] with any command shows the traceback of an error."
 
@@ -45,7 +45,8 @@ def _show_version(asked: bool) -> None:
 @app.callback()
 def liftmesh(
     _version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show it.")
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show and exit."),
     ] = False,
 ) -> None:
     """Hold the options that stand before a command."""
@@ -54,6 +55,7 @@ def liftmesh(
 for module in (triangulate, compare, info):
     app.command(
         name=module.__name__.rpartition(".")[2],
-        help=module.HELP,
-        epilog=_paragraphs("Examples", [f"[green]$[/green] {line}" for line in module.EXAMPLES]),
+        help=f"{module.SHORT_HELP} {module.HELP}",
+        short_help=module.SHORT_HELP,
+        epilog=_listed("Examples", [f"[green]$[/green] {line}" for line in module.EXAMPLES]),
     )(module.run)

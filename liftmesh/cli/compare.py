@@ -13,10 +13,11 @@ if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.comparison import Comparison
 
+SHORT_HELP = "Hold liftmesh's triangles against trimesh's convex hull."
 HELP = (
-    "Hold liftmesh's triangles against the lower facets of trimesh's convex hull (Qhull) of the "
-    "same lifted points. Differences inside exactly cocircular cells are choices; all others are "
-    "errors, and come with exact proofs. Exit code 1 when there are any."
+    "trimesh's hull (Qhull) is built from the same lifted points, and its lower facets are matched "
+    "with the triangles. Differences inside exactly cocircular cells are choices; all others are "
+    "errors and come with exact proofs: the exit code is then 1."
 )
 EXAMPLES = [
     "liftmesh compare cloud.ply",
@@ -90,9 +91,11 @@ def _compare(cloud: Cloud, **choices: Any) -> Comparison:
 
 
 def _say(result: Comparison) -> None:
-    terminal.table(result.table(), header=("", "liftmesh", "trimesh"))
+    style = "good" if result.agrees else "bad"
+    styles = {"really different": style}
+    terminal.table(result.table(), header=("", "liftmesh", "trimesh"), styles=styles)
     terminal.blank()
-    terminal.sentence(result.conclusion(), "good" if result.agrees else "bad")
+    terminal.sentence(result.conclusion(), style)
     for proof in result.proofs:
         terminal.item(str(proof))
 

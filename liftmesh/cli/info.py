@@ -13,9 +13,10 @@ from liftmesh.cli import files, options, terminal
 if TYPE_CHECKING:
     from liftmesh.cli.facts import Facts
 
+SHORT_HELP = "Tell what a cloud or mesh holds."
 HELP = (
-    "Tell what a cloud or mesh holds: rows, extent, spacing, duplicates, overhangs, whether a "
-    "triangle exists, whether float32 is enough, and the memory that triangulating it takes."
+    "Rows, extent, spacing, duplicates, overhangs, whether float32 is enough, whether a triangle "
+    "exists, and the memory that triangulating takes."
 )
 EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
 
@@ -94,12 +95,4 @@ def _outlook(facts: Facts) -> str:
         reason = "all points lie on one line" if facts.positions > 2 else "needs three points"
         return f"no triangle exists: {reason}"
     skip = ", --nonfinite skip" if facts.not_finite else ""
-    return f"about {_size(facts.memory)} of memory{skip}"
-
-
-def _size(count: float) -> str:
-    for unit in ("B", "KB", "MB", "GB"):
-        if count < 1000:
-            return f"{count:.3g} {unit}"
-        count /= 1000
-    return f"{count:.3g} TB"
+    return f"about {terminal.bytes_text(facts.memory)} of memory{skip}"

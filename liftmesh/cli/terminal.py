@@ -10,6 +10,7 @@ import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import Any
 
 from rich.console import Console
@@ -86,7 +87,12 @@ def blank() -> None:
     sys.stdout.write("\n")
 
 
-def table(rows: Sequence[tuple[str, ...]], *, header: tuple[str, ...] = ()) -> None:
+def table(
+    rows: Sequence[tuple[str, ...]],
+    *,
+    header: tuple[str, ...] = (),
+    styles: Mapping[str, str] = MappingProxyType({}),
+) -> None:
     """Print aligned columns on stdout: names on the left, values on the right.
 
     Parameters
@@ -95,6 +101,8 @@ def table(rows: Sequence[tuple[str, ...]], *, header: tuple[str, ...] = ()) -> N
         A name and its values.
     header : tuple of str
         Names of the columns.
+    styles : mapping of str to str
+        For the name of a row, a key of `STYLES` for its values.
     """
     if not _stdout().is_terminal:
         _plain_table([header, *rows] if header else rows)
@@ -106,7 +114,7 @@ def table(rows: Sequence[tuple[str, ...]], *, header: tuple[str, ...] = ()) -> N
         style = STYLES["name"] if k == 0 else ""
         grid.add_column(name, style=style, justify="right" if numbers else "left")
     for row in rows:
-        grid.add_row(*(Text(cell) for cell in row))
+        grid.add_row(*(Text(cell) for cell in row), style=STYLES[styles.get(row[0], "")])
     _stdout().print(grid)
 
 
@@ -119,6 +127,31 @@ def as_json(values: Mapping[str, Any]) -> None:
         What `json` can write.
     """
     sys.stdout.write(json.dumps(values, indent=2) + "\n")
+
+
+def bytes_text(count: float) -> str:
+    """Say a number of bytes in three digits.
+
+    Parameters
+    ----------
+    count : float
+        Bytes.
+
+    Returns
+    -------
+    str
+        With a decimal unit.
+
+    Examples
+    --------
+    >>> bytes_text(6_912_403)
+    '6.91 MB'
+    """
+    for unit in ("B", "kB", "MB", "GB"):
+        if count < 999.5:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:,.3g} TB"
 
 
 def _stdout() -> Console:

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from liftmesh.formats import Written
     from liftmesh.surface import Report, Surface
 
-HELP = "Triangulate a cloud: every row becomes a vertex, in its order; the faces look up."
+SHORT_HELP = "Turn a point cloud into a mesh file."
+HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise seen from above."
 EXAMPLES = [
     "liftmesh triangulate cloud.ply mesh.ply",
     "liftmesh triangulate lidar.csv mesh.obj --duplicates highest",
@@ -83,11 +84,20 @@ def _say(written: Written, report: Report, seconds: dict[str, float], *, as_json
     if as_json:
         terminal.as_json(_values(written, report, seconds))
         return
-    terminal.sentence(f"{written}", "good")
+    terminal.sentence(_headline(written, report), "good")
     counts = _counts(report)
     rows = [(name, f"{count:,}") for name, count in counts.items()]
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
+
+
+def _headline(written: Written, report: Report) -> str:
+    size = terminal.bytes_text(written.bytes)
+    line = f"{written.path}: {report.rows:,} vertices, {report.triangles:,} triangles, {size}"
+    if written.origin is None:
+        return line
+    moved = ", ".join(f"{value:.10g}" for value in written.origin)
+    return f"{line}; float32, so the origin ({moved}) was subtracted"
 
 
 def _counts(report: Report) -> dict[str, int]:
@@ -103,7 +113,10 @@ def _counts(report: Report) -> dict[str, int]:
 
 def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
-        "written": asdict(written),
+        "path": str(written.path),
+        "format": written.format,
+        "bytes": written.bytes,
+        "origin": written.origin,
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import formats
 from liftmesh.adapters import as_cloud
@@ -26,8 +26,8 @@ from liftmesh.comparison.hull_facets import trimesh_hull
 from liftmesh.comparison.matching import used_rows
 from liftmesh.comparison.proofs import Proof
 from liftmesh.comparison.report import Comparison
-from liftmesh.hulls import delaunay
-from liftmesh.lifting import resolve_q
+from liftmesh.hulls import NonFinite, delaunay
+from liftmesh.lifting import ParaboloidVertex, resolve_q
 from liftmesh.plane import resolve_plane
 from liftmesh.surface import Surface
 from liftmesh.triangulation import Triangulation
@@ -38,9 +38,9 @@ __all__ = ["Comparison", "Proof", "compare"]
 def compare(
     source: object,
     *,
-    q: Literal["median", "origin"] | tuple[float, float] = "median",
-    plane: object = "xy",
-    nonfinite: Literal["error", "skip"] = "error",
+    q: ParaboloidVertex = "median",
+    plane: Literal["xy", "fit"] | ArrayLike = "xy",
+    nonfinite: NonFinite = "error",
     max_proofs: int = 10,
 ) -> Comparison:
     """Hold liftmesh's triangles against the lower facets of trimesh's convex hull.
@@ -116,7 +116,9 @@ def compare(
     )
 
 
-def _triangulate(source: object, plane: object, nonfinite: str) -> tuple[Triangulation, float]:
+def _triangulate(
+    source: object, plane: ArrayLike, nonfinite: NonFinite
+) -> tuple[Triangulation, float]:
     """The triangulation and the seconds it takes; a given one is timed by computing it again."""
     if isinstance(source, Surface):
         source = source.triangulation
@@ -128,7 +130,7 @@ def _triangulate(source: object, plane: object, nonfinite: str) -> tuple[Triangu
     return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
 
 
-def _timed(points: NDArray[np.float64], nonfinite: str) -> tuple[Triangulation, float]:
+def _timed(points: NDArray[np.float64], nonfinite: NonFinite) -> tuple[Triangulation, float]:
     start = perf_counter()
     triangulation = delaunay(points, nonfinite=nonfinite)
     return triangulation, perf_counter() - start

@@ -97,7 +97,8 @@ class Cells:
         if len(self._corners) == 0:
             return np.zeros(len(keys), dtype=bool)
         place = np.searchsorted(self._corners, keys).clip(max=len(self._corners) - 1)
-        return self._corners[place] == keys
+        found: NDArray[np.bool_] = self._corners[place] == keys
+        return found
 
 
 def find_cells(points: Points, simplices: Rows, neighbors: Rows) -> Cells:
@@ -118,8 +119,8 @@ def find_cells(points: Points, simplices: Rows, neighbors: Rows) -> Cells:
     triangle, side = np.nonzero(neighbors > np.arange(len(simplices))[:, None])
     other = neighbors[triangle, side]
     apex = opposite_rows(simplices, triangle, side, other)
-    corners = (points[simplices[triangle, k]] for k in range(3))
-    sign = incircle(*corners, points[apex])
+    a, b, c = points[simplices[triangle].T]
+    sign = incircle(a, b, c, points[apex])
     csgraph, sparse = load("scipy.sparse.csgraph"), load("scipy.sparse")
     glued = sign == 0
     pairs = (np.ones(int(glued.sum()), dtype=bool), (triangle[glued], other[glued]))

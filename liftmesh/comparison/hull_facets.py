@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from liftmesh.comparison.background import interruptible
 from liftmesh.lifting import lift, resolve_q
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
@@ -82,7 +83,7 @@ def trimesh_hull(points: Points, rows: Rows, q: tuple[float, float]) -> HullFace
         return HullFacets(_NO_FACETS, _NO_FACETS, 0, 0, seconds, error)
     match, coincident = _match(lifted, np.asarray(mesh.vertices))
     facets = rows[match[np.asarray(mesh.faces)]].reshape(-1, 3)
-    n_z = orient2d(*(points[facets[:, k]] for k in range(3)))
+    n_z = orient2d(*points[facets.T])
     lower = np.ascontiguousarray(facets[n_z < 0][:, ::-1])
     return HullFacets(facets, lower, int((n_z == 0).sum()), coincident, seconds)
 
@@ -101,10 +102,14 @@ def _convex_hull(lifted: Points) -> tuple[Any, float, str | None]:
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
     convex, qhull = load("trimesh.convex"), load("scipy.spatial")
+
+    def build() -> Any:
+        with np.errstate(all="ignore"):
+            return convex.convex_hull(lifted)
+
     start = perf_counter()
     try:
-        with np.errstate(all="ignore"):
-            mesh = convex.convex_hull(lifted)
+        mesh = interruptible(build)
     except qhull.QhullError as error:
         return None, perf_counter() - start, _first_line(error)
     seconds = perf_counter() - start

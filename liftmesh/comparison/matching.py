@@ -74,7 +74,8 @@ def first_of_each(indices: Indices) -> NDArray[np.bool_]:
     first = np.full(indices.max(initial=-1) + 2, -1)
     # Of repeated assignments the last stays: backwards, that is the first place.
     first[indices[::-1]] = np.arange(len(indices))[::-1]
-    return (first[indices] == np.arange(len(indices))) & (indices >= 0)
+    mark: NDArray[np.bool_] = (first[indices] == np.arange(len(indices))) & (indices >= 0)
+    return mark
 
 
 def used_rows(length: int, triangles: Rows) -> Rows:

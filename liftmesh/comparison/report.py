@@ -173,15 +173,17 @@ class Comparison:
     def table(self) -> list[tuple[str, str, str]]:
         """Rows of (what, liftmesh's value, trimesh's value) for people to read."""
         lifted = len(used_rows(self.triangulation.npoints, self.triangulation.simplices))
-        kept = lifted - len(self.lost)
-        rows = [
-            ("points on the lower hull", f"{lifted:,}", f"{kept:,}"),
-            ("lower facets", f"{self.triangles:,}", f"{len(self.lower):,}"),
-            ("identical", f"{self.identical:,}", f"{self.identical:,}"),
-            ("cocircular, cut otherwise", f"{self.cocircular:,}", f"{self.cocircular:,}"),
-            ("really different", f"{len(self.missing):,}", f"{len(self.wrong):,}"),
-            ("seconds", *(f"{self.seconds[side]:.3f}" for side in ("liftmesh", "trimesh"))),
-        ]
+        ours, theirs = (f"{self.seconds[side]:.3f}" for side in ("liftmesh", "trimesh"))
         if self.error is not None:
-            rows = [(name, ours, "-") for name, ours, _ in (*rows[:2], rows[-1])]
-        return rows
+            counts = {"points on the lower hull": lifted, "lower facets": self.triangles}
+            rows = [(name, f"{count:,}", "-") for name, count in counts.items()]
+            return [*rows, ("seconds", ours, "-")]
+        pairs = {
+            "points on the lower hull": (lifted, lifted - len(self.lost)),
+            "lower facets": (self.triangles, len(self.lower)),
+            "identical": (self.identical, self.identical),
+            "cocircular, cut otherwise": (self.cocircular, self.cocircular),
+            "really different": (len(self.missing), len(self.wrong)),
+        }
+        rows = [(name, f"{left:,}", f"{right:,}") for name, (left, right) in pairs.items()]
+        return [*rows, ("seconds", ours, theirs)]

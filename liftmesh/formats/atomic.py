@@ -69,12 +69,16 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 def _check_writable(target: Path) -> None:
     """Say what is wrong in terms of the caller's path, not of the temporary file."""
     if target.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "cannot write a file here: it is a folder", str(target))
+        raise IsADirectoryError(
+            errno.EISDIR, "cannot write a file here: it is a folder", str(target)
+        )
     if not target.parent.is_dir():
         reason = "cannot write here: there is no such folder"
         raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
     if target.exists() and not os.access(target, os.W_OK):
-        raise PermissionError(errno.EACCES, "cannot replace this file: it is read-only", str(target))
+        raise PermissionError(
+            errno.EACCES, "cannot replace this file: it is read-only", str(target)
+        )
     if not target.exists() and not os.access(target.parent, os.W_OK):
         reason = "cannot write here: the folder is read-only"
         raise PermissionError(errno.EACCES, reason, str(target.parent))

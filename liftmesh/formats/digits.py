@@ -11,7 +11,6 @@ from collections.abc import Iterable, Sequence
 from itertools import chain
 from typing import Any, BinaryIO
 
-import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -44,4 +43,3 @@ def _specifiers(column: Array) -> Iterable[str]:
 
 def _flat(block: Array) -> list[list[Any]]:
     return [block.tolist()] if block.ndim == 1 else [column.tolist() for column in block.T]
-

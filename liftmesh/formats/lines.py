@@ -6,82 +6,135 @@ refuses a block of lines, they are looked at one by one for the line and the val
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 BLOCK = 1 << 17
+
+_BYTES = 1 << 22
+
+Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Lines without their line ends, and the number of each in the file, counted from 1."""
+    """Lines without white space around them, and the number of each in the file, from 1."""
 
     texts: list[str]
-    numbers: list[int]
+    numbers: Numbers
 
     def __len__(self) -> int:
         return len(self.texts)
+
+    def __iter__(self) -> Iterator[tuple[str, int]]:
+        return zip(self.texts, self.numbers.tolist(), strict=True)
+
+    def __getitem__(self, rows: slice | NDArray[np.bool_]) -> Block:
+        if isinstance(rows, slice):
+            return Block(self.texts[rows], self.numbers[rows])
+        return Block([self.texts[k] for k in np.flatnonzero(rows).tolist()], self.numbers[rows])
 
 
 class Lines:
     """The lines of a stream that hold something, taken block by block.
 
-    Lines that are empty, or begin with one of ``comments``, are passed over but counted; with
-    comments, what follows a ``#`` is cut off.
+    Empty lines are passed over but counted. With ``comments``, so are lines that begin with one of
+    them, and what follows a ``#`` is cut off. With ``continued``, a backslash at the end of a line
+    joins it to the next. ``number`` is the last line taken.
     """
 
     def __init__(
         self,
-        raw: Iterable[bytes],
+        stream: BinaryIO,
         name: str,
         *,
         encoding: str = "latin-1",
         comments: tuple[str, ...] = (),
+        continued: bool = False,
         before: int = 0,
     ) -> None:
         self.number = before
-        self._raw = iter(raw)
+        self._stream = stream
         self._name = name
         self._encoding = encoding
         self._comments = comments
-
-    def __iter__(self) -> Iterator[str]:
-        for raw in self._raw:
-            self.number += 1
-            text = self._bare(self._decoded(raw).strip())
-            if text:
-                yield text
-
-    def _bare(self, text: str) -> str:
-        if not self._comments:
-            return text
-        return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
-
-    def _decoded(self, raw: bytes) -> str:
-        try:
-            return raw.decode(self._encoding)
-        except UnicodeDecodeError as error:
-            raise FormatError(
-                f"{self._name}: line {self.number}: byte {error.start} of the line "
-                f"(0x{raw[error.start]:02x}) is not UTF-8: not a text file, or save it as UTF-8"
-            ) from error
+        self._continued = continued
+        self._read = before
+        self._held = Block([], np.empty(0, dtype=np.int64))
 
     def take(self, count: int) -> Block:
-        """Take at most ``count`` lines."""
-        texts: list[str] = []
-        numbers: list[int] = []
-        if count > 0:
-            for text in self:
-                texts.append(text)
-                numbers.append(self.number)
-                if len(texts) == count:
-                    break
-        return Block(texts, numbers)
+        """Take at most ``count`` lines, fewer where that is quicker, none at the end."""
+        while not len(self._held) and count:
+            data = self._chunk()
+            if not data:
+                break
+            self._held = self._block(self._decoded(data))
+        block, self._held = self._held[:count], self._held[count:]
+        if len(block):
+            self.number = int(block.numbers[-1])
+        return block
+
+    def next(self) -> str:
+        """Take one line; an empty text at the end."""
+        block = self.take(1)
+        return block.texts[0] if len(block) else ""
+
+    def _chunk(self) -> bytes:
+        """Read whole lines."""
+        data = self._stream.read(_BYTES) + self._stream.readline()
+        while self._continued and data.rstrip(b"\r\n").endswith(b"\\"):
+            more = self._stream.readline()
+            if not more:
+                break
+            data += more
+        return data
+
+    def _decoded(self, data: bytes) -> str:
+        try:
+            return data.decode(self._encoding)
+        except UnicodeDecodeError as error:
+            begin = data.rfind(b"\n", 0, error.start) + 1
+            line = self._read + 1 + data.count(b"\n", 0, error.start)
+            raise FormatError(
+                f"{self._name}: line {line}: byte {error.start - begin} of the line "
+                f"(0x{data[error.start]:02x}) is not UTF-8: not a text file, or save it as UTF-8"
+            ) from error
+
+    def _block(self, text: str) -> Block:
+        if "\r" in text:
+            text = text.replace("\r\n", "\n").replace("\r", "\n")
+        lines = text.removesuffix("\n").split("\n")
+        numbers = np.arange(self._read + 1, self._read + 1 + len(lines))
+        self._read += len(lines)
+        if self._continued and "\\\n" in text:
+            lines = _joined(lines)
+        texts = [line.strip() for line in lines]
+        if any(mark in text for mark in self._comments):
+            texts = [self._bare(line) for line in texts]
+        block = Block(texts, numbers)
+        return block if all(texts) else block[np.array(texts, dtype=object) != ""]
+
+    def _bare(self, text: str) -> str:
+        return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
+
+
+def _joined(lines: list[str]) -> list[str]:
+    """Join lines that end in a backslash to the last of them; the others become empty."""
+    joined: list[str] = []
+    held = ""
+    for line in lines:
+        text = held + line
+        held = text.rstrip()[:-1] + " " if line.rstrip().endswith("\\") else ""
+        joined.append("" if held else text)
+    return [*joined[:-1], held or joined[-1]]
 
 
 def number_table(
@@ -111,7 +164,7 @@ def number_table(
 
 
 def exact_column(
-    column: NDArray[np.float64], dtype: np.dtype, name: str, what: str, numbers: Sequence[int]
+    column: NDArray[np.float64], dtype: np.dtype, name: str, what: str, numbers: Numbers
 ) -> NDArray[np.generic]:
     """Convert parsed numbers to the type a header promises, or name the line that cannot be."""
     with np.errstate(invalid="ignore", over="ignore"):
@@ -129,7 +182,7 @@ def exact_column(
 
 def _blame(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
     expected = width or len(fields(block.texts[0], delimiter))
-    for text, number in zip(block.texts, block.numbers, strict=True):
+    for text, number in block:
         values = fields(text, delimiter)
         for position, value in enumerate(values, start=1):
             if not is_number(value):

@@ -86,7 +86,7 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
     arrays = _members(stream, name)
     key = next((each for each in _POINTS if each in arrays), None)
     if key is None and len(arrays) == 1:
-        return _points_alone(*arrays.values(), name)
+        return _points_alone(next(iter(arrays.values())), name)
     if key is None:
         raise FormatError(
             f"{name}: no array is called points: there are {', '.join(sorted(arrays)) or 'none'}"
@@ -117,8 +117,8 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     for key, values in cloud.attributes.items():
         if key in _RESERVED or values.dtype.hasobject:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
-    save = np.savez_compressed if compressed else np.savez
-    save(stream, **{"points": cloud.points, **arrays, **cloud.attributes})
+    save: Any = np.savez_compressed if compressed else np.savez
+    save(stream, points=cloud.points, **arrays, **cloud.attributes)
 
 
 def _members(stream: BinaryIO, name: str) -> dict[str, Array]:

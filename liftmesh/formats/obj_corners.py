@@ -1,4 +1,4 @@
-"""The faces of an OBJ file: corners as vertex, vertex/texture, vertex/texture/normal, vertex//normal."""
+"""The faces of an OBJ file, as ``f`` lines spell them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
-from liftmesh.formats.lines import Block, shown
+from liftmesh.formats.lines import Block, number_table, shown
 from liftmesh.formats.ragged import Ragged
 
 Indices = NDArray[np.int64]
@@ -17,9 +17,7 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Corners:
-    """Faces as ragged rows of vertices counted from 0, the normal of each corner (-1: none), and
-    the line of each face.
-    """
+    """Faces: their vertices, counted from 0, the normal of each corner (-1: none), their lines."""
 
     vertices: Ragged
     normals: Indices
@@ -36,7 +34,7 @@ class Corners:
 
 
 def parse_corners(
-    faces: Block, name: str, numbers: tuple[list[int], list[int]], before: tuple[int, int]
+    faces: Block, name: str, numbers: tuple[Indices, Indices], before: tuple[int, int]
 ) -> Corners:
     """Parse the face lines of a block.
 
@@ -46,7 +44,7 @@ def parse_corners(
         What follows the keyword ``f``.
     name : str
         The file's name for messages.
-    numbers : pair of lists of int
+    numbers : pair of arrays of int
         The lines of the block's vertices and of its normals: backward indices count from there.
     before : pair of int
         How many vertices and normals the blocks before had.
@@ -56,19 +54,39 @@ def parse_corners(
     FormatError
         A corner is broken; the message names its line.
     """
-    lines = np.array(faces.numbers, dtype=np.int64)
+    sizes, vertices, normals = _plain(faces, name) or _general(faces, name)
+    at = np.repeat(faces.numbers, sizes)
+    return Corners(
+        Ragged(sizes, _from_zero(vertices, at, numbers[0], before[0])),
+        _from_zero(normals, at, numbers[1], before[1]),
+        faces.numbers,
+    )
+
+
+def _plain(faces: Block, name: str) -> tuple[Indices, Indices, Indices] | None:
+    """Parse faces of vertices only, all of the same size: most files have no others."""
+    if any("/" in text for text in faces.texts):
+        return None
+    try:
+        table = number_table(faces, name)
+    except FormatError:
+        return None
+    with np.errstate(invalid="ignore"):
+        corners = table.astype(np.int64)
+    if not np.all(corners == table) or not corners.all():
+        return None
+    sizes = np.full(len(faces), table.shape[1], dtype=np.int64)
+    return sizes, corners.reshape(-1), np.zeros(corners.size, dtype=np.int64)
+
+
+def _general(faces: Block, name: str) -> tuple[Indices, Indices, Indices]:
     corners = [text.split() for text in faces.texts]
     sizes = np.fromiter(map(len, corners), np.int64, len(corners))
     try:
         vertices, normals = _indices([corner for row in corners for corner in row])
     except (ValueError, OverflowError) as error:
-        raise _blame(faces, corners, name) from error
-    at = np.repeat(lines, sizes)
-    return Corners(
-        Ragged(sizes, _from_zero(vertices, at, numbers[0], before[0])),
-        _from_zero(normals, at, numbers[1], before[1]),
-        lines,
-    )
+        raise _blame(faces, name) from error
+    return sizes, vertices, normals
 
 
 def _indices(corners: list[str]) -> tuple[Indices, Indices]:
@@ -97,26 +115,34 @@ def _nonzero(numbers: Indices) -> Indices:
     return numbers
 
 
-def _from_zero(numbers: Indices, at: Indices, lines: list[int], before: int) -> Indices:
+def _from_zero(numbers: Indices, at: Indices, lines: Indices, before: int) -> Indices:
     """Count from 0; negative numbers count back from what the file held up to their own line."""
     backward = numbers < 0
     if not backward.any():
         return numbers - 1
-    so_far = before + np.searchsorted(np.array(lines, dtype=np.int64), at)
+    so_far = before + np.searchsorted(lines, at)
     resolved = np.where(backward, so_far + numbers, numbers - 1)
     # Back beyond the first is no vertex at all; -1 would mean that there is no normal.
     return np.where(backward & (resolved < 0), resolved - 1, resolved)
 
 
-def _blame(faces: Block, corners: list[list[str]], name: str) -> FormatError:
-    for row, number in zip(corners, faces.numbers, strict=True):
-        for corner in row:
-            try:
-                _indices([corner])
-            except (ValueError, OverflowError):
-                return FormatError(
-                    f"{name}: line {number}: {shown(corner)} is no corner of a face: it should be "
-                    "vertex, vertex/texture, vertex/texture/normal or vertex//normal, "
-                    "counted from 1"
-                )
-    return FormatError(f"{name}: line {faces.numbers[0]} or later: a face is broken")
+def _blame(faces: Block, name: str) -> FormatError:
+    bad = (
+        (corner, number)
+        for text, number in faces
+        for corner in text.split()
+        if not _is_corner(corner)
+    )
+    corner, number = next(bad)
+    return FormatError(
+        f"{name}: line {number}: {shown(corner)} is no corner of a face: it should be vertex, "
+        "vertex/texture, vertex/texture/normal or vertex//normal, counted from 1"
+    )
+
+
+def _is_corner(text: str) -> bool:
+    try:
+        _indices([text])
+    except (ValueError, OverflowError):
+        return False
+    return True

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
-from liftmesh.formats.obj_corners import Corners
+
+if TYPE_CHECKING:
+    from liftmesh.formats.obj_corners import Corners
 
 Normals = NDArray[np.float64]
 

@@ -10,7 +10,6 @@ about the shape are counted and passed over.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, BinaryIO
 
@@ -26,6 +25,8 @@ from liftmesh.formats.obj_normals import vertex_normals
 from liftmesh.formats.triangles import remarks, triangulated
 
 Array = NDArray[Any]
+
+_KEYWORDS = ("v", "vn", "f")
 
 # How many values a vertex line may have: x y z, with a weight, with r g b, with alpha.
 _VERTEX_WIDTHS = (3, 4, 6, 7)
@@ -55,26 +56,10 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
         A line is broken; the message names it.
     """
     reading = _Reading(name)
-    lines = Lines(_continued(stream), name, comments=("#",))
+    lines = Lines(stream, name, comments=("#",), continued=True)
     while len(block := lines.take(BLOCK)):
         reading.take(block)
     return reading.cloud()
-
-
-def _continued(stream: BinaryIO) -> Iterator[bytes]:
-    """Join lines that end in a backslash; empty lines in their place keep the count right."""
-    held = b""
-    passed = 0
-    for line in stream:
-        text = line.rstrip(b"\r\n")
-        if text.endswith(b"\\"):
-            held += text[:-1] + b" "
-            passed += 1
-            continue
-        yield from [b""] * passed
-        yield held + line
-        held, passed = b"", 0
-    yield held
 
 
 @dataclass(slots=True)
@@ -90,8 +75,7 @@ class _Reading:
     normal_count: int = 0
 
     def take(self, block: Block) -> None:
-        sorted_lines = self._sorted(block)
-        v, vn, f = (sorted_lines[key] for key in ("v", "vn", "f"))
+        v, vn, f = self._sorted(block)
         if len(f):
             before = (self.vertex_count, self.normal_count)
             self.corners.append(parse_corners(f, self.name, (v.numbers, vn.numbers), before))
@@ -101,18 +85,17 @@ class _Reading:
         self.vertex_count += len(v)
         self.normal_count += len(vn)
 
-    def _sorted(self, block: Block) -> dict[str, Block]:
-        found = {key: Block([], []) for key in ("v", "vn", "f")}
-        for text, number in zip(block.texts, block.numbers, strict=True):
-            keyword, *rest = text.split(None, 1)
-            if keyword not in found:
-                self.ignored[keyword] += 1
-            elif not rest:
-                raise FormatError(f"{self.name}: line {number}: {keyword!r} without values")
-            else:
-                found[keyword].texts.append(rest[0])
-                found[keyword].numbers.append(number)
-        return found
+    def _sorted(self, block: Block) -> tuple[Block, ...]:
+        """Take the lines of each keyword that matters, without it, and count the others."""
+        masks = [_begin_with(block, keyword) for keyword in _KEYWORDS]
+        for text, number in block[~np.any(masks, axis=0)]:
+            if text in _KEYWORDS:
+                raise FormatError(f"{self.name}: line {number}: {text!r} without values")
+            self.ignored[text.split(None, 1)[0]] += 1
+        return tuple(
+            Block([text[len(keyword) + 1 :] for text in found.texts], found.numbers)
+            for keyword, found in zip(_KEYWORDS, (block[mask] for mask in masks), strict=True)
+        )
 
     def _take_vertices(self, block: Block) -> None:
         if not len(block):
@@ -158,3 +141,8 @@ class _Reading:
         if not self.normals:
             return None
         return vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
+
+
+def _begin_with(block: Block, keyword: str) -> NDArray[np.bool_]:
+    begins = (f"{keyword} ", f"{keyword}\t")
+    return np.fromiter((text.startswith(begins) for text in block.texts), bool, len(block))

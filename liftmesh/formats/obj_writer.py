@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.colors import unit
 from liftmesh.formats.digits import write_rows
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
 
 Array = NDArray[Any]
 

@@ -5,14 +5,16 @@ trimesh does not notice that faces are missing at the end of a file: that is che
 
 from __future__ import annotations
 
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
-from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.digits import write_rows
 from liftmesh.formats.exchange import read_with_trimesh
 from liftmesh.formats.format import Format
 from liftmesh.formats.lines import Lines, fields
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
 
 
 def read_off(stream: BinaryIO, name: str) -> Cloud:
@@ -69,10 +71,10 @@ def _check(lines: Lines, name: str) -> None:
 
 
 def _header(lines: Lines, name: str) -> list[str]:
-    words = fields(next(iter(lines), ""), None)
+    words = fields(lines.next(), None)
     if words[:1] not in (["OFF"], ["COFF"]):
         raise FormatError(f"{name}: not an OFF file: its first word is not OFF")
-    counts = words[1:] or fields(next(iter(lines), ""), None)
+    counts = words[1:] or fields(lines.next(), None)
     if len(counts) < 2:
         raise FormatError(f"{name}: line {lines.number}: no counts of vertices and faces")
     return counts
@@ -85,7 +87,7 @@ def _count(word: str, lines: Lines, name: str) -> int:
 
 
 def _expect(lines: Lines, count: int, name: str) -> list[str]:
-    words = fields(next(iter(lines), ""), None)
+    words = fields(lines.next(), None)
     if len(words) < count:
         raise FormatError(
             f"{name}: line {lines.number}: expected {count} values, found {len(words)}: "

@@ -1,19 +1,23 @@
 """The origin that a single-precision format needs.
 
-A float has 24 bits: at 5,200,000 m its steps are half a metre. Where rounding the coordinates along
-an axis would move a vertex by more than a millionth of the model's size, an origin near the
-smallest coordinate is subtracted first. It is a round number, so that people can read it: a multiple
-of one unit, or of a power of ten for models smaller than that. Axes that need none keep their
-coordinates.
+A float has 24 bits: at 5,200,000 m its steps are half a metre. Where rounding the coordinates
+along an axis would move a vertex by more than a millionth of the model's size, an origin near the
+smallest coordinate is subtracted first. It is a round number, so that people can read it: a
+multiple of one unit, or of a power of ten for models smaller than that. Axes that need none keep
+their coordinates.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
-from liftmesh.formats.format import Origin
+
+if TYPE_CHECKING:
+    from liftmesh.formats.format import Origin
 
 Points = NDArray[np.float64]
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
 from liftmesh.formats.lines import BLOCK, Block, Lines, exact_column, fields, number_table
-from liftmesh.formats.ply_header import Element, Property
 from liftmesh.formats.ragged import Ragged
 from liftmesh.formats.streams import remaining
+
+if TYPE_CHECKING:
+    from liftmesh.formats.ply_header import Element, Property
 
 Array = NDArray[Any]
 
@@ -84,8 +86,8 @@ class AsciiBody:
 
     def _by_line(self, element: Element, block: Block) -> list[Ragged]:
         parts: list[list[Ragged]] = [[] for _ in element.properties]
-        for text, number in zip(block.texts, block.numbers, strict=True):
-            line = Block([text], [number])
+        for row, (text, number) in enumerate(block):
+            line = block[row : row + 1]
             table = number_table(line, self._name)
             shape = _shape(element, fields(text, None))
             if shape is None:
@@ -106,8 +108,8 @@ class AsciiBody:
 
     def _too_few(self, element: Element) -> FormatError:
         return FormatError(
-            f"{self._name}: line {self._lines.number}: the file ends before the {element.rows} rows "
-            f"of element {element.name} that its header promises"
+            f"{self._name}: line {self._lines.number}: the file ends before the {element.rows} "
+            f"rows of element {element.name} that its header promises"
         )
 
 

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
-from liftmesh.formats.ply_header import Element, Property
 from liftmesh.formats.ragged import Ragged
 from liftmesh.formats.streams import read_exactly, remaining
+
+if TYPE_CHECKING:
+    from liftmesh.formats.ply_header import Element, Property
 
 Array = NDArray[Any]
 
@@ -45,13 +47,16 @@ class BinaryBody:
                 self._stream, count * layout.itemsize, self._name, f"element {element.name}"
             )
             block = np.frombuffer(data, layout, count)
-            yield slice(start, start + count), {
-                each.name: block[each.name] for each in element.properties
-            }
+            yield (
+                slice(start, start + count),
+                {each.name: block[each.name] for each in element.properties},
+            )
 
     def lists(self, element: Element) -> dict[str, Ragged]:
         """Read an element with lists; a scalar property counts as a list of one."""
-        self._expect(element, sum((each.length or each.dtype).itemsize for each in element.properties))
+        self._expect(
+            element, sum((each.length or each.dtype).itemsize for each in element.properties)
+        )
         if not element.rows:
             return {each.name: Ragged.empty(each.dtype) for each in element.properties}
         begin = self._stream.tell()

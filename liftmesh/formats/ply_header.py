@@ -35,7 +35,7 @@ _LONGEST_LINE = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """A named value of each row of an element; a list if ``length`` (the type of its size) is set."""
+    """A named value of each row; a list if ``length``, the type of its size, is set."""
 
     name: str
     dtype: np.dtype
@@ -161,7 +161,7 @@ class _HeaderReader:
     def _type(self, word: str) -> np.dtype:
         if word not in TYPES:
             raise self._error(f"unknown type {shown(word)}")
-        return np.dtype(TYPES[word]).newbyteorder(ORDERS[self._encoding] or "=")
+        return np.dtype(ORDERS[self._encoding] + TYPES[word])
 
     def _error(self, cause: str) -> FormatError:
         return FormatError(f"{self._name}: line {self.number}: {cause}")

@@ -6,18 +6,20 @@ over, and named in the metadata.
 
 from __future__ import annotations
 
-from typing import Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.ply_ascii import AsciiBody
 from liftmesh.formats.ply_binary import BinaryBody
 from liftmesh.formats.ply_header import Element, Header, read_header
-from liftmesh.formats.ragged import Ragged
 from liftmesh.formats.sheet import Sheet
 from liftmesh.formats.triangles import remarks, triangulated
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.formats.ragged import Ragged
 
 _INDICES = ("vertex_indices", "vertex_index")
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.colors import eight_bit
 from liftmesh.formats.digits import write_rows
 from liftmesh.formats.portable import PORTABLE, portable, scalar_columns
 from liftmesh.formats.sheet import ALPHA, COLOR, NORMAL, POSITION
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
 
 Array = NDArray[Any]
 

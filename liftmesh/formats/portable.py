@@ -50,7 +50,7 @@ def _integers(values: Array, what: str) -> Array:
     limits = np.iinfo(np.int32)
     if limits.min <= low and high <= limits.max:
         return values.astype(np.int32)
-    if -_EXACT <= low and high <= _EXACT:
+    if low >= -_EXACT and high <= _EXACT:
         return values.astype(np.float64)
     raise FormatError(
         f"{what} reaches from {low} to {high}: PLY has no type for integers beyond 2**53; "

@@ -73,9 +73,8 @@ def _first_remark(stream: BinaryIO, name: str) -> str:
     begin += 3 if mark == _UTF8_MARK else 0
     stream.seek(begin)
     remark = ""
-    for line in Lines(stream, name, encoding="utf-8"):
-        if not line.startswith(_COMMENTS):
-            break
+    lines = Lines(stream, name, encoding="utf-8")
+    while (line := lines.next()).startswith(_COMMENTS):
         remark = line.lstrip("#/ \t")
     stream.seek(begin)
     return remark

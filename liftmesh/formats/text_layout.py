@@ -28,8 +28,10 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The delimiter (None: white space), the names of the columns if a header gives them, and
-    whether that header is the first line itself, not a comment before it.
+    """How lines are to be split, and what their values are called.
+
+    The delimiter is None for white space, the header None if there is none; ``in_first_line`` tells
+    a header that is the first line from one in a comment before it.
     """
 
     delimiter: str | None
@@ -65,7 +67,9 @@ def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
     FormatError
         Neither x nor y is among them, or a name is there twice.
     """
-    found = tuple(_MEANING.get(each.lower(), each or f"column_{k}") for k, each in enumerate(names, 1))
+    found = tuple(
+        _MEANING.get(each.lower(), each or f"column_{k}") for k, each in enumerate(names, 1)
+    )
     missing = [each for each in ("x", "y") if each not in found]
     if missing:
         raise FormatError(

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
-from liftmesh.formats.ragged import Ragged
+
+if TYPE_CHECKING:
+    from liftmesh.formats.ragged import Ragged
 
 Array = NDArray[Any]
 
@@ -43,12 +45,13 @@ def triangulated(
 
 
 def _fans(faces: Ragged) -> Array:
-    if (faces.sizes == 3).all():
+    if np.all(faces.sizes == 3):
         return faces.values.reshape(-1, 3)
     fans = np.maximum(faces.sizes - 2, 0)
     first = np.repeat(faces.starts(), fans)
     step = np.arange(len(first)) - np.repeat(np.cumsum(fans) - fans, fans)
-    return faces.values[np.stack([first, first + step + 1, first + step + 2], axis=1)]
+    corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    return np.asarray(faces.values[corners])
 
 
 def remarks(faces: Ragged) -> dict[str, int]:

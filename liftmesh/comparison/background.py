@@ -1,0 +1,50 @@
+"""Waiting for foreign C code so that Ctrl-C ends the wait.
+
+Qhull lets other threads run but never looks for Ctrl-C, and a million points take it minutes. It
+works in a thread of its own; an interrupted caller goes on at once, and the thread, a daemon, ends
+with Qhull or with the process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from threading import Thread
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
+
+def interruptible(work: Callable[[], Result]) -> Result:
+    """Run a function in another thread and wait for it.
+
+    Parameters
+    ----------
+    work : callable
+        A function without arguments.
+
+    Returns
+    -------
+    Result
+        What it returns; what it raises is raised here.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Ctrl-C was pressed while waiting.
+
+    Examples
+    --------
+    >>> interruptible(lambda: 6 * 7)
+    42
+    """
+    future: Future[Result] = Future()
+    Thread(target=_run, args=(work, future), daemon=True).start()
+    return future.result()
+
+
+def _run(work: Callable[[], Result], future: Future[Result]) -> None:
+    try:
+        future.set_result(work())
+    except BaseException as error:  # noqa: BLE001 - the waiting thread raises it
+        future.set_exception(error)

@@ -1,0 +1,79 @@
+"""Checks a built wheel in an environment that holds nothing else: ``check_wheel.py WHEEL CLOUD``.
+
+Run it with the Python of an environment outside the repository, in a folder outside of it, after
+the wheel was installed there.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+import liftmesh
+
+COMMAND = str(Path(sys.executable).parent / "liftmesh")
+
+
+def main(wheel: Path, terrain: Path) -> None:
+    """Check what the wheel holds, where the package comes from, and that both of its doors open."""
+    for check in (check_contents(wheel), check_origin(), check_command(terrain), check_library()):
+        print(f"ok: {check}")
+
+
+def check_contents(wheel: Path) -> str:
+    """Hold the names in the wheel against what belongs there."""
+    names = zipfile.ZipFile(wheel).namelist()
+    kernels = [name for name in names if name.startswith("liftmesh/_kernel.") and ".so" in name]
+    require(len(kernels) == 1, f"one compiled kernel, not {kernels}")
+    require({"liftmesh/py.typed", "liftmesh/_kernel.pyi"} <= set(names), "types are shipped")
+    stray = [n for n in names if "_core" in n or not n.startswith(("liftmesh/", "liftmesh-"))]
+    require(not stray, f"neither kernel sources nor strangers: {stray}")
+    require(any(name.endswith("licenses/LICENSE") for name in names), "the licence is shipped")
+    return f"{wheel.name} holds {len(names)} files, {kernels[0]} among them, and no sources of it"
+
+
+def check_origin() -> str:
+    """See that the package is the installed one."""
+    home = Path(liftmesh.__file__).resolve()
+    require(home.is_relative_to(Path(sys.prefix).resolve()), f"{home} is not in {sys.prefix}")
+    return f"liftmesh {liftmesh.__version__} is imported from its environment"
+
+
+def check_command(terrain: Path) -> str:
+    """Run the installed command on the terrain and read the mesh back."""
+    version = run(COMMAND, "--version")
+    require(version.split() == ["liftmesh", liftmesh.__version__], version)
+    run(COMMAND, "triangulate", str(terrain), "mesh.ply")
+    cloud, mesh = liftmesh.read(terrain), liftmesh.read("mesh.ply")
+    require(np.array_equal(mesh.points, cloud.points), "every coordinate, bit for bit")
+    require(mesh.faces is not None and len(mesh.faces) > len(cloud), "a mesh with faces")
+    return f"the command made {len(mesh.faces):,} triangles of {len(cloud):,} points"
+
+
+def check_library() -> str:
+    """Triangulate from Python, and see that a missing extra explains itself."""
+    surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 1, 8]])
+    require(len(surface.to_trimesh().faces) == 2, "two triangles in trimesh")
+    try:
+        surface.to_open3d()
+    except liftmesh.MissingDependencyError as error:
+        require("pip install 'liftmesh[open3d]'" in str(error), str(error))
+        return "without the extra open3d, its adapter says how to get it"
+    raise SystemExit("Open3D was found: the environment holds more than the wheel and its needs")
+
+
+def run(*command: str) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def require(holds: bool, what: str) -> None:
+    if not holds:
+        raise SystemExit(f"expected: {what}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve())

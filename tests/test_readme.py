@@ -1,0 +1,81 @@
+"""README.md does what it says: its examples are run, in a folder with the shipped clouds."""
+
+from __future__ import annotations
+
+import doctest
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from liftmesh.cli import exit_codes
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text("utf-8")
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.usefixtures("folder")
+def test_python_examples() -> None:
+    examples = doctest.DocTestParser().get_doctest(
+        "\n".join(blocks("pycon")), {}, "README.md", str(ROOT / "README.md"), 0
+    )
+    assert len(examples.examples) > 20
+    told: list[str] = []
+    result = doctest.DocTestRunner(optionflags=FLAGS).run(examples, out=told.append)
+    assert result.failed == 0, "".join(told)
+
+
+def console_examples() -> list[tuple[str, str]]:
+    """Return pairs of a command and the output that the README shows for it."""
+    parts = re.split(r"^\$ (.*)\n", "".join(blocks("console")), flags=re.MULTILINE)
+    return list(zip(parts[1::2], parts[2::2], strict=True))
+
+
+def test_console_examples(folder: Path) -> None:
+    examples = console_examples()
+    assert len(examples) >= 4
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for command, expected in examples:
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=folder,
+            env={**os.environ, "PATH": path},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=True,
+        )
+        same = doctest.OutputChecker().check_output(expected, done.stdout, FLAGS)
+        assert same, f"$ {command}\nexpected:\n{expected}\ngot:\n{done.stdout}"
+
+
+def test_exit_codes_are_those_of_the_command_line() -> None:
+    rows = re.findall(r"^\| (\d+) \| (.+) \|$", README, flags=re.MULTILINE)
+    assert {int(code): meaning.replace("`", "") for code, meaning in rows} == exit_codes.MEANINGS
+
+
+def test_two_commands_set_everything_up() -> None:
+    commands = re.findall(r"^\| `(scripts/\w+\.sh)` \|", README, flags=re.MULTILINE)
+    assert commands == ["scripts/demo.sh", "scripts/test.sh"]
+    assert all(os.access(ROOT / command, os.X_OK) for command in commands)
+
+
+def test_every_file_that_is_linked_exists() -> None:
+    links = re.findall(r"\]\((?!https?:)([^)#]+)\)", README)
+    assert "data/jacksboro.png" in links
+    assert [link for link in links if not (ROOT / link).exists()] == []
