@@ -222,14 +222,10 @@ def _sorted_pairs(first: Rows, second: Rows) -> tuple[Rows, Rows]:
 def _means(heights: Heights, starts: NDArray[np.int64]) -> Heights:
     """Average each run of increasing heights, within the run's range.
 
-    Runs of huge heights are scaled down by a power of two, so that no sum overflows. The mean of
-    the deviations from a first mean makes good what that lost to rounding in a long run; of two
-    heights the first mean is the right one.
+    Runs of huge heights are scaled down by a power of two, so that no sum overflows.
     """
     counts = np.diff(starts, append=len(heights))
     lows, highs = heights[starts], heights[starts + counts - 1]
     scales = np.where(np.maximum(-lows, highs) > 2.0**960, 2.0**-40, 1.0)
-    scaled = heights * np.repeat(scales, counts)
-    rough = np.add.reduceat(scaled, starts) / counts
-    rest = np.add.reduceat(scaled - np.repeat(rough, counts), starts) / counts
-    return np.clip((rough + np.where(counts > 2, rest, 0.0)) / scales, lows, highs)
+    sums = np.add.reduceat(heights * np.repeat(scales, counts), starts)
+    return np.clip(sums / counts / scales, lows, highs)

@@ -293,6 +293,13 @@ def _upward(normal: Vector) -> Vector:
 
 def _from_matrix(matrix: Vector) -> Frame:
     """Make the frame of a rigid matrix, with the point that it takes to zero as origin."""
+    _check_rigid(matrix)
+    axes = matrix[:3, :3].copy()
+    origin: Vector = np.linalg.solve(axes, -matrix[:3, 3]).astype(np.float64)
+    return Frame("matrix", origin, axes)
+
+
+def _check_rigid(matrix: Vector) -> None:
     axes = matrix[:3, :3]
     if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
         raise InputError(
@@ -310,5 +317,3 @@ def _from_matrix(matrix: Vector) -> Frame:
         raise InputError(
             "the plane's matrix mirrors (its determinant is -1): negate one row of its rotation"
         )
-    origin: Vector = np.linalg.solve(axes, -matrix[:3, 3]).astype(np.float64)
-    return Frame("matrix", origin, axes.copy())

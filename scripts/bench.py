@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from bench_peers import OURS, PEERS
 from bench_report import Measurement, flaws_of, table_of, write_json
-from bench_rounds import import_seconds, time_rounds
+from bench_rounds import Timing, import_seconds, time_rounds
 from bench_trial import run_trial
 from distributions import DISTRIBUTIONS, Points
 from rich.console import Console
@@ -41,9 +41,10 @@ def main() -> None:
     console = Console() if os.isatty(1) else Console(width=WIDTH)
     measurements = []
     with console.status("") as status:
-        for label, points in inputs(options):
-            status.update(f"{label}, {len(points):,} rows")
-            measurements.append(measure(label, points, options))
+        for name, size, points in inputs(options):
+            status.update(f"{name}, {size:,} rows")
+            timings = time_peers(points, options)
+            measurements.append(Measurement(name, size, len(points), timings))
         status.update("imports")
         imports = import_seconds(9)
     console.print(table_of(measurements, options.peers))
@@ -73,23 +74,22 @@ def read_options() -> Namespace:
     return options
 
 
-def inputs(options: Namespace) -> Iterator[tuple[str, Points]]:
+def inputs(options: Namespace) -> Iterator[tuple[str, int, Points]]:
     """Make the points, the same ones in every run."""
     for size in options.n:
         for name in options.distributions:
-            yield name, DISTRIBUTIONS[name](size, np.random.default_rng(SEED))
+            yield name, size, DISTRIBUTIONS[name](size, np.random.default_rng(SEED))
 
 
-def measure(label: str, points: Points, options: Namespace) -> Measurement:
+def time_peers(points: Points, options: Namespace) -> dict[str, Timing]:
     """Give every peer its trial, then the rounds."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "points.npy"
         np.save(file, points)
         trials = {name: run_trial(name, file, options.patience) for name in options.peers}
     if not trials[OURS].seconds:
-        raise SystemExit(f"liftmesh gave no result for {label}: {trials[OURS].flaw}")
-    timings = time_rounds(points, trials, options.repeat, options.patience)
-    return Measurement(label, len(points), timings)
+        raise SystemExit(f"liftmesh gave no result: {trials[OURS].flaw}")
+    return time_rounds(points, trials, options.repeat, options.patience)
 
 
 if __name__ == "__main__":

@@ -20,9 +20,10 @@ Ratios = dict[str, float | None]
 
 @dataclass(frozen=True)
 class Measurement:
-    """One input and all its timings."""
+    """One input and all its timings; a lattice has a few rows less than the size asked for."""
 
     distribution: str
+    size: int
     rows: int
     timings: dict[str, Timing]
 
@@ -42,20 +43,19 @@ def table_of(measurements: list[Measurement], peers: list[str]) -> Table:
     """Lay out one row an input: seconds with their spread, ratios, memory."""
     table = Table(
         title="One thread. Seconds: median (fastest to slowest round)",
-        caption="* the result is wrong; - no result. For ratios to the best only right results count.",
+        caption="* wrong result, - no result; the best is the fastest rival whose result is right",
     )
     for heading in ("input", "rows"):
         table.add_column(heading, no_wrap=True)
     for heading in (*peers, "ours/shull", "ours/best", "per row/uniform", "bytes a point"):
         table.add_column(heading, justify="right")
-    uniform = {m.rows: m.seconds_per_row() for m in measurements if m.distribution == "uniform"}
+    uniform = {m.size: m.seconds_per_row() for m in measurements if m.distribution == "uniform"}
     for m in measurements:
-        base = next((seconds for rows, seconds in uniform.items() if rows >= m.rows), 0.0)
-        table.add_row(m.distribution, f"{m.rows:,}", *cells(m, peers, base))
+        table.add_row(m.distribution, f"{m.rows:,}", *cells(m, peers, uniform.get(m.size)))
     return table
 
 
-def cells(measurement: Measurement, peers: list[str], uniform: float) -> Iterator[str]:
+def cells(measurement: Measurement, peers: list[str], uniform: float | None) -> Iterator[str]:
     """Write the cells after the first two; `uniform` is what a row costs us on uniform points."""
     for name in peers:
         yield seconds_cell(measurement.timings[name])
@@ -104,7 +104,7 @@ def as_record(measurement: Measurement) -> dict[str, Any]:
         "rows": measurement.rows,
         "ratios": measurement.ratios(),
         "peers": {
-            name: {"seconds": timing.seconds, **asdict(timing.trial)}
+            name: {"seconds": timing.seconds, "trial": asdict(timing.trial)}
             for name, timing in measurement.timings.items()
         },
     }

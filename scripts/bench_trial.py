@@ -17,6 +17,8 @@ import numpy as np
 from bench_peers import PEERS
 from bench_verify import flaw
 
+CHECKING = 60.0  # seconds that loading the points and checking the triangles may take on top
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -33,7 +35,7 @@ def run_trial(peer: str, file: Path, patience: float) -> Trial:
     command = [sys.executable, __file__, peer, str(file)]
     try:
         done = subprocess.run(
-            command, capture_output=True, text=True, timeout=patience, check=False
+            command, capture_output=True, text=True, timeout=patience + CHECKING, check=False
         )
     except subprocess.TimeoutExpired:
         return Trial(flaw=f"over {patience:.0f} s")

@@ -100,7 +100,7 @@ prepare_machine() {
         fi
     fi
     if ((${#packages[@]} > 0)); then
-        stop "this machine lacks ${packages[*]} (Python must be 3.10 or newer); as root: apt-get update && apt-get install ${packages[*]}"
+        stop "this machine lacks ${packages[*]/%python3/python3 (3.10 or newer)}; as root: apt-get update && apt-get install ${packages[*]}"
     fi
 }
 

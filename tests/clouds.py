@@ -105,7 +105,7 @@ def mixed_lattices(n: int, rng: Generator) -> Points:
 
 def far_offset(n: int, rng: Generator) -> Points:
     """Uniform, moved by 1e15: what is left is a lattice of one eighth."""
-    return rng.uniform(0, np.sqrt(n), (n, 2)) + (1e15, -1e15)
+    return rng.uniform(0, np.sqrt(n), (n, 2)) + np.array([1e15, -1e15])
 
 
 def far_lattice(n: int, rng: Generator) -> Points:

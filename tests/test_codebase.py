@@ -8,6 +8,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 
 import pytest
@@ -91,10 +92,10 @@ def test_errors_raised_in_a_body_are_documented(name: str) -> None:
     assert raised & EXCEPTIONS <= set(entries(sections(CALLABLES[name]).get("Raises", "")))
 
 
-@pytest.mark.parametrize("name", ["Triangulation", "LowerHull"])
+@pytest.mark.parametrize("name", [name for name, value in NAMES.items() if inspect.isclass(value)])
 def test_every_property_is_described(name: str) -> None:
     for key, member in vars(NAMES[name]).items():
-        if not key.startswith("_"):
+        if isinstance(member, property | cached_property) and not key.startswith("_"):
             assert inspect.getdoc(member), f"{name}.{key}"
 
 

@@ -7,8 +7,7 @@ import oracle
 import pytest
 import scipy.spatial
 from clouds import FAMILIES
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.random import Generator
 from numpy.typing import NDArray
 

@@ -1,4 +1,4 @@
-"""What cannot be triangulated: each a named error whose message tells the row, the value, a way out."""
+"""What cannot be triangulated: each a named error that tells the row, the value, a way out."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ INEXACT = {
 
 @pytest.mark.parametrize("points", DEGENERATE.values(), ids=DEGENERATE.keys())
 def test_too_little_for_a_triangle(points) -> None:
-    with pytest.raises(liftmesh.DegenerateInputError, match="distinct|line"):
+    with pytest.raises(liftmesh.DegenerateInputError, match=r"distinct|line"):
         liftmesh.delaunay(points)
 
 

@@ -7,8 +7,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 import pytest
 from clouds import FAMILIES, HARD
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from meshes import (
     assert_delaunay,
     assert_oracle_agrees,

@@ -8,61 +8,16 @@ import open3d as o3d
 import pytest
 import trimesh
 from hypothesis import assume, given, settings, strategies as st
+from surfaces import POLICIES, assert_accounted, layered, terrain, triangles_of
 
 import liftmesh
 from liftmesh import triangulate
 from liftmesh.errors import (
     DegenerateInputError,
-    DuplicateHeightError,
     FormatError,
     InputError,
-    NonFiniteError,
     UnsupportedTypeError,
 )
-
-POLICIES = ["first", "last", "lowest", "highest", "mean"]
-
-
-def terrain(n=300, *, seed=1, offset=(4.5e5, 5.2e6, 100.0)):
-    rng = np.random.default_rng(seed)
-    return rng.random((n, 3)) * (500.0, 400.0, 30.0) + np.asarray(offset)
-
-
-def layered(n=200, *, seed=2):
-    """Few planar positions, few heights: duplicates, overhangs and single rows."""
-    rng = np.random.default_rng(seed)
-    return np.column_stack([rng.integers(0, 9, (n, 2)), rng.integers(0, 4, n)]).astype(float)
-
-
-def eighth_turn():
-    """A rotation by 45 degrees about the z axis."""
-    return trimesh.transformations.rotation_matrix(np.pi / 4, (0, 0, 1))
-
-
-def triangles_of(points, faces):
-    """The triangles as a set of sorted coordinate triples."""
-    return {tuple(sorted(map(tuple, points[face].tolist()))) for face in faces}
-
-
-def planar_groups(points):
-    groups = {}
-    for row, (x, y, _) in enumerate(points.tolist()):
-        groups.setdefault((x, y), []).append(row)
-    return groups
-
-
-def assert_accounted(surface):
-    report = surface.report
-    assert report.rows == len(surface.vertices)
-    assert report.rows == report.used + report.duplicates + report.overhangs + report.skipped
-    assert report.triangles == len(surface.faces)
-    used = np.unique(surface.faces)
-    assert len(used) == report.used
-    assert np.array_equal(np.union1d(used, report.left_out), np.arange(report.rows))
-    assert len(report.left_out) == len(report.stand_ins) == report.rows - report.used
-    stand_ins = report.stand_ins[report.stand_ins >= 0]
-    assert np.isin(stand_ins, used).all()
-    assert report.skipped == np.count_nonzero(report.stand_ins < 0)
 
 
 class TestRows:
@@ -198,145 +153,6 @@ class TestClouds:
     def test_other_objects_are_refused(self, source):
         with pytest.raises(UnsupportedTypeError, match="is no point cloud: give an array"):
             triangulate(source)
-
-
-class TestDuplicates:
-    @pytest.mark.parametrize("policy", POLICIES)
-    def test_the_policy_chooses_the_row_at_every_position(self, policy):
-        points = layered()
-        surface = triangulate(points, duplicates=policy)
-        assert_accounted(surface)
-        used = set(np.unique(surface.faces).tolist())
-        choose = {
-            "last": lambda rows: rows[-1],
-            "lowest": lambda rows: min(rows, key=lambda row: (points[row, 2], row)),
-            "highest": lambda rows: min(rows, key=lambda row: (-points[row, 2], row)),
-        }.get(policy, lambda rows: rows[0])
-        carriers = {position: choose(rows) for position, rows in planar_groups(points).items()}
-        assert used == set(carriers.values())
-        report = surface.report
-        for row, stand_in in zip(report.left_out, report.stand_ins, strict=True):
-            assert stand_in == carriers[tuple(points[row, :2].tolist())]
-        same = points[report.left_out, 2] == points[report.stand_ins, 2]
-        assert (report.duplicates, report.overhangs) == (same.sum(), (~same).sum())
-
-    @pytest.mark.parametrize("policy", POLICIES)
-    def test_the_planar_triangles_are_the_same_for_every_policy(self, policy):
-        points = layered()
-        surface = triangulate(points, duplicates=policy)
-        flat = liftmesh.delaunay(points[:, :2])
-        assert triangles_of(points[:, :2], surface.faces) == triangles_of(
-            points[:, :2], flat.simplices
-        )
-
-    def test_the_mean_changes_one_height_and_nothing_else(self):
-        points = np.array(
-            [
-                [-0.0, 0, 1.0],
-                [1, 0, 2],
-                [0, 1, 3],
-                [0, 0, 4],
-                [0, -0.0, 4],
-                [1, 0, 2],
-                [5e-324, 0, 9],
-            ]
-        )
-        before = points.tobytes()
-        surface = triangulate(points, duplicates="mean")
-        assert points.tobytes() == before
-        expected = points.copy()
-        expected[0, 2] = 2.5
-        assert surface.vertices.tobytes() == expected.tobytes()
-        assert surface.report.left_out.tolist() == [3, 4, 5]
-        assert surface.report.stand_ins.tolist() == [0, 0, 1]
-        assert (surface.report.duplicates, surface.report.overhangs) == (1, 2)
-
-    def test_the_mean_copies_only_where_a_height_changes(self):
-        points = np.vstack([terrain(), terrain()[:5]])
-        assert np.shares_memory(triangulate(points, duplicates="mean").vertices, points)
-
-    def test_the_mean_moves_along_the_normal_of_the_plane(self):
-        base = terrain(50, offset=(0, 0, 0))
-        points = np.vstack([base, base[7] + (8.0, 0.0, 0.0)])
-        surface = triangulate(points, plane=(1, 0, 0), duplicates="mean")
-        expected = base[7] + (4.0, 0.0, 0.0)
-        assert np.allclose(surface.vertices[7], expected, rtol=1e-15)
-        assert surface.report.overhangs == 1
-        rest = np.delete(np.arange(51), 7)
-        assert surface.vertices[rest].tobytes() == points[rest].tobytes()
-
-    def test_the_error_names_both_rows(self):
-        points = np.vstack([terrain(), terrain()[:2] + np.array([0, 0, 1])])
-        with pytest.raises(DuplicateHeightError, match="rows 0 and 300 share") as caught:
-            triangulate(points, duplicates="error")
-        assert caught.value.rows == (0, 300)
-
-    def test_plain_duplicates_are_no_error(self):
-        points = np.vstack([terrain(), terrain()[[7, 7, 3]]])
-        report = triangulate(points, duplicates="error").report
-        assert (report.duplicates, report.overhangs) == (3, 0)
-        assert report.left_out.tolist() == [300, 301, 302]
-        assert report.stand_ins.tolist() == [7, 7, 3]
-
-    def test_a_million_rows_at_one_position(self):
-        corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-        points = np.zeros((1_000_003, 3))
-        points[:, 2] = np.arange(1_000_003) % 1000
-        points[-3:] = corners
-        report = triangulate(points, duplicates="highest").report
-        assert (report.used, report.triangles) == (3, 1)
-        assert report.stand_ins[0] == 999
-
-
-class TestNonFinite:
-    @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-    @pytest.mark.parametrize("column", [0, 1, 2])
-    @pytest.mark.parametrize("plane", ["xy", "fit", (1, 2, 3), np.eye(4)])
-    def test_rows_are_named_or_skipped(self, bad, column, plane):
-        points = terrain()
-        points[[41, 7], column] = bad
-        with pytest.raises(NonFiniteError, match=r"row 7 is not finite: \(.*nonfinite='skip'") as e:
-            triangulate(points, plane=plane)
-        assert e.value.row == 7
-        before = points.tobytes()
-        surface = triangulate(points, plane=plane, nonfinite="skip")
-        assert points.tobytes() == before
-        assert surface.vertices.tobytes() == before
-        assert_accounted(surface)
-        assert surface.report.skipped == 2
-        assert surface.report.left_out.tolist() == [7, 41]
-        assert surface.report.stand_ins.tolist() == [-1, -1]
-
-    def test_the_first_row_is_named_whatever_is_wrong_with_it(self):
-        points = terrain()
-        points[9, 2] = np.nan
-        points[4, 0] = np.inf
-        with pytest.raises(NonFiniteError, match="row 4 is not finite"):
-            triangulate(points)
-
-    def test_skipped_rows_change_no_triangle(self):
-        points = terrain()
-        holed = np.insert(points, [100, 100, 250], np.nan, axis=0)
-        holed[100, :2] = points[5, :2]
-        surface = triangulate(holed, nonfinite="skip")
-        assert triangles_of(holed, surface.faces) == triangles_of(points, triangulate(points).faces)
-        assert surface.report.skipped == 3
-        assert surface.report.overhangs == 0
-
-    def test_masked_rows_are_not_finite(self):
-        points = np.ma.masked_array(terrain(), mask=False)
-        points[12, 2] = np.ma.masked
-        with pytest.raises(NonFiniteError, match="row 12"):
-            triangulate(points)
-        assert triangulate(points, nonfinite="skip").report.left_out.tolist() == [12]
-
-    @pytest.mark.parametrize("nonfinite", ["error", "skip"])
-    def test_finite_rows_whose_planar_coordinates_overflow_are_never_skipped(self, nonfinite):
-        points = terrain(offset=(0, 0, 0))
-        points[3] = (1.7e308, 1.7e308, 0)
-        assert triangulate(points).report.used == 300
-        with pytest.raises(InputError, match=r"row 3, \(1\.7e\+308, .*overflows.*scale"):
-            triangulate(points, plane=eighth_turn(), nonfinite=nonfinite)
 
 
 class TestPlanes:

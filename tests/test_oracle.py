@@ -8,8 +8,7 @@ import numpy as np
 import oracle
 import pytest
 from clouds import FAMILIES
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 COORDINATE = st.integers(0, 4)
 

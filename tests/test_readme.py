@@ -48,7 +48,7 @@ def console_examples() -> list[tuple[str, str]]:
 
 def test_console_examples(folder: Path) -> None:
     examples = console_examples()
-    assert len(examples) >= 4
+    assert len(examples) >= 3
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for command, expected in examples:
         done = subprocess.run(

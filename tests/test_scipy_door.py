@@ -5,14 +5,14 @@ from __future__ import annotations
 import copy
 import doctest
 import pickle
+from itertools import pairwise
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 import scipy.spatial
 from clouds import FAMILIES
-from matplotlib.tri import LinearTriInterpolator
-from matplotlib.tri import Triangulation as PlotTriangulation
+from matplotlib.tri import LinearTriInterpolator, Triangulation as PlotTriangulation
 from numpy.typing import NDArray
 from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator
 
@@ -141,7 +141,7 @@ def test_vertex_neighbors_equal_scipys(ours, theirs) -> None:
     )
     np.testing.assert_array_equal(starts, their_starts)
     assert indices.dtype == their_indices.dtype
-    for start, end in zip(starts[:-1], starts[1:], strict=True):
+    for start, end in pairwise(starts):
         assert set(indices[start:end]) == set(their_indices[start:end])
 
 

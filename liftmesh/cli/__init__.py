@@ -7,6 +7,7 @@ commands themselves only raise. typer and rich are imported here and nowhere els
 from __future__ import annotations
 
 import os
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -33,8 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Examples
     --------
-    >>> main(["--version"])
-    liftmesh 0.1.0
+    >>> main(["--version"])  # doctest: +ELLIPSIS
+    liftmesh ...
     0
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -43,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         app = import_module("liftmesh.cli.application").app
         code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
         sys.stdout.flush()
-    except BrokenPipeError:
+    except (BrokenPipeError, SystemExit):  # typer and rich exit when a pipe closes
         code = _leave_the_pipe()
     except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - the last resort of a program
         if debug:
@@ -69,7 +70,7 @@ def _explain(error: BaseException) -> tuple[int, str]:
     if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
         return exit_codes.USAGE, f"{error.format_message()}{_where_to_look(error)}"
     if isinstance(error, LiftmeshError):
-        return exit_codes.BAD_INPUT, str(error)
+        return exit_codes.BAD_INPUT, _in_options(str(error))
     if isinstance(error, OSError):
         named = f"{error.filename}: " if error.filename else ""
         return exit_codes.BAD_INPUT, f"{named}{error.strerror or error}"
@@ -77,6 +78,12 @@ def _explain(error: BaseException) -> tuple[int, str]:
         return exit_codes.BAD_INPUT, f"not enough memory ({error})"
     kind = type(error).__name__
     return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
+
+
+def _in_options(message: str) -> str:
+    """A message of the library, its Python options as those of the command line."""
+    message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
+    return message.replace("give format=", "give --from FORMAT")
 
 
 def _where_to_look(error: BaseException) -> str:

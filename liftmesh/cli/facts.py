@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -64,6 +65,17 @@ class Facts:
     spacing: float | None
     float32_shift: float
     memory: int
+
+    @property
+    def extent(self) -> tuple[float, ...]:
+        """Sizes of the bounding box; infinite where they exceed float64."""
+        return tuple(high - low for low, high in zip(self.minimum, self.maximum, strict=True))
+
+    @property
+    def offset(self) -> float:
+        """Planar distance from the origin to the centre of the bounding box."""
+        sides = zip(self.minimum[:2], self.maximum[:2], strict=True)
+        return math.hypot(*(low / 2 + high / 2 for low, high in sides))
 
     @property
     def float32_is_enough(self) -> bool:
@@ -132,17 +144,16 @@ def _collinear(distinct: Points) -> bool:
 
 
 def _spacing(distinct: Points) -> float | None:
-    """Median distance to the nearest neighbour; scaled, so that no square over- or underflows."""
+    """Median distance to the nearest neighbour; scaled, so that no square overflows."""
     if len(distinct) < 2:
         return None
-    centre = distinct.min(axis=0) / 2 + distinct.max(axis=0) / 2
-    centred = distinct / 2 - centre / 2
-    exponent = int(np.frexp(np.abs(centred).max())[1])
-    scaled = np.ldexp(centred, -exponent)
+    exponent = int(np.frexp(np.abs(distinct).max())[1])
+    scaled = np.ldexp(distinct, -exponent)
+    scaled -= scaled[len(scaled) // 2]
     tree = load("scipy.spatial").cKDTree(scaled, balanced_tree=False, compact_nodes=False)
     asked = scaled[:: max(1, len(scaled) // _SAMPLE)]
     distances, _ = tree.query(asked, k=2)
-    return float(np.ldexp(np.median(distances[:, 1]), exponent + 1))
+    return float(np.ldexp(np.median(distances[:, 1]), exponent))
 
 
 def _float32_shift(points: Points) -> float:

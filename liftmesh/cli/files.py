@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import typer
 
 from liftmesh.cli.terminal import stage
 from liftmesh.errors import FormatError
@@ -33,9 +36,13 @@ def read(path: Path, file_format: str | None) -> Cloud:
     ------
     FormatError
         The format is unknown, or the file is broken.
+    typer.BadParameter
+        It is stdin, and no format is given.
     """
     from liftmesh import formats  # noqa: PLC0415 - help and --version do without
 
+    if is_stream(path) and file_format is None:
+        raise typer.BadParameter("stdin has no suffix: give its format with --from")
     source = sys.stdin.buffer if is_stream(path) else path
     with stage(f"reading {'stdin' if is_stream(path) else path.name}"):
         return formats.read(source, format=file_format)
@@ -65,9 +72,12 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     """
     from liftmesh import formats  # noqa: PLC0415 - help and --version do without
 
-    target = sys.stdout.buffer if is_stream(path) else path
     with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
-        return formats.write(target, mesh, format=file_format)
+        if not is_stream(path):
+            return formats.write(path, mesh, format=file_format)
+        # A stream of its own: an unbuffered sys.stdout may write a part and not say so.
+        with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
+            return formats.write(stream, mesh, format=file_format)
 
 
 def is_stream(path: Path) -> bool:
@@ -105,11 +115,15 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     ------
     FormatError
         The format is unknown or cannot be written, or there is no such folder.
+    typer.BadParameter
+        Nothing tells the format.
     """
     from liftmesh.formats.registry import find_format  # noqa: PLC0415 - as above
 
     if path is None:
         return
+    if not (file_format or path.suffix):
+        raise typer.BadParameter(f"{path} has no suffix to tell its format: give it with --format")
     found = find_format(file_format or path.suffix, str(path))
     if found.write is None:
         raise FormatError(f"{path}: {found.name} files can be read, not written")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -45,7 +46,8 @@ def run(
     with terminal.stage(f"measuring {len(cloud):,} rows"):
         facts = gather(cloud)
     if json:
-        terminal.as_json(asdict(facts) | {"float32_is_enough": facts.float32_is_enough})
+        derived = ("extent", "offset", "float32_is_enough")
+        terminal.as_json(asdict(facts) | {name: getattr(facts, name) for name in derived})
     else:
         terminal.table(_lines(facts))
 
@@ -57,16 +59,19 @@ def _lines(facts: Facts) -> list[tuple[str, str]]:
     lines.append(("holds", ", ".join(("coordinates", *facts.holds))))
     if facts.positions:
         lines += _measures(facts)
-    return [*lines, ("triangulate", _outlook(facts))]
+    memory = terminal.bytes_text(facts.memory)
+    return [*lines, ("memory", f"about {memory} to triangulate")]
 
 
 def _measures(facts: Facts) -> list[tuple[str, str]]:
-    axes = zip("xyz", facts.minimum, facts.maximum, strict=True)
+    axes = zip("xyz", facts.minimum, facts.maximum, facts.extent, strict=True)
     return [
-        *((axis, f"{low:.10g} to {high:.10g}  ({high - low:.6g})") for axis, low, high in axes),
+        *((axis, f"{low:.10g} to {high:.10g}  ({size:.6g})") for axis, low, high, size in axes),
         ("spacing", _spacing(facts)),
         ("duplicates", f"{facts.duplicates:,}"),
         ("overhangs", f"{facts.overhangs:,}"),
+        ("collinear", _collinear(facts)),
+        ("offset", f"{facts.offset:.6g}  (centre to origin)"),
         ("float32", _float32(facts)),
     ]
 
@@ -84,15 +89,16 @@ def _spacing(facts: Facts) -> str:
 def _float32(facts: Facts) -> str:
     if facts.float32_shift == 0:
         return "enough: holds every coordinate exactly"
+    if math.isinf(facts.float32_shift):
+        return "not enough: coordinates overflow"
     moved = f"moves coordinates by up to {facts.float32_shift:.3g}"
     if facts.spacing:
         moved += f", {facts.float32_shift / facts.spacing:.2g} of the spacing"
     return f"enough: {moved}" if facts.float32_is_enough else f"not enough: {moved}"
 
 
-def _outlook(facts: Facts) -> str:
-    if facts.collinear:
-        reason = "all points lie on one line" if facts.positions > 2 else "needs three points"
-        return f"no triangle exists: {reason}"
-    skip = ", --nonfinite skip" if facts.not_finite else ""
-    return f"about {terminal.bytes_text(facts.memory)} of memory{skip}"
+def _collinear(facts: Facts) -> str:
+    if not facts.collinear:
+        return "no"
+    reason = "all points lie on one line" if facts.positions > 2 else "it needs three points"
+    return f"yes: there is no triangle, {reason}"

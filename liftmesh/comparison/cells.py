@@ -41,6 +41,14 @@ class Cells:
     violations : (v, 2) ndarray of int
         Pairs (triangle, row) where the row, a neighbour's apex, lies strictly inside the
         triangle's circle. Empty for a Delaunay triangulation.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1], [5, 5]])
+    >>> cells = find_cells(tri.points, tri.simplices, tri.neighbors)
+    >>> cells.count, len(tri.simplices)
+    (3, 4)
     """
 
     simplices: Rows
@@ -75,6 +83,14 @@ class Cells:
         -------
         (t,) ndarray of int32
             Cells, -1 where there is none: the triangle's circle is then not empty.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1], [5, 5]])
+        >>> cells = find_cells(tri.points, tri.simplices, tri.neighbors)
+        >>> cells.containing(np.array([[0, 1, 3], [0, 1, 4]])) >= 0
+        array([ True, False])
         """
         low = np.searchsorted(self._corners, triangles * np.int64(self.count))
         high = np.searchsorted(self._corners, (triangles + np.int64(1)) * self.count)
@@ -115,6 +131,15 @@ def find_cells(points: Points, simplices: Rows, neighbors: Rows) -> Cells:
     -------
     Cells
         The cells, and the edges that are not locally Delaunay.
+
+    Examples
+    --------
+    The square cut along its diagonal is one cell:
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> neighbors = np.array([[-1, 1, -1], [-1, -1, 0]])
+    >>> find_cells(square, np.array([[0, 1, 2], [0, 2, 3]]), neighbors).labels.tolist()
+    [0, 0]
     """
     triangle, side = np.nonzero(neighbors > np.arange(len(simplices))[:, None])
     other = neighbors[triangle, side]
@@ -131,7 +156,29 @@ def find_cells(points: Points, simplices: Rows, neighbors: Rows) -> Cells:
 
 
 def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows) -> Rows:
-    """Apexes of neighbours: their corners' sum less the two corners on the common edge."""
+    """Find the apexes of neighbours: their corners' sum less the two on the common edge.
+
+    Parameters
+    ----------
+    simplices : (m, 3) ndarray of int32
+        Triangles.
+    triangle, side : (k,) ndarray of int
+        Triangles and their sides: side i is opposite to corner i.
+    other : (k,) ndarray of int32
+        The neighbours across them.
+
+    Returns
+    -------
+    (k,) ndarray of int32
+        The corners of the neighbours that are not on the side.
+
+    Examples
+    --------
+    >>> opposite_rows(
+    ...     np.array([[0, 1, 2], [0, 2, 3]]), np.array([0]), np.array([1]), np.array([1])
+    ... ).tolist()
+    [3]
+    """
     total = simplices[other].sum(axis=1, dtype=np.int64)
     edge = simplices[triangle, (side + 1) % 3].astype(np.int64)
     edge += simplices[triangle, (side + 2) % 3]
@@ -155,6 +202,16 @@ def unbalanced_cells(
     -------
     (cells,) ndarray of bool
         True for the cells whose boundaries differ.
+
+    Examples
+    --------
+    The square cut along its two diagonals, and half of it:
+
+    >>> one, other = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 1, 3], [1, 2, 3]])
+    >>> unbalanced_cells(1, (one, np.array([0, 0])), (other, np.array([0, 0])))
+    array([False])
+    >>> unbalanced_cells(1, (one, np.array([0, 0])), (other[:1], np.array([0])))
+    array([ True])
     """
     parts = [_directed_edges(*plus, 1), _directed_edges(*minus, -1)]
     cell, low, high, sign = (np.concatenate(column) for column in zip(*parts, strict=True))

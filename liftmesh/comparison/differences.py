@@ -58,6 +58,15 @@ def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
     -------
     Differences
         Complete: every triangle of either side is counted once.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> from liftmesh.comparison.cells import find_cells
+    >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
+    >>> cells = find_cells(tri.points, tri.simplices, tri.neighbors)
+    >>> find_differences(tri.simplices, cells, np.array([[0, 1, 3], [0, 3, 2]])).cocircular
+    2
     """
     match = match_triangles(triangles, lower)
     first = first_of_each(match)

@@ -76,6 +76,13 @@ def trimesh_hull(points: Points, rows: Rows, q: tuple[float, float]) -> HullFace
     -------
     HullFacets
         The facets, or the reason why there are none.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [3.0, 3.0]])
+    >>> hull = trimesh_hull(points, np.arange(4, dtype=np.int32), (0.0, 0.0))
+    >>> len(hull.facets), len(hull.lower)
+    (4, 2)
     """
     lifted = _lifted(points, rows, q)
     mesh, seconds, error = _convex_hull(lifted)
@@ -114,7 +121,11 @@ def _convex_hull(lifted: Points) -> tuple[Any, float, str | None]:
         return None, perf_counter() - start, _first_line(error)
     seconds = perf_counter() - start
     if len(mesh.faces) == 0:
-        return None, seconds, "trimesh merged all points into one: they are closer than 1e-8"
+        return (
+            None,
+            seconds,
+            "trimesh keeps none of its facets: they are smaller than its tolerances",
+        )
     return mesh, seconds, None
 
 

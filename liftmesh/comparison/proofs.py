@@ -45,7 +45,7 @@ _SENTENCES: dict[Claim, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """An exact statement about one triangle.
+    r"""An exact statement about one triangle.
 
     Parameters
     ----------
@@ -63,6 +63,14 @@ class Proof:
         across its edges; otherwise the row that is inside.
     tested : int
         How many other points were tested exactly.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
+    >>> proof = refute(square, np.arange(4), np.array([0, 1, 2]))
+    >>> print(str(proof).replace(": ", ":\n"))
+    trimesh's facet (0, 1, 2) is wrong:
+    row 3 lies strictly inside its circle, in-circle determinant 1/2 > 0
     """
 
     claim: Claim
@@ -136,6 +144,12 @@ def refute(
     -------
     Proof or None
         None when the circle is empty.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
+    >>> refute(square, np.arange(4), np.array([0, 1, 2])).determinants
+    ((3, Fraction(1, 2)),)
     """
     inside = rows[_signs(points, rows, triangle) > 0]
     if len(inside) == 0:
@@ -164,6 +178,12 @@ def confirm(points: Points, rows: Rows, triangle: Rows, apexes: Sequence[int]) -
     -------
     Proof or None
         None when a row lies inside.
+
+    Examples
+    --------
+    >>> kite = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 2.0]])
+    >>> confirm(kite, np.arange(4), np.array([0, 1, 2]), [3]).determinants
+    ((3, Fraction(-2, 1)),)
     """
     if (_signs(points, rows, triangle) > 0).any():
         return None
@@ -184,6 +204,11 @@ def broken_cell(triangle: Rows) -> Proof:
     -------
     Proof
         Without determinants: the boundary of the facets in the cell is the proof.
+
+    Examples
+    --------
+    >>> broken_cell(np.array([0, 1, 2])).claim
+    'broken cell'
     """
     return Proof("broken cell", _as_tuple(triangle), (), 0)
 

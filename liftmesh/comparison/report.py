@@ -32,9 +32,9 @@ _CONCLUSIONS: dict[Verdict, str] = {
 _FAULT = "liftmesh's triangulation is wrong at {violations} edges: please report these points."
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """liftmesh's triangles held against the lower facets of trimesh's hull.
+    r"""liftmesh's triangles held against the lower facets of trimesh's hull.
 
     ``triangles = identical + cocircular + len(missing)`` and
     ``len(lower) = identical + cocircular + len(wrong)``.
@@ -74,6 +74,22 @@ class Comparison:
         ``"liftmesh"``: the triangulation; ``"trimesh"``: its hull.
     error : str, optional
         Why trimesh has no hull.
+
+    Examples
+    --------
+    Around the origin, heights of points far away lose their digits, and Qhull its way:
+
+    >>> import liftmesh
+    >>> result = liftmesh.compare(
+    ...     [[9e9, 0], [9e9 + 4, 0], [9e9, 4], [9e9 + 3, 3], [9e9 + 1, 1]], q="origin"
+    ... )
+    >>> result
+    <Comparison: different, 4 triangles of liftmesh, 2 lower facets of trimesh>
+    >>> print(result.conclusion())
+    trimesh's hull is wrong: 4 lower facets missing, 2 that do not fit, 1 point lost.
+    >>> print(str(result.proofs[0]).replace(": ", ":\n"))
+    trimesh's facet (0, 1, 3) is wrong:
+    row 4 lies strictly inside its circle, in-circle determinant 48 > 0
     """
 
     triangulation: Triangulation
@@ -92,6 +108,12 @@ class Comparison:
     proofs: tuple[Proof, ...]
     seconds: Mapping[str, float]
     error: str | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"<Comparison: {self.verdict}, {self.triangles:,} triangles of liftmesh, "
+            f"{len(self.lower):,} lower facets of trimesh>"
+        )
 
     @property
     def triangles(self) -> int:
@@ -122,6 +144,12 @@ class Comparison:
         -------
         LowerHull
             Vertices are the caller's rows on z = |p - q|^2.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]], q=(0, 0)).lower_hull().vertices[3]
+        array([ 3.,  3., 18.])
         """
         return self.triangulation.lifted(q=self.q)
 
@@ -132,6 +160,12 @@ class Comparison:
         -------
         Cloud
             With faces in rows of the caller, wound outward; none when there is no hull.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> len(liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).trimesh_hull().faces)
+        4
         """
         return Cloud(lift(self.triangulation.points, q=self.q), faces=self.hull)
 
@@ -142,11 +176,29 @@ class Comparison:
         -------
         Cloud
             With faces in rows of the caller, counter-clockwise seen from above.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> len(liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).trimesh_lower_facets().faces)
+        2
         """
         return Cloud(lift(self.triangulation.points, q=self.q), faces=self.lower)
 
     def conclusion(self) -> str:
-        """Say the verdict in a sentence."""
+        """Say the verdict in a sentence.
+
+        Returns
+        -------
+        str
+            Who is right, and what is wrong with the other side.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).conclusion()
+        'Both sides are right: every triangle is identical.'
+        """
         sentence = _FAULT if self.violations else _CONCLUSIONS[self.verdict]
         return sentence.format(
             cells=f"{self.cells:,}",
@@ -156,12 +208,13 @@ class Comparison:
         )
 
     def _faults(self) -> str:
+        lost = "point lost" if len(self.lost) == 1 else "points lost"
         counts = {
-            "it lacks {} lower facets": len(self.missing),
-            "has {} that do not belong there": len(self.wrong),
-            "lost {} points": len(self.lost),
+            "lower facets missing": len(self.missing),
+            "that do not fit": len(self.wrong),
+            lost: len(self.lost),
         }
-        return ", ".join(text.format(f"{count:,}") for text, count in counts.items() if count)
+        return ", ".join(f"{count:,} {what}" for what, count in counts.items() if count)
 
     def __str__(self) -> str:
         name_width = max(len(name) for name, _, _ in self.table())
@@ -171,7 +224,19 @@ class Comparison:
         return "\n".join([*lines, "", self.conclusion(), *proofs])
 
     def table(self) -> list[tuple[str, str, str]]:
-        """Rows of (what, liftmesh's value, trimesh's value) for people to read."""
+        """List what was counted, for people to read.
+
+        Returns
+        -------
+        list of tuple of str
+            What, liftmesh's value, trimesh's value.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).table()[1]
+        ('lower facets', '2', '2')
+        """
         lifted = len(used_rows(self.triangulation.npoints, self.triangulation.simplices))
         ours, theirs = (f"{self.seconds[side]:.3f}" for side in ("liftmesh", "trimesh"))
         if self.error is not None:
@@ -186,4 +251,6 @@ class Comparison:
             "really different": (len(self.missing), len(self.wrong)),
         }
         rows = [(name, f"{left:,}", f"{right:,}") for name, (left, right) in pairs.items()]
+        if self.coincident:
+            rows.append(("equal once lifted in float64", "-", f"{self.coincident:,}"))
         return [*rows, ("seconds", ours, theirs)]

@@ -105,7 +105,7 @@ def write(
     target : str, path, or binary stream
         Where to write. A file is written beside its place and then renamed, so that an error
         leaves an old file as it was.
-    mesh : Cloud, or object with vertices and faces
+    mesh : Cloud, (n, 3) array, or object with vertices and faces
         What to write; colours, normals and attributes go along if the format has a place for them.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name tells.

@@ -69,15 +69,18 @@ class Lines:
         self._continued = continued
         self._read = before
         self._held = Block([], np.empty(0, dtype=np.int64))
+        self._taken = 0
 
     def take(self, count: int) -> Block:
         """Take at most ``count`` lines, fewer where that is quicker, none at the end."""
-        while not len(self._held) and count:
+        while self._taken == len(self._held) and count:
             data = self._chunk()
             if not data:
                 break
             self._held = self._block(self._decoded(data))
-        block, self._held = self._held[:count], self._held[count:]
+            self._taken = 0
+        block = self._held[self._taken : self._taken + count]
+        self._taken += len(block)
         if len(block):
             self.number = int(block.numbers[-1])
         return block
@@ -149,17 +152,17 @@ def number_table(
     """
     if not block.texts:
         return np.empty((0, width or 0))
-    quote = '"' if delimiter else None
+    texts = block.texts
+    if delimiter and any('"' in text for text in texts):
+        texts = [text.replace('"', "") for text in texts]
     try:
-        table = np.loadtxt(
-            block.texts, delimiter=delimiter, comments=None, quotechar=quote, ndmin=2, dtype=float
-        )
+        table = np.loadtxt(texts, delimiter=delimiter, comments=None, ndmin=2, dtype=float)
     except ValueError as error:
         _blame(block, name, width, delimiter)
         raise FormatError(f"{name}: line {block.numbers[0]} or later: {error}") from error
     if table.shape != (len(block), width or table.shape[1]):
         _blame(block, name, width, delimiter)
-        raise FormatError(f"{name}: line {block.numbers[0]} or later: a quote is not closed")
+        raise FormatError(f"{name}: line {block.numbers[0]} or later: a line is broken")
     return table
 
 

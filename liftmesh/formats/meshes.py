@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from liftmesh.arrays import as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import UnsupportedTypeError
 from liftmesh.formats.triangles import checked_faces
@@ -15,13 +16,16 @@ from liftmesh.formats.triangles import checked_faces
 def as_mesh(mesh: object, name: str) -> Cloud:
     """Turn what a caller wants written into a checked Cloud.
 
-    Accepted are a :class:`liftmesh.Cloud`, an object with ``to_cloud()``, and one with ``vertices``
-    and ``faces`` and, if it has them, ``colors``, ``normals`` and ``attributes``.
+    Accepted are a :class:`liftmesh.Cloud`, an (n, 2) or (n, 3) array, an object with
+    ``to_cloud()``, and one with ``vertices`` and ``faces`` and, if it has them, ``colors``,
+    ``normals`` and ``attributes``.
 
     Raises
     ------
     UnsupportedTypeError
         The object is none of these.
+    InputError
+        An array is no list of points.
     FormatError
         A face refers to a vertex that is not there.
     """
@@ -34,6 +38,8 @@ def as_mesh(mesh: object, name: str) -> Cloud:
 def _as_cloud(mesh: Any) -> Cloud:
     if isinstance(mesh, Cloud):
         return mesh
+    if isinstance(mesh, np.ndarray):
+        return Cloud(as_rows3(mesh))
     if hasattr(mesh, "to_cloud"):
         cloud: Cloud = mesh.to_cloud()
         return cloud
@@ -41,7 +47,7 @@ def _as_cloud(mesh: Any) -> Cloud:
         return _from_parts(mesh)
     raise UnsupportedTypeError(
         f"an object of type {type(mesh).__name__} cannot be written: "
-        "give a liftmesh.Cloud, or an object with vertices and faces"
+        "give a liftmesh.Cloud, an (n, 3) array, or an object with vertices and faces"
     )
 
 

@@ -29,7 +29,7 @@ def read_array(stream: BinaryIO, name: str) -> Array:
     """
     try:
         shape, by_columns, dtype = _header(stream)
-    except (ValueError, SyntaxError, TypeError, EOFError, OverflowError, RecursionError) as error:
+    except Exception as error:  # the header is a Python literal: its parser raises many kinds
         raise FormatError(f"{name}: not an NPY file, or its header is broken: {error}") from error
     if dtype.hasobject:
         raise FormatError(f"{name}: the array holds Python objects: save it as numbers")

@@ -14,8 +14,9 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from liftmesh.arrays import as_rows3
 from liftmesh.cloud import Cloud
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.formats.format import Format
 from liftmesh.formats.npy_array import read_array
 from liftmesh.formats.sheet import Sheet
@@ -161,15 +162,10 @@ def _points(array: Array, name: str) -> NDArray[np.float64]:
             f"{name}: the points have shape {array.shape}, not (n, 2) or (n, 3): save "
             "array[:, :3] as points, and further columns by name with numpy.savez"
         )
-    if array.dtype.kind not in "iuf":
-        raise FormatError(f"{name}: points of type {array.dtype} are no coordinates: convert them")
-    points = np.zeros((len(array), 3))
-    points[:, : array.shape[1]] = array
-    inexact = (points[:, : array.shape[1]] != array) & (array == array)  # noqa: PLR0124 - not NaN
-    if inexact.any():
-        row = int(np.argmax(inexact.any(axis=1)))
-        raise FormatError(f"{name}: row {row} is {array[row].tolist()}: no double holds that")
-    return points
+    try:
+        return as_rows3(array)
+    except InputError as error:
+        raise FormatError(f"{name}: the points cannot be used: {error}") from error
 
 
 def _cloud(points: NDArray[np.float64], arrays: Mapping[str, Array], name: str) -> Cloud:

@@ -11,9 +11,11 @@ from liftmesh.errors import FormatError
 from liftmesh.formats.digits import write_rows
 from liftmesh.formats.exchange import read_with_trimesh
 from liftmesh.formats.format import Format
-from liftmesh.formats.lines import Lines, fields
+from liftmesh.formats.lines import Lines, fields, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from liftmesh.cloud import Cloud
 
 
@@ -63,11 +65,24 @@ def write_off(stream: BinaryIO, cloud: Cloud) -> None:
 def _check(lines: Lines, name: str) -> None:
     """Compare the counts with the lines that follow."""
     words = _header(lines, name)
-    vertices, faces = (_count(word, lines, name) for word in words[:2])
-    for _ in range(vertices):
-        _expect(lines, 3, name)
-    for _ in range(faces):
-        _expect_face(lines, name)
+    vertices, faces = (_count(word, lines.number, name) for word in words[:2])
+    for text, number in _taken(lines, vertices, name):
+        _expect(fields(text, None), 3, number, name)
+    for text, number in _taken(lines, faces, name):
+        words = fields(text, None)
+        _expect(words, 1 + _count(words[0], number, name), number, name)
+
+
+def _taken(lines: Lines, count: int, name: str) -> Iterator[tuple[str, int]]:
+    while count:
+        block = lines.take(count)
+        if not len(block):
+            raise FormatError(
+                f"{name}: line {lines.number}: the file ends, but its counts promise {count} more "
+                "lines: it is cut short, or its counts are wrong"
+            )
+        count -= len(block)
+        yield from block
 
 
 def _header(lines: Lines, name: str) -> list[str]:
@@ -80,26 +95,15 @@ def _header(lines: Lines, name: str) -> list[str]:
     return counts
 
 
-def _count(word: str, lines: Lines, name: str) -> int:
-    if not (word.isascii() and word.isdigit()):
-        raise FormatError(f"{name}: line {lines.number}: {word!r} is no count")
+def _count(word: str, number: int, name: str) -> int:
+    if not (word.isascii() and word.isdigit() and len(word) < 19):
+        raise FormatError(f"{name}: line {number}: {shown(word)} is no count")
     return int(word)
 
 
-def _expect(lines: Lines, count: int, name: str) -> list[str]:
-    words = fields(lines.next(), None)
+def _expect(words: list[str], count: int, number: int, name: str) -> None:
     if len(words) < count:
-        raise FormatError(
-            f"{name}: line {lines.number}: expected {count} values, found {len(words)}: "
-            "the file is cut short, or its counts are wrong"
-        )
-    return words
-
-
-def _expect_face(lines: Lines, name: str) -> None:
-    words = _expect(lines, 1, name)
-    if len(words) <= _count(words[0], lines, name):
-        raise FormatError(f"{name}: line {lines.number}: expected {words[0]} corners of a face")
+        raise FormatError(f"{name}: line {number}: expected {count} values, found {len(words)}")
 
 
 FORMAT = Format(

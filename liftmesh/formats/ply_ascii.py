@@ -57,7 +57,7 @@ class AsciiBody:
     def _taken(self, element: Element) -> Iterator[Block]:
         """Take the lines of an element, if the file can hold as many as the header promises."""
         wanted = element.rows if element.properties else 0
-        if wanted * 2 * len(element.properties) > self._size + 1:
+        if wanted * 2 > self._size + 1:
             raise self._too_few(element)
         while wanted:
             block = self._lines.take(min(wanted, BLOCK))

@@ -1,0 +1,204 @@
+"""NumPy's own files: whole meshes, foreign arrays, and headers that lie."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zipfile
+from typing import Any
+
+import numpy as np
+import pytest
+from file_samples import (
+    AWKWARD,
+    FACES,
+    assert_same_bits,
+    assert_same_mesh,
+    full_mesh,
+    loaded,
+    saved,
+)
+
+from liftmesh import Cloud, FormatError
+
+
+def npy(array: Any, **options: Any) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, array, **options)
+    return stream.getvalue()
+
+
+def npz(**arrays: Any) -> bytes:
+    stream = io.BytesIO()
+    np.savez(stream, **arrays)
+    return stream.getvalue()
+
+
+def raw_npy(header: str, body: bytes = b"") -> bytes:
+    text = header.encode()
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text + body
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_everything_comes_back(compressed: bool) -> None:
+    mesh = full_mesh()
+    data = saved(mesh, "npz", compressed=compressed)
+    assert_same_mesh(loaded(data, "npz"), mesh)
+    assert data == saved(mesh, "npz", compressed=compressed)
+
+
+def test_numpy_reads_it() -> None:
+    with np.load(io.BytesIO(saved(full_mesh(), "npz"))) as arrays:
+        assert_same_bits(arrays["points"], AWKWARD)
+        assert_same_bits(arrays["faces"], FACES)
+
+
+def test_attributes_of_every_type() -> None:
+    values = {
+        "long": np.array([2**63 - 1, -1, 0, 1, 2]),
+        "flag": np.array([True, False, True, False, True]),
+        "name": np.array(["a", "b", "c", "d", "e"]),
+        "block": np.arange(30).reshape(5, 2, 3),
+    }
+    mesh = Cloud(AWKWARD, attributes=values)
+    assert_same_mesh(loaded(saved(mesh, "npz"), "npz"), mesh)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        AWKWARD,
+        AWKWARD.astype(">f8"),
+        np.asfortranarray(AWKWARD),
+        np.arange(6, dtype=np.int16).reshape(2, 3),
+        np.arange(6, dtype=np.float32).reshape(2, 3) / 3,
+        np.array([[2**53, -(2**53), 0]]),
+        np.array([[np.nan, 1.0, 2.0]]),
+        np.empty((0, 3)),
+    ],
+)
+def test_one_array_of_points(array: np.ndarray) -> None:
+    for cloud in (loaded(npy(array), "npy"), loaded(npz(anything=array), "npz")):
+        assert_same_bits(cloud.points, array.astype("=f8"))
+
+
+def test_two_columns_lie_at_zero() -> None:
+    assert loaded(npy([[1, 2], [3, 4]]), "npy").points.tolist() == [[1, 2, 0], [3, 4, 0]]
+
+
+def test_structured_arrays_are_columns() -> None:
+    layout = [("x", "f4"), ("y", "f8"), ("z", "i2"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
+    array = np.array([(0.5, 1.5, 2, 3, 4, 5, 6)], dtype=[*layout, ("class", "u1")])
+    cloud = loaded(npy(array), "npy")
+    assert cloud.points.tolist() == [[0.5, 1.5, 2.0]]
+    assert_same_bits(cloud.colors, np.array([[3, 4, 5]], dtype=np.uint8))
+    assert list(cloud.attributes) == ["class"]
+    assert_same_bits(cloud.attributes["class"], np.array([6], dtype=np.uint8))
+
+
+def test_foreign_names() -> None:
+    data = npz(vertices=AWKWARD, triangles=FACES.astype(np.uint64), scale=2.0, other=np.zeros(3))
+    cloud = loaded(data, "npz")
+    assert_same_bits(cloud.faces, FACES)
+    assert cloud.metadata["skipped"] == ("scale ()", "other (3,)")
+
+
+@pytest.mark.parametrize(
+    ("array", "cause"),
+    [
+        (np.zeros((4, 4)), r"shape \(4, 4\), not \(n, 2\) or \(n, 3\): save array\[:, :3\]"),
+        (np.zeros(4), r"shape \(4,\)"),
+        (np.zeros((4, 1)), r"shape \(4, 1\)"),
+        (np.zeros((2, 2, 2)), r"shape \(2, 2, 2\)"),
+        (np.array(1.0), r"shape \(\)"),
+        (np.zeros((2, 2), dtype=complex), "complex128"),
+        (np.array([["a", "b"]]), "points cannot be used"),
+        (np.array([[0, 0], [1, 2**53 + 1]]), "row 1 holds 9007199254740993"),
+        (np.zeros(3, dtype=[("x", "f8"), ("z", "f8")]), "fields x and y"),
+        (np.zeros(3, dtype=[("x", "f8"), ("y", "U3")]), "fields x and y"),
+    ],
+)
+def test_arrays_that_are_no_points(array: np.ndarray, cause: str) -> None:
+    with pytest.raises(FormatError, match=cause):
+        loaded(npy(array), "npy")
+
+
+def test_nothing_is_unpickled() -> None:
+    objects = np.array([[{}, {}]], dtype=object)
+    with pytest.raises(FormatError, match="Python objects"):
+        loaded(npy(objects, allow_pickle=True), "npy")
+    with pytest.raises(FormatError, match=r"points.npy: the array holds Python objects"):
+        loaded(npz(points=objects), "npz")
+    with pytest.raises(FormatError, match="'value' of type object"):
+        saved(Cloud(AWKWARD[:1], attributes={"value": objects[:, 0]}), "npz")
+
+
+@pytest.mark.parametrize(
+    ("arrays", "cause"),
+    [
+        ({"a": AWKWARD, "b": AWKWARD}, "no array is called points: there are a, b"),
+        ({}, "there are none"),
+        ({"points": AWKWARD, "colors": np.zeros((4, 3))}, r"colors have shape \(4, 3\) for 5"),
+        ({"points": AWKWARD, "colors": np.zeros((5, 2))}, r"colors have shape \(5, 2\)"),
+        ({"points": AWKWARD, "colors": np.full((5, 3), "a")}, "colors of type <U1"),
+        ({"points": AWKWARD, "normals": np.zeros(5)}, r"normals have shape \(5,\)"),
+        ({"points": AWKWARD, "faces": FACES + 3}, "face 0 refers to vertex 5"),
+        ({"points": AWKWARD, "faces": FACES - 1}, "face 0 refers to vertex -1"),
+        ({"points": AWKWARD, "faces": np.zeros((2, 4), int)}, r"\(m, 3\) array of integers"),
+        ({"points": AWKWARD, "faces": np.zeros((2, 3))}, "not float64"),
+    ],
+)
+def test_wrong_archives(arrays: dict[str, np.ndarray], cause: str) -> None:
+    with pytest.raises(FormatError, match=cause):
+        loaded(npz(**arrays), "npz")
+
+
+def test_reserved_names_are_refused() -> None:
+    with pytest.raises(FormatError, match="'faces'"):
+        saved(Cloud(AWKWARD, attributes={"faces": np.zeros(5)}), "npz")
+
+
+@pytest.mark.parametrize(
+    ("header", "cause"),
+    [
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (1099511627776, 3)}", "should take"),
+        (f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({10**30}, 3)}}", "should take"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 3)}", "shape"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (1.5, 3)}", "broken"),
+        ("{'descr': 'f99', 'fortran_order': False, 'shape': (1, 3)}", "broken"),
+        ("{'descr': '<f8'}", "broken"),
+        ("not python", "broken"),
+        ("(" * 5000, "broken"),
+    ],
+)
+def test_headers_that_lie(header: str, cause: str) -> None:
+    data = raw_npy(header, bytes(24))
+    with pytest.raises(FormatError, match=cause):
+        loaded(data, "npy")
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("points.npy", data)
+    with pytest.raises(FormatError, match=f"points.npy.*{cause}"):
+        loaded(stream.getvalue(), "npz")
+
+
+def test_archives_that_lie_about_their_size() -> None:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("points.npy", npy(AWKWARD))
+    size = struct.pack("<L", len(npy(AWKWARD)))
+    data = stream.getvalue().replace(size, struct.pack("<L", 2**31))
+    with pytest.raises(FormatError, match="2147483648 bytes cannot come of"):
+        loaded(data, "npz")
+
+
+def test_neither_archive_nor_array() -> None:
+    with pytest.raises(FormatError, match="not a whole NPZ file"):
+        loaded(b"PK\x03\x04 and then nothing", "npz")
+    with pytest.raises(FormatError, match="not an NPY file"):
+        loaded(b"1 2 3\n4 5 6\n", "npy")
+
+
+def test_npy_is_not_written() -> None:
+    with pytest.raises(FormatError, match=r"npy files cannot be written .*: write PLY, OBJ or NPZ"):
+        saved(full_mesh(), "npy")

@@ -1,0 +1,115 @@
+"""The checkers find what is wrong: those of the tests, and the one that guards the benchmark."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench_verify import flaw
+from clouds import FAMILIES
+from meshes import assert_delaunay, assert_oracle_agrees, assert_same_triangles, triangle_rows
+from numpy.typing import NDArray
+
+import liftmesh
+
+POINTS = np.random.default_rng(5).random((40, 2))
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+SCRIPTS = Path(__file__).parent.parent / "scripts"
+Rows = NDArray[np.int32]
+
+
+def flipped(simplices: Rows) -> Rows:
+    """Exchange the diagonal of the first convex quadrilateral for the other one."""
+    neighbors = liftmesh.delaunay(POINTS).neighbors
+    for row, other in zip(*np.nonzero(neighbors >= 0), strict=True):
+        a, b, c = np.roll(simplices[row], -other)
+        (d,) = set(simplices[neighbors[row, other]]) - {b, c}
+        pair = np.array([[a, b, d], [a, d, c]], dtype=np.int32)
+        if (liftmesh.orient2d(*np.moveaxis(POINTS[pair], 1, 0)) > 0).all():
+            return np.vstack((np.delete(simplices, [row, neighbors[row, other]], axis=0), pair))
+    raise AssertionError("no side can be flipped")
+
+
+DAMAGE = {
+    "flipped side": flipped,
+    "reversed row": lambda rows: np.vstack((rows[:-1], rows[-1:, ::-1])),
+    "dropped row": lambda rows: rows[1:],
+    "doubled row": lambda rows: np.vstack((rows, rows[:1])),
+    "wrong corner": lambda rows: np.vstack((rows[1:], np.roll(rows[:1], 1) * [1, 1, 0])),
+    "point left out": lambda rows: inner_point_removed(),
+}
+
+
+def inner_point_removed() -> Rows:
+    """Triangulate all points but the one nearest to the middle, with their own rows."""
+    inner = np.argmin(np.linalg.norm(POINTS - 0.5, axis=1))
+    kept = np.delete(np.arange(len(POINTS)), inner)
+    return kept[liftmesh.delaunay(POINTS[kept]).simplices].astype(np.int32)
+
+
+def test_a_right_result_passes_every_check() -> None:
+    simplices = liftmesh.delaunay(POINTS).simplices
+    assert_delaunay(POINTS, simplices)
+    assert_oracle_agrees(POINTS, simplices)
+    assert flaw(POINTS, simplices) == ""
+
+
+@pytest.mark.parametrize("check", [assert_delaunay, assert_oracle_agrees])
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_damage_fails_the_check(damage: str, check) -> None:
+    with pytest.raises(AssertionError):
+        check(POINTS, DAMAGE[damage](liftmesh.delaunay(POINTS).simplices))
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_damage_is_named_by_the_benchmark(damage: str) -> None:
+    assert flaw(POINTS, DAMAGE[damage](liftmesh.delaunay(POINTS).simplices)) != ""
+
+
+def test_damage_changes_the_set_of_triangles() -> None:
+    simplices = liftmesh.delaunay(POINTS).simplices
+    with pytest.raises(AssertionError, match="1 are missing"):
+        assert_same_triangles(
+            triangle_rows(POINTS, simplices[1:]), triangle_rows(POINTS, simplices)
+        )
+
+
+def test_the_other_diagonal_is_delaunay_but_not_canonical() -> None:
+    other = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    assert flaw(SQUARE, other) == ""
+    with pytest.raises(AssertionError, match="not Delaunay"):
+        assert_delaunay(SQUARE, other)
+    with pytest.raises(AssertionError, match="extra"):
+        assert_oracle_agrees(SQUARE, other)
+
+
+def test_a_border_that_turns_inward_is_named() -> None:
+    rows = liftmesh.delaunay(POINTS)
+    at_border = np.flatnonzero((rows.neighbors == -1).any(axis=1))
+    names = {flaw(POINTS, np.delete(rows.simplices, row, axis=0)) for row in at_border}
+    assert any("inward" in name for name in names), names
+
+
+@pytest.mark.parametrize("family", ["lattice", "circle", "denormal", "huge-lattice"])
+def test_the_benchmarks_check_accepts_hard_points(family: str) -> None:
+    points = FAMILIES[family](2000, np.random.default_rng(1))
+    assert flaw(points, liftmesh.delaunay(points).simplices) == ""
+
+
+def test_the_benchmark_writes_what_it_measured(tmp_path: Path) -> None:
+    target = tmp_path / "bench.json"
+    command = [sys.executable, SCRIPTS / "bench.py", "--peers", "liftmesh", "scipy", "--n", "2000"]
+    options = ["--distributions", "uniform", "lattice", "--repeat", "2", "--json", target]
+    done = subprocess.run([*command, *options], capture_output=True, text=True, check=True)
+    assert "uniform" in done.stdout
+    report = json.loads(target.read_text())
+    for measurement in report["measurements"]:
+        ours, theirs = (measurement["peers"][name] for name in ("liftmesh", "scipy"))
+        assert ours["trial"]["flaw"] == theirs["trial"]["flaw"] == ""
+        assert ours["trial"]["triangles"] == theirs["trial"]["triangles"] > 3000
+        assert len(ours["seconds"]) == len(theirs["seconds"]) == 2
+        assert 0 < measurement["ratios"]["best"] < 1
