@@ -38,6 +38,12 @@ class Written:
     origin : tuple of float, or None
         x, y, z that were subtracted from every vertex because the format holds single precision
         only; the file states it too. None: coordinates are written as they are.
+
+    Examples
+    --------
+    >>> written = write(io.BytesIO(), [[0, 0, 5], [1, 0, 6]], format="ply")
+    >>> written.format, written.path, written.origin
+    ('ply', None, None)
     """
 
     path: Path | None

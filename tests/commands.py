@@ -1,0 +1,98 @@
+"""Running the command line as a person or a script does: a real process, its pipes, its terminal."""
+
+from __future__ import annotations
+
+import errno
+import os
+import pty
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+TERRAIN = ROOT / "data" / "jacksboro.ply"
+COMMAND = [sys.executable, "-m", "liftmesh"]
+ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
+
+PLAIN = {
+    name: value for name, value in os.environ.items() if name not in {"NO_COLOR", "FORCE_COLOR"}
+}
+
+
+def liftmesh(*words, cwd=None, stdin=None, text=True, env=()):
+    """Run the command with pipes for all its streams."""
+    return subprocess.run(
+        [*COMMAND, *map(str, words)],
+        cwd=cwd,
+        input=stdin,
+        capture_output=True,
+        text=text,
+        env={**PLAIN, **dict(env)},
+        timeout=120,
+        check=False,
+    )
+
+
+def on_terminal(*words, cwd=None, env=()):
+    """Run the command on a terminal of its own; return what it shows and its exit code."""
+    outer, inner = pty.openpty()
+    process = subprocess.Popen(
+        [*COMMAND, *map(str, words)],
+        cwd=cwd,
+        stdin=inner,
+        stdout=inner,
+        stderr=inner,
+        env={**PLAIN, "TERM": "xterm-256color", "COLUMNS": "100", **dict(env)},
+    )
+    os.close(inner)
+    shown = b"".join(_chunks(outer))
+    os.close(outer)
+    return shown.decode(), process.wait(timeout=120)
+
+
+def _chunks(stream):
+    while True:
+        try:
+            chunk = os.read(stream, 65536)
+        except OSError as error:  # Linux reports a closed terminal as an error
+            if error.errno != errno.EIO:
+                raise
+            return
+        if not chunk:
+            return
+        yield chunk
+
+
+def interrupted(*words, cwd=None, after):
+    """Press Ctrl-C some seconds after the start; return the process's end and how long it took."""
+    process = subprocess.Popen(
+        [*COMMAND, *map(str, words)],
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=PLAIN,
+    )
+    time.sleep(after)
+    assert process.poll() is None, "it ended before Ctrl-C: give it more to do"
+    process.send_signal(signal.SIGINT)
+    begin = time.perf_counter()
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err, time.perf_counter() - begin
+
+
+def without_escapes(text):
+    return ESCAPES.sub("", text).replace("\r", "")
+
+
+def failed(done, code, *parts):
+    """One line on stderr that holds all parts, nothing on stdout, and the exit code."""
+    assert done.returncode == code, done.stderr
+    assert done.stdout == ""
+    assert done.stderr.startswith("liftmesh: error: ")
+    assert done.stderr.count("\n") == 1
+    for part in parts:
+        assert part in done.stderr

@@ -1,0 +1,130 @@
+"""Files cut short at every byte, with bytes changed, or of another kind: an error, never a crash."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from file_samples import FACES, full_mesh, loaded, saved, small_mesh
+
+from liftmesh import Cloud, FormatError
+
+MESH = full_mesh()
+POLYGONS = (
+    b"ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    b"property list uchar int near\nelement face 2\nproperty list uchar int vertex_indices\n"
+    b"property float q\nend_header\n"
+)
+
+SAMPLES = {
+    "ply": saved(MESH, "ply"),
+    "ply ascii": saved(MESH, "ply", encoding="ascii"),
+    "ply polygons ascii": POLYGONS.replace(b"{}", b"ascii")
+    + b"0 0 1 1\n1 0 0\n1 1 2 0 1\n0 1 0\n4 0 1 2 3 0.5\n3 0 1 2 0.5\n",
+    "ply polygons": POLYGONS.replace(b"{}", b"binary_big_endian")
+    + b"".join(bytes(8) + bytes([n]) + bytes(4 * n) for n in (1, 0, 2, 0))
+    + b"".join(bytes([n]) + bytes(4 * n + 4) for n in (4, 3)),
+    "obj": saved(MESH, "obj"),
+    "off": saved(Cloud(MESH.points, faces=FACES), "off"),
+    "csv": b"x,y,z,red,green,blue,class\n1.5,2.5,3.5,10,20,30,2\n4,5,6,40,50,60,2\n",
+    "npy": None,
+    "npz": saved(MESH, "npz"),
+    "npz deflated": saved(small_mesh(), "npz", compressed=True),
+    "stl": saved(small_mesh(), "stl"),
+    "glb": saved(small_mesh(), "glb"),
+    "gltf": saved(small_mesh(), "gltf"),
+}
+
+
+def sample(key: str) -> tuple[bytes, str]:
+    data = SAMPLES[key]
+    if data is None:
+        import io
+
+        stream = io.BytesIO()
+        np.save(stream, MESH.points)
+        data = stream.getvalue()
+    return data, key.split(maxsplit=1)[0]
+
+
+def outcome(data: bytes, kind: str) -> Cloud | str:
+    """Read a broken file: what comes of it is a cloud that can be written, or a FormatError."""
+    try:
+        cloud = loaded(data, kind)
+    except FormatError as error:
+        message = str(error)
+        assert message.startswith("<stream>: ")
+        return message
+    saved(Cloud(cloud.points, faces=cloud.faces), "ply")
+    return cloud
+
+
+@pytest.mark.parametrize("key", SAMPLES)
+def test_the_sample_itself_is_whole(key: str) -> None:
+    assert isinstance(outcome(*sample(key)), Cloud)
+
+
+@pytest.mark.parametrize("key", SAMPLES)
+def test_cut_short_at_every_byte(key: str) -> None:
+    data, kind = sample(key)
+    whole = loaded(data, kind)
+    binary = key in {"ply", "ply polygons", "npy", "npz", "npz deflated", "stl", "glb", "gltf"}
+    for size in range(len(data) - 1):
+        found = outcome(data[:size], kind)
+        if binary:
+            assert isinstance(found, str), size
+        elif isinstance(found, Cloud):
+            # Text that ends between numbers, or inside one, may be a shorter file that is whole.
+            assert len(found) <= len(whole)
+
+
+@pytest.mark.parametrize("key", SAMPLES)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_changed_bytes(key: str) -> None:
+    data, kind = sample(key)
+    random = np.random.default_rng(sum(key.encode()))
+    for _ in range(250):
+        broken = bytearray(data)
+        for at in random.integers(0, len(data), random.integers(1, 4)):
+            broken[at] = random.integers(0, 256)
+        outcome(bytes(broken), kind)
+
+
+@pytest.mark.parametrize("key", SAMPLES)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_bytes_lost_repeated_and_added(key: str) -> None:
+    data, kind = sample(key)
+    random = np.random.default_rng(sum(key.encode()))
+    for _ in range(100):
+        first, last = sorted(random.integers(0, len(data), 2))
+        last = min(last, first + 40)
+        outcome(data[:first] + data[last:], kind)
+        outcome(data[:last] + data[first:], kind)
+        outcome(data[:first] + random.bytes(5) + data[first:], kind)
+
+
+@pytest.mark.parametrize("kind", sorted({key.split()[0] for key in SAMPLES}))
+def test_files_of_another_kind(kind: str) -> None:
+    for key in SAMPLES:
+        data, other = sample(key)
+        if other != kind:
+            assert isinstance(outcome(data, kind), str), (kind, other)
+
+
+@pytest.mark.parametrize("kind", sorted({key.split()[0] for key in SAMPLES}))
+def test_random_bytes(kind: str) -> None:
+    random = np.random.default_rng(7)
+    for size in (1, 2, 3, 10, 84, 134, 1000, 10_000):
+        for data in (random.bytes(size), bytes(size), b"\n" * size, b" " * size, b"9" * size):
+            assert isinstance(outcome(data, kind), str), (size, data[:10])
+
+
+def test_warnings_of_broken_files_are_errors_outside_of_tests_too() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        text = (
+            b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 x 0\n"
+        )
+        with pytest.raises(FormatError, match="not a whole stl file"):
+            loaded(text + b"endloop\nendfacet\nendsolid\n", "stl")

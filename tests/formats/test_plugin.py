@@ -1,0 +1,113 @@
+"""The example package, built and installed as pip does it, adds a format and a cloud type."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parent.parent / "plugins" / "liftmesh-example-plugin"
+
+BROKEN = """
+[liftmesh.formats]
+brk = liftmesh_no_such_module:FORMAT
+odd = os.path:join
+
+[liftmesh.adapters]
+broken = liftmesh_no_such_module:ADAPTER
+"""
+
+USE = """
+import io
+import sys
+from pathlib import Path
+
+import liftmesh
+from liftmesh.formats import known_formats
+
+assert "liftmesh_example_plugin" not in sys.modules
+liftmesh.write("square.ply", liftmesh.Cloud(liftmesh.as_cloud([[0.1, 0], [1, 0], [0, 1]]).points))
+liftmesh.read("square.ply")
+assert "liftmesh_example_plugin" not in sys.modules
+
+from liftmesh_example_plugin import Survey
+
+surface = liftmesh.triangulate(Survey([0.1, 1.0, 0.0], [0.0, 0.0, 1.0], [5.0, 6.0, 7.0]))
+written = surface.save("square.tri1", title="tri1")
+assert (written.format, written.bytes) == ("tri1", Path("square.tri1").stat().st_size)
+print(Path("square.tri1").read_text())
+
+back = liftmesh.read("square.tri1")
+assert back.points.tobytes() == surface.vertices.tobytes()
+assert back.faces.tobytes() == surface.faces.tobytes()
+assert back.metadata["format"] == "tri1"
+assert liftmesh.triangulate("square.tri1").report.triangles == 1
+assert len(liftmesh.read(io.BytesIO(b"tri1\\nv 1 2 3\\n"), format="TRI1")) == 1
+assert known_formats()["tri1"].suffixes == (".tri1",)
+
+for call in (
+    lambda: liftmesh.read(io.BytesIO(b"tri2\\n"), format="tri1"),
+    lambda: liftmesh.write("other.tri1", surface, digits=3),
+    lambda: liftmesh.read("x.brk"),
+    lambda: liftmesh.read("x.odd"),
+    lambda: liftmesh.read("x.none"),
+):
+    try:
+        call()
+    except liftmesh.FormatError as error:
+        print(error)
+print(known_formats()["brk"].description)
+"""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Install the example into an empty folder, and beside it a package whose plugins are broken."""
+    source = tmp_path_factory.mktemp("source") / SOURCE.name
+    shutil.copytree(SOURCE, source)
+    site = tmp_path_factory.mktemp("site")
+    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--target", str(site)]
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", "--disable-pip-version-check", *options, source],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    broken = site / "broken-1.0.dist-info"
+    broken.mkdir()
+    (broken / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
+    (broken / "entry_points.txt").write_text(BROKEN)
+    return site
+
+
+def test_the_example_works_and_broken_plugins_harm_nobody(site: Path, tmp_path: Path) -> None:
+    found = subprocess.run(
+        [sys.executable, "-W", "error", "-c", USE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(site)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert found.stderr == ""
+    text, _, messages = found.stdout.partition("\n\n")
+    first, *rest = text.splitlines()
+    assert first == "tri1"
+    assert rest[:3] == ["v 0.1 0.0 5.0", "v 1.0 0.0 6.0", "v 0.0 1.0 7.0"]
+    assert sorted(rest[3].split()) == ["0", "1", "2", "t"]
+    not_tri1, no_option, unloadable, no_format, unknown, listed = messages.splitlines()
+    assert not_tri1 == "<stream>: line 1: not a tri1 file"
+    assert "'digits'" in no_option
+    assert no_option.endswith("tri1 takes title")
+    assert "'liftmesh_no_such_module:FORMAT' for 'brk' files cannot be loaded" in unloadable
+    assert "ModuleNotFoundError" in unloadable
+    assert (
+        "'os.path:join' for 'odd' files is a function, not a liftmesh.formats.Format" in no_format
+    )
+    assert ".ply, " in unknown
+    assert ".tri1" in unknown
+    assert "cannot be loaded" in listed
