@@ -1,8 +1,9 @@
-"""Running the command line as a person or a script does: a real process, its pipes, its terminal."""
+"""Running the command line as a person or a script does: a process, its pipes, its terminal."""
 
 from __future__ import annotations
 
 import errno
+import io
 import os
 import pty
 import re
@@ -10,7 +11,10 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+
+from liftmesh.cli import main
 
 ROOT = Path(__file__).resolve().parent.parent
 TERRAIN = ROOT / "data" / "jacksboro.ply"
@@ -22,8 +26,20 @@ PLAIN = {
 }
 
 
-def liftmesh(*words, cwd=None, stdin=None, text=True, env=()):
-    """Run the command with pipes for all its streams."""
+def liftmesh(*words, cwd=None):
+    """Run the command in this process; return its streams and exit code like `process`."""
+    out, err, here = io.StringIO(), io.StringIO(), Path.cwd()
+    os.chdir(cwd or here)
+    try:
+        with redirect_stdout(out), redirect_stderr(err):
+            code = main([*map(str, words)])
+    finally:
+        os.chdir(here)
+    return subprocess.CompletedProcess(words, code, out.getvalue(), err.getvalue())
+
+
+def process(*words, cwd=None, stdin=None, text=True, env=()):
+    """Run the command in a process of its own, with pipes for all its streams."""
     return subprocess.run(
         [*COMMAND, *map(str, words)],
         cwd=cwd,

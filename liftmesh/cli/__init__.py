@@ -44,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         app = import_module("liftmesh.cli.application").app
         code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
         sys.stdout.flush()
+        if code == exit_codes.INTERRUPTED:  # typer turns Ctrl-C into this code itself
+            _complain("interrupted")
     except (BrokenPipeError, SystemExit):  # typer and rich exit when a pipe closes
         code = _leave_the_pipe()
     except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - the last resort of a program

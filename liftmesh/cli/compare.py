@@ -78,7 +78,7 @@ def run(
     if json:
         terminal.as_json(_values(result))
     else:
-        _say(result)
+        _say(result, hull)
     if not result.agrees:
         raise typer.Exit(exit_codes.DIFFERENT)
 
@@ -90,12 +90,14 @@ def _compare(cloud: Cloud, **choices: Any) -> Comparison:
         return liftmesh.compare(cloud, **choices)
 
 
-def _say(result: Comparison) -> None:
+def _say(result: Comparison, hull: Path | None) -> None:
     style = "good" if result.agrees else "bad"
     styles = {"really different": style}
     terminal.table(result.table(), header=("", "liftmesh", "trimesh"), styles=styles)
     terminal.blank()
     terminal.sentence(result.conclusion(), style)
+    if hull is not None and result.error is not None:
+        terminal.sentence(f"{hull} was not written.", style)
     for proof in result.proofs:
         terminal.item(str(proof))
 

@@ -41,7 +41,9 @@ class Written:
 
     Examples
     --------
-    >>> written = write(io.BytesIO(), [[0, 0, 5], [1, 0, 6]], format="ply")
+    >>> import io
+    >>> import numpy as np
+    >>> written = write(io.BytesIO(), np.eye(3), format="ply")
     >>> written.format, written.path, written.origin
     ('ply', None, None)
     """
@@ -140,7 +142,7 @@ def write(
     >>> from liftmesh.cloud import Cloud
     >>> stream = io.BytesIO()
     >>> write(stream, Cloud(np.array([[0.1, 2.0, 1e300]])), format="obj").bytes
-    29
+    28
     >>> stream.getvalue()
     b'# liftmesh\nv 0.1 2.0 1e+300\n'
     """

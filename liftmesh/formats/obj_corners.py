@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,8 @@ from liftmesh.formats.lines import Block, number_table, shown
 from liftmesh.formats.ragged import Ragged
 
 Indices = NDArray[np.int64]
+
+_PAIRS = re.compile(r"-?\d+//-?\d+(?:[ \t]+-?\d+//-?\d+)*", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,19 +67,24 @@ def parse_corners(
 
 
 def _plain(faces: Block, name: str) -> tuple[Indices, Indices, Indices] | None:
-    """Parse faces of vertices only, all of the same size: most files have no others."""
-    if any("/" in text for text in faces.texts):
-        return None
+    """Parse faces all of one size, each corner ``vertex`` or ``vertex//normal``, as most are."""
+    texts, pair = faces.texts, False
+    if any("/" in text for text in texts):
+        if not all(map(_PAIRS.fullmatch, texts)):
+            return None
+        texts, pair = [text.replace("//", " ") for text in texts], True
     try:
-        table = number_table(faces, name)
+        table = number_table(Block(texts, faces.numbers), name)
     except FormatError:
         return None
     with np.errstate(invalid="ignore"):
-        corners = table.astype(np.int64)
-    if not np.all(corners == table) or not corners.all():
+        numbers = table.astype(np.int64)
+    if not np.all(numbers == table) or not numbers.all():
         return None
-    sizes = np.full(len(faces), table.shape[1], dtype=np.int64)
-    return sizes, corners.reshape(-1), np.zeros(corners.size, dtype=np.int64)
+    vertices = numbers[:, ::2] if pair else numbers
+    normals = numbers[:, 1::2] if pair else np.zeros_like(numbers)
+    sizes = np.full(len(faces), vertices.shape[1], dtype=np.int64)
+    return sizes, vertices.reshape(-1), normals.reshape(-1)
 
 
 def _general(faces: Block, name: str) -> tuple[Indices, Indices, Indices]:

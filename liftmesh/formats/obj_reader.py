@@ -116,26 +116,29 @@ class _Reading:
             raise FormatError(f"{self.name}: no line 'v x y z': no OBJ file, or one of no vertices")
         table = np.concatenate(self.vertices)
         corners = Corners.joined(self.corners) if self.corners else None
-        metadata: dict[str, Any] = {"ignored": dict(self.ignored)} if self.ignored else {}
-        faces = None
-        if corners is not None:
-            lines = corners.lines
-            faces = triangulated(
-                corners.vertices, len(table), self.name, lambda face: f"line {lines[face]}: face"
-            )
-            metadata |= remarks(corners.vertices)
-        extra = np.ascontiguousarray(table[:, 3:]) if table.shape[1] >= 6 else None
-        colors = None if extra is None else recognized(extra)
-        # Three more values that cannot be colours are kept under a name of their own.
-        attributes = {"color": extra} if extra is not None and colors is None else {}
+        colors, attributes = _colors(table[:, 3:])
+        # Faces first: that checks the vertices which normals are gathered for.
+        faces = self._faces(corners, len(table))
         return Cloud(
             np.ascontiguousarray(table[:, :3]),
             colors=colors,
             normals=self._normals(corners, len(table)),
             attributes=attributes,
             faces=faces,
-            metadata=metadata,
+            metadata=self._metadata(corners),
         )
+
+    def _faces(self, corners: Corners | None, vertices: int) -> NDArray[np.int32] | None:
+        if corners is None:
+            return None
+        lines = corners.lines
+        return triangulated(
+            corners.vertices, vertices, self.name, lambda face: f"line {lines[face]}: face"
+        )
+
+    def _metadata(self, corners: Corners | None) -> dict[str, Any]:
+        ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
+        return ignored | (remarks(corners.vertices) if corners is not None else {})
 
     def _normals(self, corners: Corners | None, vertices: int) -> Array | None:
         if not self.normals:
@@ -146,3 +149,12 @@ class _Reading:
 def _begin_with(block: Block, keyword: str) -> NDArray[np.bool_]:
     begins = (f"{keyword} ", f"{keyword}\t")
     return np.fromiter((text.startswith(begins) for text in block.texts), bool, len(block))
+
+
+def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
+    """Tell colours; three more values that cannot be colours become an attribute instead."""
+    if extra.shape[1] < 3:
+        return None, {}
+    values = np.ascontiguousarray(extra)
+    colors = recognized(values)
+    return colors, {} if colors is not None else {"color": values}

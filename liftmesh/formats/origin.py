@@ -46,9 +46,9 @@ def needed_origin(points: Points, what: str) -> Origin | None:
 
     Examples
     --------
-    >>> needed_origin(np.array([[450000.25, 5200000.5, 3.0], [450100.0, 5200100.0, 4.0]]), "stl")
+    >>> needed_origin(np.array([[450000.1, 5200000.2, 3.0], [450100.0, 5200100.0, 4.0]]), "stl")
     (450000.0, 5200000.0, 0.0)
-    >>> needed_origin(np.array([[0.25, 0.5, 3.0], [100.0, 100.0, 4.0]]), "stl") is None
+    >>> needed_origin(np.array([[0.1, 0.2, 3.0], [100.0, 100.0, 4.0]]), "stl") is None
     True
     """
     if not len(points):

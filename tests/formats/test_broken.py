@@ -1,7 +1,8 @@
-"""Files cut short at every byte, with bytes changed, or of another kind: an error, never a crash."""
+"""Files cut short at every byte, with changed bytes, or of another kind: errors, no crash."""
 
 from __future__ import annotations
 
+import io
 import warnings
 
 import numpy as np
@@ -11,6 +12,14 @@ from file_samples import FACES, full_mesh, loaded, saved, small_mesh
 from liftmesh import Cloud, FormatError
 
 MESH = full_mesh()
+
+
+def npy(array: np.ndarray) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
 POLYGONS = (
     b"ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
     b"property list uchar int near\nelement face 2\nproperty list uchar int vertex_indices\n"
@@ -28,7 +37,7 @@ SAMPLES = {
     "obj": saved(MESH, "obj"),
     "off": saved(Cloud(MESH.points, faces=FACES), "off"),
     "csv": b"x,y,z,red,green,blue,class\n1.5,2.5,3.5,10,20,30,2\n4,5,6,40,50,60,2\n",
-    "npy": None,
+    "npy": npy(MESH.points),
     "npz": saved(MESH, "npz"),
     "npz deflated": saved(small_mesh(), "npz", compressed=True),
     "stl": saved(small_mesh(), "stl"),

@@ -1,4 +1,4 @@
-"""The example package, built and installed as pip does it, adds a format and a cloud type."""
+"""The example package, laid out as an installer does it, adds a format and a cloud type."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 SOURCE = Path(__file__).parent.parent / "plugins" / "liftmesh-example-plugin"
 
@@ -64,24 +69,27 @@ print(known_formats()["brk"].description)
 """
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Install the example into an empty folder, and beside it a package whose plugins are broken."""
-    source = tmp_path_factory.mktemp("source") / SOURCE.name
-    shutil.copytree(SOURCE, source)
+    """Lay the example out as an installer does, and beside it a package of broken plugins."""
     site = tmp_path_factory.mktemp("site")
-    options = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--target", str(site)]
-    subprocess.run(
-        [sys.executable, "-m", "pip", "install", "--disable-pip-version-check", *options, source],
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    broken = site / "broken-1.0.dist-info"
-    broken.mkdir()
-    (broken / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
-    (broken / "entry_points.txt").write_text(BROKEN)
+    shutil.copy(SOURCE / "liftmesh_example_plugin.py", site)
+    project = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]
+    groups = [
+        "\n".join([f"[{group}]", *(f"{name} = {value}" for name, value in entries.items())])
+        for group, entries in project["entry-points"].items()
+    ]
+    describe(site, project["name"], project["version"], "\n\n".join(groups))
+    describe(site, "broken", "1.0", BROKEN)
     return site
+
+
+def describe(site: Path, name: str, version: str, entry_points: str) -> None:
+    """Write the description of a package that importlib.metadata reads."""
+    folder = site / f"{name.replace('-', '_')}-{version}.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+    (folder / "entry_points.txt").write_text(entry_points)
 
 
 def test_the_example_works_and_broken_plugins_harm_nobody(site: Path, tmp_path: Path) -> None:

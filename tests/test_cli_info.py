@@ -1,0 +1,154 @@
+"""``liftmesh info``: every fact held against a plain computation of its own."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from commands import COMMAND, PLAIN, ROOT, TERRAIN, failed, liftmesh, process
+from scipy.spatial.distance import cdist
+
+import liftmesh as lm
+from liftmesh.cli import exit_codes
+from liftmesh.cli.facts import gather
+
+
+def facts_of(path):
+    done = liftmesh("info", path, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    return json.loads(done.stdout)
+
+
+def lines_of(*words, cwd=None):
+    done = liftmesh("info", *words, cwd=cwd)
+    assert (done.returncode, done.stderr) == (0, "")
+    return dict(re.findall(r"^(\w+) +(.*)$", done.stdout, flags=re.MULTILINE))
+
+
+def test_the_terrain():
+    told = lines_of(TERRAIN)
+    assert told["rows"] == "138,632"
+    assert told["z"] == "236 to 1076  (840)"
+    assert told["duplicates"] == told["overhangs"] == "0"
+    assert told["collinear"] == "no"
+    assert told["float32"].startswith("enough")
+    assert told["memory"] == "about 19.4 MB to triangulate"
+
+
+def test_spacing_is_the_median_distance_to_the_nearest():
+    points = lm.read(ROOT / "data" / "hill.csv").points
+    between = cdist(points[:, :2], points[:, :2]) + np.diag(np.full(len(points), np.inf))
+    expected = np.median(between.min(axis=1))
+    assert facts_of(ROOT / "data" / "hill.csv")["spacing"] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("scale", [5e-324, 1e-300, 1.0, 2.0**1020])
+def test_spacing_at_every_magnitude(scale):
+    x, y = np.meshgrid(np.arange(5.0), np.arange(4.0))
+    rows = np.column_stack([x.ravel(), y.ravel(), np.zeros(20)]) * scale
+    facts = gather(lm.Cloud(rows))
+    assert facts.spacing == scale
+    assert not facts.collinear
+
+
+def test_duplicates_and_overhangs_are_those_of_the_report():
+    rng = np.random.default_rng(0)
+    rows = rng.integers(0, 6, (200, 3)).astype(float)
+    rows[rng.random(200) < 0.2, 0] *= -0.0
+    facts, report = gather(lm.Cloud(rows)), lm.triangulate(rows).report
+    assert (facts.duplicates, facts.overhangs) == (report.duplicates, report.overhangs)
+    assert facts.positions == report.used
+
+
+def test_rows_that_are_not_finite_are_counted_and_left_out(tmp_path):
+    (tmp_path / "c.csv").write_text("x,y,z\n0,0,0\nnan,9,9\n4,0,1\n0,inf,1\n0,3,2\n")
+    told = lines_of("c.csv", cwd=tmp_path)
+    assert told["rows"] == "5, 2 not finite"
+    assert told["x"] == "0 to 4  (4)"
+    assert told["spacing"].startswith("3 ")
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ("0 0 0\n", "needs three points"),
+        ("0 0 0\n1 1 1\n0 0 0\n", "needs three points"),
+        ("0 0 0\n1 1 1\n3 3 9\n", "all points lie on one line"),
+        ("450000.1 5200000.1 0\n450000.2 5200000.2 0\n450000.3 5200000.3 0\n", None),
+    ],
+)
+def test_collinearity_is_exact(rows, words, tmp_path):
+    (tmp_path / "c.xyz").write_text(rows)
+    told = lines_of("c.xyz", cwd=tmp_path)["collinear"]
+    assert told == "no" if words is None else words in told
+    done = liftmesh("triangulate", "c.xyz", "m.ply", cwd=tmp_path)
+    assert (done.returncode == 0) == (words is None)
+
+
+def test_offset_and_what_float32_would_do(tmp_path):
+    rows = np.random.default_rng(0).random((2000, 3)) * 10 + (450_000, 5_200_000, 0)
+    np.save(tmp_path / "utm.npy", rows)
+    facts = facts_of(tmp_path / "utm.npy")
+    assert facts["float32_shift"] == np.abs(rows.astype(np.float32) - rows).max()
+    assert facts["float32_is_enough"] is False
+    assert facts["offset"] == pytest.approx(np.hypot(450_005, 5_200_005), abs=0.1)
+    assert lines_of("utm.npy", cwd=tmp_path)["float32"].startswith("not enough: moves coordinates")
+    np.save(tmp_path / "whole.npy", np.floor(rows - (450_000, 5_200_000, 0)))
+    assert "exactly" in lines_of("whole.npy", cwd=tmp_path)["float32"]
+
+
+def test_a_mesh_with_colours(tmp_path):
+    lm.triangulate(ROOT / "data" / "hill.csv").save(tmp_path / "hill.ply")
+    told = lines_of("hill.ply", cwd=tmp_path)
+    assert told["faces"] == "147"
+    assert told["holds"] == "coordinates, colors"
+
+
+def test_stdin():
+    content = TERRAIN.read_bytes()
+    done = process("info", "-", "--from", "ply", stdin=content, text=False)
+    assert done.returncode == 0
+    assert b"138,632" in done.stdout
+
+
+@pytest.mark.parametrize("rows", [0, 3])
+def test_nothing_finite(rows, tmp_path):
+    np.save(tmp_path / "c.npy", np.full((rows, 3), np.nan))
+    told = lines_of("c.npy", cwd=tmp_path)
+    assert told["rows"].startswith(str(rows))
+    assert "spacing" not in told
+
+
+def test_a_file_that_is_not_there():
+    failed(liftmesh("info", "nowhere.ply"), exit_codes.BAD_INPUT, "nowhere.ply: No such file")
+
+
+def test_predicted_memory_is_what_triangulating_takes(tmp_path):
+    np.save(tmp_path / "c.npy", np.random.default_rng(0).random((600_000, 3)))
+    np.save(tmp_path / "tiny.npy", np.eye(3))
+    measured = peak("c.npy", tmp_path) - peak("tiny.npy", tmp_path)
+    predicted = facts_of(tmp_path / "c.npy")["memory"]
+    assert 0.8 < measured / predicted < 1.15
+
+
+def peak(name, folder):
+    """Peak memory in bytes of triangulating a file."""
+    script = (
+        "import resource, subprocess, sys\n"
+        "subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)\n"
+        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+    )
+    words = [*COMMAND, "triangulate", name, "mesh.ply"]
+    done = subprocess.run(
+        [sys.executable, "-c", script, *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env=PLAIN,
+        check=True,
+    )
+    return int(done.stdout) * 1024
