@@ -11,7 +11,8 @@ show() {
 }
 
 prepare_machine build
-make_environment .venv "pyproject.toml README.md LICENSE liftmesh" .
+# Editable, so that Python started in this folder finds the kernel and not the bare sources.
+make_environment .venv "pyproject.toml README.md LICENSE liftmesh" --editable .
 mkdir -p out
 
 show liftmesh info data/jacksboro.ply

@@ -82,8 +82,8 @@ def _chunks(stream):
         yield chunk
 
 
-def interrupted(*words, cwd=None, after):
-    """Press Ctrl-C some seconds after the start; return the process's end and how long it took."""
+def interrupted(*words, cwd=None):
+    """Press Ctrl-C amid the work; return its exit code, streams and seconds to the end."""
     process = subprocess.Popen(
         [*COMMAND, *map(str, words)],
         cwd=cwd,
@@ -92,7 +92,9 @@ def interrupted(*words, cwd=None, after):
         text=True,
         env=PLAIN,
     )
-    time.sleep(after)
+    while b"_kernel" not in Path(f"/proc/{process.pid}/maps").read_bytes():
+        time.sleep(0.01)
+    time.sleep(0.3)
     assert process.poll() is None, "it ended before Ctrl-C: give it more to do"
     process.send_signal(signal.SIGINT)
     begin = time.perf_counter()

@@ -1,6 +1,7 @@
-"""Formats handed to trimesh: STL, GLB and glTF.
+"""Formats handed to trimesh: OFF, STL, GLB and glTF.
 
-They hold single precision, so large coordinates are written relative to an origin (see
+OFF is text: it is asked for as many digits as bring every coordinate back. The others hold single
+precision, so large coordinates are written relative to an origin (see
 ``origin.py``), which the file states: an STL file in its header, ``liftmesh origin x y z``, a GLB
 or glTF file in the ``extras`` of its scene. Reading such a file here adds the origin again.
 """
@@ -50,6 +51,62 @@ def read_with_trimesh(stream: BinaryIO, name: str, kind: str) -> Cloud:
         cause = f"{type(error).__name__}: {error}"
         raise FormatError(f"{name}: not a whole {kind} file: {cause[:300]}") from error
     return cloud
+
+
+def read_off(stream: BinaryIO, name: str) -> Cloud:
+    """Read an OFF file.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Cloud
+        Coordinates and faces, polygons cut into triangles.
+
+    Raises
+    ------
+    FormatError
+        The file is broken, or holds fewer faces than its header promises.
+    """
+    begin = stream.tell()
+    promised = _promised_faces(stream)
+    stream.seek(begin)
+    cloud = read_with_trimesh(stream, name, "off")
+    found = 0 if cloud.faces is None else len(cloud.faces)
+    if found < promised:
+        raise FormatError(
+            f"{name}: the header promises {promised} faces, but {found} are there: "
+            "the file is cut short, or its header is wrong"
+        )
+    return cloud
+
+
+def write_off(stream: BinaryIO, cloud: Cloud) -> None:
+    """Write a mesh as OFF, with the decimals that bring every coordinate back.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Where to write.
+    cloud : Cloud
+        A mesh; colours, normals and attributes are left out.
+
+    Raises
+    ------
+    FormatError
+        There are no faces, or a coordinate is not finite.
+    """
+    if cloud.faces is None:
+        raise FormatError("a cloud without faces cannot be written as OFF: write PLY")
+    _check_finite(cloud.points, np.arange(len(cloud)), "off")
+    mesh = load("trimesh").Trimesh(cloud.points, cloud.faces, process=False)
+    text: str = mesh.export(file_type="off", digits=_decimals(cloud.points))
+    stream.write(text.encode("ascii"))
 
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
@@ -176,6 +233,19 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     return origin
 
 
+def _promised_faces(stream: BinaryIO) -> int:
+    """Read the second count of an OFF header; 0 where there is none, for trimesh to complain."""
+    text = b"".join(line.partition(b"#")[0] for line in stream.readlines(1 << 12))
+    counts = text.split()[1:3]
+    return int(counts[1]) if len(counts) == 2 and counts[1].isdigit() else 0
+
+
+def _decimals(points: Array) -> int:
+    """How many decimals tell every coordinate from its neighbours: 17 digits of the least one."""
+    sizes = np.abs(points[points != 0])
+    return 17 if not sizes.size else max(0, 17 - int(np.floor(np.log10(sizes.min()))))
+
+
 def _read_scene(stream: BinaryIO, name: str, kind: str) -> Cloud:
     cloud = read_with_trimesh(stream, name, kind)
     origin = cloud.metadata.get("origin")
@@ -255,6 +325,7 @@ def _resolver(trimesh: Any, kind: str, name: str) -> Any:
 
 
 FORMATS = (
+    Format("off", (".off",), read_off, write_off, "OFF: coordinates and faces as text"),
     Format("stl", (".stl",), read_stl, write_stl, "STL: triangles in single precision"),
     Format("glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours"),
     Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours"),

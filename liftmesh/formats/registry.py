@@ -11,7 +11,7 @@ from __future__ import annotations
 from importlib.metadata import EntryPoint, entry_points
 
 from liftmesh.errors import FormatError
-from liftmesh.formats import exchange, npz, obj, off, ply, text
+from liftmesh.formats import exchange, npz, obj, ply, text
 from liftmesh.formats.format import Format
 
 __all__ = ["Format", "find_format", "known_formats"]
@@ -24,7 +24,6 @@ BUILT_IN: tuple[Format, ...] = (
     text.FORMAT,
     npz.NPY,
     npz.NPZ,
-    off.FORMAT,
     *exchange.FORMATS,
 )
 
