@@ -25,9 +25,10 @@ LONG_RUN = textwrap.dedent(
 
     rng = np.random.default_rng(0)
     points = {points}
+    {prepare}
     print("ready", flush=True)
     try:
-        liftmesh.delaunay(points)
+        {call}
     except KeyboardInterrupt:
         print("interrupted", time.monotonic(), flush=True)
     else:
@@ -38,6 +39,7 @@ CIRCLE = "np.exp(1j * rng.uniform(0, 2 * np.pi, 5_000_000)).view(float).reshape(
 UNIFORM = "rng.random((5_000_000, 2))"
 MILLION_COPIES_AND_MORE = "np.repeat(rng.random((3_000_000, 2)), 3, axis=0)"
 DENORMAL = "rng.integers(0, 2**20, (3_000_000, 2)) * 2.0**-1074"
+TWO_COLUMNS = "np.column_stack((rng.integers(0, 2, 500_000), rng.random(500_000)))"
 ONE_COLUMN = "np.column_stack((np.zeros(6_000_000), rng.random(6_000_000)))"
 
 
@@ -117,11 +119,23 @@ def test_threads_share_one_triangulation() -> None:
     ids=["start", "ordering", "merging", "circle", "copies", "denormal", "one column"],
 )
 def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float) -> None:
+    program = LONG_RUN.format(points=points, prepare="", call="liftmesh.delaunay(points)")
+    assert seconds_to_stop(program, delay) < 1.0
+
+
+def test_ctrl_c_stops_long_walks_within_a_second() -> None:
+    program = LONG_RUN.format(
+        points=TWO_COLUMNS,
+        prepare="tri = liftmesh.delaunay(points); queries = rng.random((1_000_000, 2))",
+        call="tri.find_simplex(queries)",
+    )
+    assert seconds_to_stop(program, 0.3) < 1.0
+
+
+def seconds_to_stop(program: str, delay: float) -> float:
+    """Interrupt a program some seconds after it is ready; how long it takes to hear that."""
     child = subprocess.Popen(
-        [sys.executable, "-c", LONG_RUN.format(points=points)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     with child:
         assert child.stdout is not None
@@ -131,4 +145,4 @@ def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float) -> N
         os.kill(child.pid, signal.SIGINT)
         answer, complaint = child.communicate(timeout=60)
     assert answer.startswith("interrupted"), answer + complaint
-    assert float(answer.split()[1]) - sent < 1.0
+    return float(answer.split()[1]) - sent

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "blocks.hpp"
 #include "delaunay.hpp"
 #include "floating_point.hpp"
 #include "locate.hpp"
@@ -143,9 +142,12 @@ class PyLocator {
     bool find_all(const double* queries, std::int32_t* found, std::size_t count,
                   liftmesh::Interrupt& interrupt) const {
         const liftmesh::IeeeArithmetic ieee;
-        return liftmesh::for_each_in_blocks(count, interrupt, [&](std::size_t i) {
-            found[i] = locator_.find({queries[2 * i], queries[2 * i + 1]});
-        });
+        liftmesh::Patience patience(interrupt);
+        for (std::size_t i = 0; i < count; ++i) {
+            found[i] = locator_.find({queries[2 * i], queries[2 * i + 1]}, patience);
+            if (patience.ends()) return false;
+        }
+        return true;
     }
 
     PlanarRows points_;

@@ -47,9 +47,9 @@ Locator::Locator(const Triangulated& triangulated)
     for (std::int32_t& start : start_) last = start = start < 0 ? last : start;
 }
 
-std::int32_t Locator::find(Point p) const {
+std::int32_t Locator::find(Point p, Patience& patience) const {
     if (!is_finite(p)) return -1;
-    const Found found = walk(p);
+    const Found found = walk(p, patience);
     if (found.simplex < 0) return -1;
     int on = 0, edge = 0, off = 0;
     for (int k = 0; k < 3; ++k) {
@@ -61,15 +61,16 @@ std::int32_t Locator::find(Point p) const {
         }
     }
     if (on == 0) return found.simplex;
-    if (on == 2) return smallest_around(found.simplex, off);
+    if (on == 2) return smallest_around(found.simplex, off, patience);
     const std::int32_t across = neighbor(found.simplex, edge);
     return across < 0 ? found.simplex : std::min(found.simplex, across);
 }
 
-Locator::Found Locator::walk(Point p) const {
+Locator::Found Locator::walk(Point p, Patience& patience) const {
     Found found{start_[cuts_.cell(p)], {}};
     std::int32_t from = -1;
     while (found.simplex >= 0) {
+        if (patience.ends()) return {-1, {}};
         const Point corners[3] = {corner(found.simplex, 0), corner(found.simplex, 1),
                                   corner(found.simplex, 2)};
         int crossed = -1;
@@ -87,13 +88,13 @@ Locator::Found Locator::walk(Point p) const {
 
 // The star of a vertex, counter-clockwise and, where the hull interrupts it, clockwise from the
 // start again.
-std::int32_t Locator::smallest_around(std::int32_t simplex, int k) const {
+std::int32_t Locator::smallest_around(std::int32_t simplex, int k, Patience& patience) const {
     const std::int32_t centre = vertex(simplex, k);
     std::int32_t smallest = simplex;
     for (const int turn : {1, 2}) {
         std::int32_t at = simplex;
         int place = k;
-        for (;;) {
+        while (!patience.ends()) {
             at = neighbor(at, (place + turn) % 3);
             if (at == simplex) return smallest;
             if (at < 0) break;

@@ -23,9 +23,9 @@ class Locator {
  public:
     explicit Locator(const Triangulated& triangulated);
 
-    // The smallest simplex whose closed triangle holds the point; -1 outside the hull and for
-    // points that are not finite.
-    std::int32_t find(Point p) const;
+    // The smallest simplex whose closed triangle holds the point; -1 outside the hull, for points
+    // that are not finite, and where patience ends.
+    std::int32_t find(Point p, Patience& patience) const;
 
  private:
     struct Found {
@@ -42,8 +42,8 @@ class Locator {
     std::int32_t neighbor(std::int32_t simplex, int k) const {
         return triangulated_.neighbors[3 * static_cast<std::ptrdiff_t>(simplex) + k];
     }
-    Found walk(Point p) const;
-    std::int32_t smallest_around(std::int32_t simplex, int k) const;
+    Found walk(Point p, Patience& patience) const;
+    std::int32_t smallest_around(std::int32_t simplex, int k, Patience& patience) const;
 
     Triangulated triangulated_;
     Cuts cuts_;

@@ -96,9 +96,7 @@ class Merge {
     }
 
     void rise() {
-        constexpr std::size_t patience = std::size_t{1} << 16;
-        for (std::size_t steps = 1;; ++steps) {
-            if (steps % patience == 0 && interrupt_.requested()) return;
+        for (Patience patience(interrupt_); !patience.ends();) {
             const bool left = above(at(mesh_.head(left_)));
             const bool right = above(at(mesh_.tail(right_)));
             if (!left && !right) return;

@@ -1,6 +1,7 @@
 // What a run of the kernel came to, and how a caller can stop it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace liftmesh {
@@ -13,6 +14,24 @@ class Interrupt {
  public:
     virtual ~Interrupt() = default;
     virtual bool requested() = 0;
+};
+
+// Asks once in a while, for loops whose steps are quick and whose number is not known.
+class Patience {
+ public:
+    explicit Patience(Interrupt& interrupt) : interrupt_(interrupt) {}
+
+    // Counts a step; true where the run is to end.
+    bool ends() {
+        constexpr std::size_t asking_every = std::size_t{1} << 14;
+        if (++steps_ % asking_every == 0) ended_ = interrupt_.requested();
+        return ended_;
+    }
+
+ private:
+    Interrupt& interrupt_;
+    std::size_t steps_ = 0;
+    bool ended_ = false;
 };
 
 }  // namespace liftmesh
