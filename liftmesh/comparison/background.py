@@ -1,4 +1,4 @@
-"""Waiting for foreign C code so that Ctrl-C ends the wait.
+"""Waiting for foreign code so that Ctrl-C ends the wait.
 
 Qhull lets other threads run but never looks for Ctrl-C, and a million points take it minutes. It
 works in a thread of its own; an interrupted caller goes on at once, and the thread, a daemon, ends

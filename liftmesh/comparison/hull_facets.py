@@ -108,7 +108,8 @@ def _convex_hull(lifted: Points) -> tuple[Any, float, str | None]:
     """Build trimesh's hull (or None); tell the seconds it took and why it failed."""
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
-    convex, qhull = load("trimesh.convex"), load("scipy.spatial")
+    # Imported in the other thread too: trimesh swallows a Ctrl-C while it imports its own needs.
+    convex, qhull = interruptible(lambda: (load("trimesh.convex"), load("scipy.spatial")))
 
     def build() -> Any:
         with np.errstate(all="ignore"):
