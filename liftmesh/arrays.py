@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-import operator
+import decimal
+import math
+import numbers
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,8 @@ def as_coordinates(points: ArrayLike) -> NDArray[np.floating[Any]]:
     >>> as_coordinates([[0, 1], [2, 3]]).dtype
     dtype('float64')
     """
+    if isinstance(points, np.ndarray):
+        _check_shape(points.shape)  # before anything is copied
     array = _as_array(points)
     _check_shape(array.shape)
     array = _as_floating(array)
@@ -156,7 +160,7 @@ def non_finite(row: int, values: NDArray[np.floating[Any]]) -> NonFiniteError:
     shown = ", ".join(repr(float(value)) for value in values)
     return NonFiniteError(
         f"row {row} is not finite: ({shown}); remove such rows, or pass nonfinite='skip' "
-        "to leave them unused",
+        "to delaunay or triangulate to leave them unused",
         row=row,
     )
 
@@ -247,16 +251,14 @@ def _from_objects(array: NDArray[np.object_]) -> NDArray[np.float64]:
 
 
 def _exact_double(value: Any, row: int) -> float:
+    if not isinstance(value, numbers.Real | decimal.Decimal):
+        raise InputError(f"row {row} holds {value!r}, a {type(value).__name__}: give real numbers")
     try:
-        exact = value if isinstance(value, float) else operator.index(value)
-        if float(exact) == exact or isinstance(value, float):
-            return float(exact)
-    except TypeError as error:
-        raise InputError(
-            f"row {row} holds {value!r}, a {type(value).__name__}: give real numbers"
-        ) from error
-    except OverflowError:
-        pass
+        double = float(value)
+    except OverflowError as error:
+        raise _inexact(row, value) from error
+    if double == value or math.isnan(double):
+        return double
     raise _inexact(row, value)
 
 

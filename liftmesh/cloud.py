@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any
 
@@ -65,9 +65,37 @@ class Cloud:
         object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
+
     def __len__(self) -> int:
         return len(self.points)
 
     def _per_row(self) -> list[tuple[str, Array]]:
         named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]
         return [(name, values) for name, values in named if values is not None]
+
+
+def constructed_from(result: Any) -> tuple[Any, ...]:
+    """How to pickle a frozen dataclass: its class and fields, read-only mappings as dictionaries.
+
+    Parameters
+    ----------
+    result : dataclass instance
+        Whose fields are all arguments of its constructor.
+
+    Returns
+    -------
+    tuple
+        What ``__reduce__`` returns.
+
+    Examples
+    --------
+    >>> import copy
+    >>> copy.deepcopy(Cloud(np.zeros((1, 3)), metadata={"epsg": 25832})).metadata["epsg"]
+    25832
+    """
+    values = (getattr(result, each.name) for each in fields(result))
+    return type(result), tuple(
+        dict(value) if isinstance(value, MappingProxyType) else value for value in values
+    )

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class LiftmeshError(Exception):
     """Root of every exception that liftmesh raises on purpose."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Some take keywords, which Exception's own way of pickling does not know.
+        return _rebuild, (type(self), self.args), self.__dict__
 
 
 class InputError(LiftmeshError, ValueError):
@@ -53,3 +59,9 @@ class UnsupportedTypeError(LiftmeshError, TypeError):
 
 class MissingDependencyError(LiftmeshError, ImportError):
     """An optional package, or a system library it needs, is not installed."""
+
+
+def _rebuild(kind: type[LiftmeshError], args: tuple[Any, ...]) -> LiftmeshError:
+    error = kind.__new__(kind)
+    error.args = args
+    return error

@@ -81,6 +81,9 @@ def delaunay(
 class Delaunay(Triangulation):
     """The door for code written for ``scipy.spatial.Delaunay``: the same call, the same attributes.
 
+    What differs: points are planar only and cannot be added, arrays are read-only, and degenerate
+    input raises `DegenerateInputError`, a ValueError, where SciPy raises its QhullError.
+
     Parameters
     ----------
     points : array_like of shape (n, 2)
@@ -116,7 +119,13 @@ class Delaunay(Triangulation):
         for option, asked in {"furthest_site": furthest_site, "incremental": incremental}.items():
             if asked:
                 raise InputError(f"{option}=True is not available: use scipy.spatial.Delaunay")
-        super().__init__(**_solve(points, "auto", "error", "engine"))
+        rows = as_coordinates(points)
+        if rows.shape[1] == 3:
+            raise InputError(
+                "points have three columns: liftmesh.delaunay(points) triangulates their x and y; "
+                "for tetrahedra use scipy.spatial.Delaunay"
+            )
+        super().__init__(**_solve(rows, "auto", "error", "engine"))
 
 
 def _solve(
@@ -161,7 +170,8 @@ def _degenerate(
     first, last = int(hull[0]), int(hull[len(hull) // 2])
     return DegenerateInputError(
         f"all {distinct} distinct points lie on one line, from row {first} to row {last}: "
-        "a triangle needs a point off it (a cloud in a vertical plane needs plane='fit')"
+        "a triangle needs a point off it (for a cloud in a vertical plane: "
+        "liftmesh.triangulate(cloud, plane='fit'))"
     )
 
 

@@ -54,14 +54,25 @@ def resolve_q(q: ParaboloidVertex, points: NDArray[np.floating[Any]]) -> tuple[f
         if q == "origin":
             return 0.0, 0.0
         if q == "median":
-            finite = points[np.isfinite(points).all(axis=1)]
-            x, y = np.median(finite, axis=0) if len(finite) else (0.0, 0.0)
-            return float(x), float(y)
+            return _median(points)
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
-    pair = np.asarray(q, dtype=np.float64)
+    try:
+        pair = np.asarray(q, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)") from error
     if pair.shape != (2,) or not np.isfinite(pair).all():
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a finite point (qx, qy)")
     return float(pair[0]), float(pair[1])
+
+
+def _median(points: NDArray[np.floating[Any]]) -> tuple[float, float]:
+    """The coordinate-wise median of the finite rows, halved on the way where it would overflow."""
+    finite = points[np.isfinite(points).all(axis=1)].astype(np.float64)
+    if len(finite) == 0:
+        return 0.0, 0.0
+    scale = 0.5 if np.abs(finite).max() > 2.0**1022 else 1.0
+    x, y = np.median(finite * scale, axis=0) / scale
+    return float(x), float(y)
 
 
 def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import formats
 from liftmesh.adapters import as_cloud
-from liftmesh.arrays import non_finite
+from liftmesh.arrays import check_finite, non_finite
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.heights import Choice, check_policy, choose_carriers
 from liftmesh.hulls import delaunay
@@ -101,6 +101,8 @@ def triangulate(
     clock = _Clock()
     source = _read(cloud)
     clock.lap("read")
+    if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
+        check_finite(source.points)  # a fit passes over such rows: the engine never saw them
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     clock.lap("plane")

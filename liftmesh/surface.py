@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from liftmesh import formats
 from liftmesh.adapters import matplotlib, open3d, trimesh
-from liftmesh.cloud import Cloud
+from liftmesh.cloud import Cloud, constructed_from
 
 if TYPE_CHECKING:
     import os
@@ -45,7 +45,7 @@ class Report:
     used : int
         Rows that are vertices of faces.
     duplicates : int
-        Rows left out because a used row equals them in position and height.
+        Rows left out because a used row equals them in position and height, as they were given.
     overhangs : int
         Rows left out because a used row has their planar position, at another height.
     skipped : int
@@ -85,6 +85,9 @@ class Report:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
 
     def __str__(self) -> str:
         stages = ", ".join(f"{stage} {seconds:.3f}" for stage, seconds in self.seconds.items())
@@ -147,6 +150,9 @@ class Surface:
     normals: Array | None = None
     attributes: Mapping[str, Array] = field(default_factory=dict)
     metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
 
     def __repr__(self) -> str:
         triangles = _count(len(self.faces), "triangle")

@@ -20,6 +20,8 @@ class Triangulation:
     """A Delaunay triangulation of planar points. Made by `delaunay`.
 
     Every index is a row of the caller's array. What costs memory is computed when first asked for.
+    The arrays are read-only: take a copy to change one, and leave the points as they are while the
+    triangulation is in use.
 
     Parameters
     ----------
@@ -76,6 +78,9 @@ class Triangulation:
         duplicates: NDArray[np.int32],
         skipped: NDArray[np.int32],
     ) -> None:
+        # What point location rests on must not change under it.
+        for array in (simplices, neighbors, hull, duplicates, skipped):
+            array.setflags(write=False)
         self._rows = points
         self._hull = hull
         self.simplices = simplices

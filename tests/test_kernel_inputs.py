@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -164,3 +166,29 @@ def test_options_are_keywords_only() -> None:
 def test_the_scipy_door_refuses_the_same(points) -> None:
     with pytest.raises(liftmesh.LiftmeshError):
         liftmesh.Delaunay(points)
+
+
+def test_the_scipy_door_does_not_drop_a_third_column() -> None:
+    with pytest.raises(liftmesh.InputError, match="three columns"):
+        liftmesh.Delaunay(np.random.default_rng(0).random((10, 3)))
+
+
+def test_masked_rows_beyond_the_limit_are_refused_before_a_copy() -> None:
+    rows = np.ma.masked_invalid(np.broadcast_to(0.0, (2**30, 2))[:1])
+    huge = np.ma.MaskedArray(np.broadcast_to(0.0, (2**30, 2)), mask=np.ma.nomask)
+    with pytest.raises(liftmesh.DegenerateInputError):
+        liftmesh.delaunay(rows)
+    with pytest.raises(liftmesh.InputError, match="1073741824 rows"):
+        liftmesh.delaunay(huge)
+
+
+@pytest.mark.parametrize("half", [Fraction(1, 2), Decimal("0.5"), np.float32(0.5)])
+def test_real_numbers_of_any_kind_that_a_double_holds(half: object) -> None:
+    points = np.array([[0, 0], [half, 0], [0, half]], dtype=object)
+    assert liftmesh.delaunay(points).points.tolist() == [[0, 0], [0.5, 0], [0, 0.5]]
+
+
+def test_a_fraction_that_no_double_holds() -> None:
+    points = np.array([[0, 0], [Fraction(1, 3), 0], [0, 1]], dtype=object)
+    with pytest.raises(liftmesh.InputError, match="row 1 holds 1/3, which no double holds"):
+        liftmesh.delaunay(points)

@@ -161,3 +161,9 @@ class TestNonFinite:
         assert triangulate(points).report.used == 300
         with pytest.raises(InputError, match=r"row 3, \(1\.7e\+308, .*overflows.*scale"):
             triangulate(points, plane=eighth_turn(), nonfinite=nonfinite)
+
+
+def test_a_fit_does_not_pass_over_a_row_that_is_not_finite() -> None:
+    line = np.array([[0.0, 0, 0], [1, 1, 1], [2, 2, 2], [np.nan, 0, 0]])
+    with pytest.raises(NonFiniteError, match="row 3 is not finite"):
+        triangulate(line, plane="fit")

@@ -240,3 +240,14 @@ class TestShapes:
             liftmesh.orient2d((0, 0), (1, 0), bad)
         with pytest.raises(liftmesh.LiftmeshError):
             liftmesh.incircle((0, 0), (1, 0), (0, 1), bad)
+
+
+@given(INTEGER_POINT, INTEGER_POINT, INTEGER_POINT, INTEGER_POINT)
+def test_the_canonical_side_has_the_signs_of_a_determinant(
+    a: oracle.Point, b: oracle.Point, c: oracle.Point, d: oracle.Point
+) -> None:
+    side = int(liftmesh.incircle(a, b, c, d, canonical=True))
+    assert int(liftmesh.incircle(b, a, c, d, canonical=True)) == -side
+    assert int(liftmesh.incircle(b, c, a, d, canonical=True)) == side
+    on_a_line = orientation(a, b, c) == orientation(a, b, d) == orientation(b, c, d) == 0
+    assert (side == 0) == (len({a, b, c, d}) < 4 or on_a_line)

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "blocks.hpp"
 #include "delaunay.hpp"
 #include "floating_point.hpp"
 #include "locate.hpp"
@@ -125,7 +126,7 @@ class PyLocator {
         : points_(std::move(points)),
           simplices_(std::move(simplices)),
           neighbors_(std::move(neighbors)),
-          locator_({read(points_), simplices_.data(), neighbors_.data(), simplices_.shape(0)}) {}
+          locator_(make()) {}
 
     void find(const Pairs& queries, const Ids& found) const {
         if (queries.shape(0) != found.shape(0)) throw std::invalid_argument("lengths differ");
@@ -139,6 +140,13 @@ class PyLocator {
     }
 
  private:
+    liftmesh::Locator make() const {
+        const liftmesh::Triangulated triangulated{read(points_), simplices_.data(),
+                                                  neighbors_.data(), simplices_.shape(0)};
+        const nb::gil_scoped_release unlocked;
+        return liftmesh::Locator(triangulated);
+    }
+
     bool find_all(const double* queries, std::int32_t* found, std::size_t count,
                   liftmesh::Interrupt& interrupt) const {
         const liftmesh::IeeeArithmetic ieee;
@@ -159,22 +167,33 @@ Point point(const Pairs& pairs, std::size_t i) {
     return {pairs.data()[2 * i], pairs.data()[2 * i + 1]};
 }
 
+// signs[i] = sign(i), without the GIL.
+template <class Sign>
+void fill(const Signs& signs, Sign sign) {
+    PythonInterrupt interrupt;
+    bool done = false;
+    {
+        const nb::gil_scoped_release unlocked;
+        const liftmesh::IeeeArithmetic ieee;
+        done = liftmesh::for_each_in_blocks(signs.shape(0), interrupt, [&](std::size_t i) {
+            signs.data()[i] = static_cast<std::int8_t>(sign(i));
+        });
+    }
+    if (!done) throw nb::python_error();
+}
+
 void orient2d(const Pairs& a, const Pairs& b, const Pairs& c, const Signs& signs) {
-    const nb::gil_scoped_release unlocked;
-    const liftmesh::IeeeArithmetic ieee;
-    for (std::size_t i = 0; i < signs.shape(0); ++i)
-        signs.data()[i] =
-            static_cast<std::int8_t>(liftmesh::orient2d(point(a, i), point(b, i), point(c, i)));
+    fill(signs,
+         [&](std::size_t i) { return liftmesh::orient2d(point(a, i), point(b, i), point(c, i)); });
 }
 
 void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, const Signs& signs,
               bool canonical) {
-    const nb::gil_scoped_release unlocked;
-    const liftmesh::IeeeArithmetic ieee;
     const auto side = canonical ? liftmesh::incircle_canonical_exact : liftmesh::incircle_exact;
-    for (std::size_t i = 0; i < signs.shape(0); ++i)
-        signs.data()[i] = static_cast<std::int8_t>(
-            side(point(a, i), point(b, i), point(c, i), point(d, i), liftmesh::Guard::anywhere()));
+    fill(signs, [&](std::size_t i) {
+        return side(point(a, i), point(b, i), point(c, i), point(d, i),
+                    liftmesh::Guard::anywhere());
+    });
 }
 
 }  // namespace

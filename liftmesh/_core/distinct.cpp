@@ -11,10 +11,16 @@ namespace {
 
 constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
+// The finishing steps of SplitMix64 (Steele, Lea and Flood 2014) after each coordinate: the bits in
+// which the coordinates of a lattice differ are few, and the highest.
+std::uint64_t mixed(std::uint64_t h) {
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
+    return h ^ (h >> 31);
+}
+
 std::uint64_t hash(Point p) {
-    std::uint64_t h = std::bit_cast<std::uint64_t>(p.x) * 0x9e3779b97f4a7c15u;
-    h = (h ^ (h >> 32) ^ std::bit_cast<std::uint64_t>(p.y)) * 0xd6e8feb86659fd93u;
-    return h ^ (h >> 32);
+    return mixed(mixed(std::bit_cast<std::uint64_t>(p.x)) ^ std::bit_cast<std::uint64_t>(p.y));
 }
 
 // A table that lives for one cell; positions are looked up among the points already kept.

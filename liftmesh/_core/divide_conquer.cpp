@@ -64,11 +64,13 @@ class Engine {
             order_.points[first + i] = items[i].point;
             order_.rows[first + i] = items[i].row;
         }
-        return build(first, last, axis);
+        return interrupted_ ? Part{} : build(first, last, axis);
     }
 
     void halve(Item* items, Index count, Axis axis) {
-        if (count <= 3) return;
+        constexpr Index worth_asking = Index{1} << 16;
+        if (count >= worth_asking) interrupted_ = interrupted_ || interrupt_.requested();
+        if (count <= 3 || interrupted_) return;
         Item* middle = items + count / 2;
         const auto select = [&](auto precedes) {
             std::nth_element(items, middle, items + count, [&](const Item& a, const Item& b) {

@@ -69,8 +69,9 @@ std::int32_t Locator::find(Point p, Patience& patience) const {
 Locator::Found Locator::walk(Point p, Patience& patience) const {
     Found found{start_[cuts_.cell(p)], {}};
     std::int32_t from = -1;
-    while (found.simplex >= 0) {
-        if (patience.ends()) return {-1, {}};
+    // A walk that visits more triangles than there are is in arrays that were changed meanwhile.
+    for (std::size_t visited = 0; found.simplex >= 0; ++visited) {
+        if (patience.ends() || visited > triangulated_.count) return {-1, {}};
         const Point corners[3] = {corner(found.simplex, 0), corner(found.simplex, 1),
                                   corner(found.simplex, 2)};
         int crossed = -1;

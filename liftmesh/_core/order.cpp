@@ -70,13 +70,13 @@ class Arrangement {
         if (!counted) return false;
         for (std::size_t cell = 0; cell < cuts.cells(); ++cell)
             order_.cell_starts[cell + 1] += order_.cell_starts[cell];
-        return scatter(read, cell_of.get(), finite);
+        return scatter(read, cell_of.get());
     }
 
     template <class Read>
-    bool scatter(Read read, const std::uint16_t* cell_of, std::size_t finite) {
-        order_.points = std::make_unique_for_overwrite<Point[]>(finite);
-        order_.rows = std::make_unique_for_overwrite<Row[]>(finite);
+    bool scatter(Read read, const std::uint16_t* cell_of) {
+        order_.points = std::make_unique_for_overwrite<Point[]>(order_.cell_starts.back());
+        order_.rows = std::make_unique_for_overwrite<Row[]>(order_.cell_starts.back());
         std::vector<std::size_t> cursor = order_.cell_starts;
         return for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
             if (cell_of[row] == no_cell) return;
@@ -96,7 +96,9 @@ class Arrangement {
         if (depth == 0) return Cuts(std::move(sample), 0);
         sample.reserve(wanted);
         std::uint64_t state = 0;
-        while (sample.size() < wanted) {
+        // Rows that were finite a moment ago are so again, unless somebody writes them meanwhile.
+        for (std::size_t tries = 0; sample.size() < wanted; ++tries) {
+            if (tries > wanted + 64 * input_.rows) return Cuts({}, 0);
             state += 0x9e3779b97f4a7c15u;
             const auto row = static_cast<std::size_t>(((state >> 32) * input_.rows) >> 32);
             if (const Point p = read(row); is_finite(p)) sample.push_back(p);

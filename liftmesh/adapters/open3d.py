@@ -186,6 +186,12 @@ def _faces(cloud: Cloud) -> NDArray[np.int32]:
 
 
 def _named_columns(cloud: Cloud) -> dict[str, Array]:
+    taken = {"positions", "normals", "colors", "alpha"} & cloud.attributes.keys()
+    if taken:
+        raise InputError(
+            f"an attribute is called {min(taken)!r}, which Open3D tensors keep for themselves: "
+            "rename it"
+        )
     named = {name: _column(name, values) for name, values in cloud.attributes.items()}
     named["positions"] = cloud.points
     if cloud.normals is not None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.cloud import Cloud
+from liftmesh.cloud import Cloud, constructed_from
 from liftmesh.comparison.matching import used_rows
 from liftmesh.lifting import LowerHull, lift
 
@@ -108,6 +108,9 @@ class Comparison:
     proofs: tuple[Proof, ...]
     seconds: Mapping[str, float]
     error: str | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
 
     def __repr__(self) -> str:
         return (
