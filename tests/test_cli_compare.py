@@ -58,7 +58,7 @@ def test_the_terrain_is_right_on_both_sides(tmp_path):
 def test_a_wrong_hull_is_exit_code_1_with_proofs(far):
     done = liftmesh("compare", far, "--q", "origin", "--proofs", "3")
     assert (done.returncode, done.stderr) == (exit_codes.DIFFERENT, "")
-    assert "trimesh's hull is wrong: " in done.stdout
+    assert "whose heights are rounded, is wrong: " in done.stdout
     assert "points lost" in done.stdout
     proofs = [line for line in done.stdout.splitlines() if line.startswith("- ")]
     assert len(proofs) == 3

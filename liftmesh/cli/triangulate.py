@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -69,7 +71,8 @@ def run(
     start = perf_counter()
     written = files.write(target, surface, target_format)
     seconds["write"] = perf_counter() - start
-    if not files.is_stream(target):
+    # Where the mesh itself goes to stdout, what there is to say goes to stderr.
+    with redirect_stdout(sys.stderr) if files.is_stream(target) else nullcontext():
         _say(written, surface.report, seconds, as_json=json)
 
 
@@ -93,7 +96,11 @@ def _say(written: Written, report: Report, seconds: dict[str, float], *, as_json
 
 def _headline(written: Written, report: Report) -> str:
     size = terminal.bytes_text(written.bytes)
-    line = f"{written.path}: {report.rows:,} vertices, {report.triangles:,} triangles, {size}"
+    line = (
+        f"{written.path or '-'}: {report.rows:,} vertices, {report.triangles:,} triangles, {size}"
+    )
+    if written.dropped:
+        line += f"; {written.format} does not keep {', '.join(written.dropped)}"
     if written.origin is None:
         return line
     moved = ", ".join(f"{value:.10g}" for value in written.origin)
@@ -113,10 +120,11 @@ def _counts(report: Report) -> dict[str, int]:
 
 def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
-        "path": str(written.path),
+        "path": str(written.path or "-"),
         "format": written.format,
         "bytes": written.bytes,
         "origin": written.origin,
+        "dropped": list(written.dropped),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),

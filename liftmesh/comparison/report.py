@@ -26,7 +26,9 @@ _CONCLUSIONS: dict[Verdict, str] = {
         "Both sides are right: they differ only in how they cut exactly cocircular cells, {cells} "
         "of them."
     ),
-    "different": "trimesh's hull is wrong: {faults}.",
+    "different": (
+        "trimesh's hull of the lifted points, whose heights are rounded, is wrong: {faults}."
+    ),
     "failed": "trimesh has no hull of these points: {error}.",
 }
 _FAULT = "liftmesh's triangulation is wrong at {violations} edges: please report these points."
@@ -85,8 +87,9 @@ class Comparison:
     ... )
     >>> result
     <Comparison: different, 4 triangles of liftmesh, 2 lower facets of trimesh>
-    >>> print(result.conclusion())
-    trimesh's hull is wrong: 4 lower facets missing, 2 that do not fit, 1 point lost.
+    >>> print(result.conclusion().replace(": ", ":\n"))
+    trimesh's hull of the lifted points, whose heights are rounded, is wrong:
+    4 lower facets missing, 2 that do not fit, 1 point lost.
     >>> print(str(result.proofs[0]).replace(": ", ":\n"))
     trimesh's facet (0, 1, 3) is wrong:
     row 4 lies strictly inside its circle, in-circle determinant 48 > 0

@@ -38,6 +38,8 @@ class Written:
     origin : tuple of float, or None
         x, y, z that were subtracted from every vertex because the format holds single precision
         only; the file states it too. None: coordinates are written as they are.
+    dropped : tuple of str
+        Colours, normals and attributes of the mesh that the format has no place for.
 
     Examples
     --------
@@ -52,6 +54,7 @@ class Written:
     format: str
     bytes: int
     origin: Origin | None
+    dropped: tuple[str, ...] = ()
 
 
 def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: A002
@@ -153,10 +156,17 @@ def write(
     if isinstance(target, str | os.PathLike):
         with replacing(target) as stream:
             origin, size = _write(stream, cloud, writer, options)
-        return Written(Path(target), found.name, size, origin)
+        return Written(Path(target), found.name, size, origin, _dropped(cloud, found))
     _check_stream(target, "write")
     origin, size = _write(target, cloud, writer, options)
-    return Written(None, found.name, size, origin)
+    return Written(None, found.name, size, origin, _dropped(cloud, found))
+
+
+def _dropped(cloud: Cloud, found: Format) -> tuple[str, ...]:
+    """Name what the mesh has and the format does not keep."""
+    whole = [name for name in ("colors", "normals") if getattr(cloud, name) is not None]
+    dropped = [name for name in whole if name not in found.keeps]
+    return (*dropped, *(() if "attributes" in found.keeps else sorted(cloud.attributes)))
 
 
 def _name(place: object) -> str:

@@ -324,9 +324,11 @@ def _resolver(trimesh: Any, kind: str, name: str) -> Any:
     return trimesh.resolvers.FilePathResolver(name) if kind == "gltf" else None
 
 
+_GLTF = ("colors", "normals")
+
 FORMATS = (
-    Format("off", (".off",), read_off, write_off, "OFF: coordinates and faces as text"),
-    Format("stl", (".stl",), read_stl, write_stl, "STL: triangles in single precision"),
-    Format("glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours"),
-    Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours"),
+    Format("off", (".off",), read_off, write_off, "OFF: coordinates and faces as text", ()),
+    Format("stl", (".stl",), read_stl, write_stl, "STL: triangles in single precision", ()),
+    Format("glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours", _GLTF),
+    Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours", _GLTF),
 )

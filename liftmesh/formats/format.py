@@ -31,6 +31,9 @@ class Format:
         (x, y, z) that was subtracted from every vertex. None if the format cannot be written.
     description : str
         One line for people.
+    keeps : tuple of str
+        Which of "colors", "normals" and "attributes" the writer has a place for; `write` reports
+        what is not kept.
 
     Examples
     --------
@@ -47,3 +50,4 @@ class Format:
     read: Reader | None
     write: Writer | None
     description: str
+    keeps: tuple[str, ...] = ("colors", "normals", "attributes")

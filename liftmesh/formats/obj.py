@@ -12,4 +12,5 @@ FORMAT = Format(
     read=read_obj,
     write=write_obj,
     description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
+    keeps=("colors", "normals"),
 )

@@ -58,7 +58,8 @@ def needed_origin(points: Points, what: str) -> Origin | None:
         size = float((points.max(axis=0) - low).max())
     needed = _moved(points) > TOLERANCE * size
     origin = np.where(needed, _round_below(low, size), 0.0)
-    if not np.all(_moved(points - origin) <= TOLERANCE * size):
+    fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
+    if not fits:
         raise FormatError(
             f"the coordinates do not fit the single precision of {what}: write PLY or OBJ"
         )

@@ -66,6 +66,15 @@ class AsciiBody:
             yield block
             wanted -= len(block)
 
+    def check_end(self) -> None:
+        """Refuse rows beyond those that the header promises: they would be lost."""
+        block = self._lines.take(1)
+        if len(block):
+            raise FormatError(
+                f"{self._name}: line {int(block.numbers[0])}: more rows follow than the header "
+                "promises: correct its counts"
+            )
+
     def _uniform(self, element: Element, block: Block) -> list[Ragged] | None:
         """Parse lines that all have the shape of the first; None if they do not."""
         shape = _shape(element, fields(block.texts[0], None))

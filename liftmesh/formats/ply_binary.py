@@ -66,6 +66,15 @@ class BinaryBody:
         self._stream.seek(begin + used)
         return found
 
+    def check_end(self) -> None:
+        """Refuse rows beyond those that the header promises: they would be lost."""
+        here, left = self._stream.tell(), remaining(self._stream)
+        if left and self._stream.read(left).strip(b"\0 \r\n"):
+            raise FormatError(
+                f"{self._name}: byte {here}: {left} bytes follow the rows that the header "
+                "promises: correct its counts"
+            )
+
     def _expect(self, element: Element, row: int) -> None:
         """Compare what the header promises with what is there before anything is allocated."""
         here, left = self._stream.tell(), remaining(self._stream)

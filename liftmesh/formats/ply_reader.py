@@ -76,6 +76,7 @@ class _Reading:
                 self._pass_over(element)
         if sheet is None:
             raise FormatError(f"{self._name}: the header announces no vertex element")
+        self._body.check_end()
         triangles = None if faces is None else triangulated(faces, len(sheet.points), self._name)
         return sheet.cloud(triangles, self._metadata(faces))
 

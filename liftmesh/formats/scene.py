@@ -60,7 +60,7 @@ def _faces(parts: list[tuple[Array, Any]], count: int, name: str) -> NDArray[np.
     found: list[Array] = []
     start = 0
     for points, geometry in parts:
-        if _is_surface(geometry):
+        if _is_surface(geometry) and len(geometry.faces):
             faces = checked_faces(np.asarray(geometry.faces), len(points), name)
             found.append(faces.astype(np.int64) + start)
         start += len(points)
