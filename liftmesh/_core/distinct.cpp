@@ -23,34 +23,37 @@ std::uint64_t hash(Point p) {
     return mixed(mixed(std::bit_cast<std::uint64_t>(p.x)) ^ std::bit_cast<std::uint64_t>(p.y));
 }
 
-// A table that lives for one cell; positions are looked up among the points already kept.
-std::size_t by_hash(Point* points, Row* rows, std::size_t count,
-                    std::vector<Duplicate>& duplicates) {
-    constexpr std::size_t on_stack = 1024;
-    const std::size_t size = std::bit_ceil(2 * count);
-    std::uint32_t small[on_stack];
-    std::vector<std::uint32_t> large(size > on_stack ? size : 0);
-    std::uint32_t* table = size > on_stack ? large.data() : small;
-    std::fill_n(table, size, nothing);
-
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Point p = points[i];
-        std::size_t slot = hash(p) & (size - 1);
-        while (table[slot] != nothing && !(points[table[slot]] == p))
-            slot = (slot + 1) & (size - 1);
-        if (table[slot] != nothing) {
-            duplicates.push_back({rows[i], rows[table[slot]]});
-            continue;
-        }
-        table[slot] = static_cast<std::uint32_t>(kept);
-        points[kept] = p;
-        rows[kept++] = rows[i];
+// Where collisions are more than chance explains, the answer is left to sorting: no input makes
+// this quadratic.
+class Table {
+ public:
+    explicit Table(std::size_t count) : mask_(std::bit_ceil(2 * count) - 1), patience_(16 * count) {
+        if (mask_ >= on_stack) large_.resize(mask_ + 1);
+        slots_ = mask_ >= on_stack ? large_.data() : small_;
+        std::fill_n(slots_, mask_ + 1, nothing);
     }
-    return kept;
-}
 
-// For a crowded cell: no input makes sorting quadratic.
+    // The slot that holds the position, or the empty one where it belongs.
+    std::uint32_t& find(Point p, const Point* kept) {
+        std::size_t slot = hash(p) & mask_;
+        while (slots_[slot] != nothing && !(kept[slots_[slot]] == p)) {
+            slot = (slot + 1) & mask_;
+            --patience_;
+        }
+        return slots_[slot];
+    }
+    bool is_clogged() const { return patience_ < 0; }
+
+ private:
+    static constexpr std::size_t on_stack = 1024;
+
+    std::size_t mask_;
+    std::ptrdiff_t patience_;
+    std::uint32_t small_[on_stack];
+    std::vector<std::uint32_t> large_;
+    std::uint32_t* slots_;
+};
+
 std::size_t by_sorting(Point* points, Row* rows, std::size_t count,
                        std::vector<Duplicate>& duplicates) {
     std::vector<std::uint32_t> order(count);
@@ -78,11 +81,27 @@ std::size_t by_sorting(Point* points, Row* rows, std::size_t count,
 
 }  // namespace
 
+// A table that lives for one cell; positions are looked up among the points already kept.
 std::size_t keep_distinct(Point* points, Row* rows, std::size_t count,
                           std::vector<Duplicate>& duplicates) {
-    constexpr std::size_t crowded = std::size_t{1} << 16;
-    return count < crowded ? by_hash(points, rows, count, duplicates)
-                           : by_sorting(points, rows, count, duplicates);
+    Table table(count);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::uint32_t& slot = table.find(points[i], points);
+        if (slot != nothing) {
+            duplicates.push_back({rows[i], rows[slot]});
+            continue;
+        }
+        slot = static_cast<std::uint32_t>(kept);
+        points[kept] = points[i];
+        rows[kept++] = rows[i];
+        if (table.is_clogged()) {
+            std::copy(points + i + 1, points + count, points + kept);
+            std::copy(rows + i + 1, rows + count, rows + kept);
+            return by_sorting(points, rows, kept + count - i - 1, duplicates);
+        }
+    }
+    return kept;
 }
 
 }  // namespace liftmesh

@@ -125,9 +125,19 @@ class Arrangement {
         }
         order_.cell_starts.back() = kept;
         order_.count = kept;
-        std::sort(order_.duplicates.begin(), order_.duplicates.end(),
-                  [](const Duplicate& a, const Duplicate& b) { return a.row < b.row; });
-        return true;
+        return sort_duplicates();
+    }
+
+    // By row: each goes to the place of its row, and the places are read in turn.
+    bool sort_duplicates() {
+        if (order_.duplicates.empty()) return true;
+        constexpr Row none = ~Row{0};
+        std::vector<Row> kept(input_.rows, none);
+        for (const Duplicate& pair : order_.duplicates) kept[pair.row] = pair.kept;
+        order_.duplicates.clear();
+        return for_each_in_blocks(kept.size(), interrupt_, [&](std::size_t row) {
+            if (kept[row] != none) order_.duplicates.push_back({static_cast<Row>(row), kept[row]});
+        });
     }
 
     const Input& input_;
