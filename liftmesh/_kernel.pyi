@@ -1,13 +1,11 @@
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 MOST_ROWS: int
 
-def delaunay(
-    rows: NDArray[np.floating[Any]], skip_non_finite: bool
-) -> tuple[
+Outcome: TypeAlias = tuple[
     str,
     int,
     int,
@@ -16,7 +14,13 @@ def delaunay(
     NDArray[np.int32],
     NDArray[np.int32],
     NDArray[np.int32],
-]: ...
+]
+Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]
+
+def delaunay(rows: NDArray[np.floating[Any]], skip_non_finite: bool) -> Outcome: ...
+def gift_wrap(
+    rows: NDArray[np.floating[Any]], skip_non_finite: bool, method: str, qx: float, qy: float
+) -> tuple[Outcome, Counts]: ...
 def orient2d(
     a: NDArray[np.float64],
     b: NDArray[np.float64],

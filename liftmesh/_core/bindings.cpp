@@ -10,6 +10,7 @@
 #include "blocks.hpp"
 #include "delaunay.hpp"
 #include "floating_point.hpp"
+#include "gift_wrapping.hpp"
 #include "locate.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
@@ -34,6 +35,7 @@ Input read(const PlanarRows& rows) {
     if (!single && rows.dtype() != nb::dtype<double>())
         throw std::invalid_argument("rows must be float64 or float32");
     if (rows.shape(1) < 2) throw std::invalid_argument("rows need two columns");
+    if (rows.shape(0) > liftmesh::most_rows) throw std::invalid_argument("too many rows");
     const auto size = static_cast<std::ptrdiff_t>(rows.itemsize());
     return {static_cast<const std::byte*>(rows.data()), rows.shape(0), rows.stride(0) * size,
             rows.stride(1) * size, single};
@@ -101,15 +103,7 @@ const char* name(liftmesh::Status status) {
     return "";
 }
 
-nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite) {
-    const Input input = read(rows);
-    if (input.rows > liftmesh::most_rows) throw std::invalid_argument("too many rows");
-    PythonInterrupt interrupt;
-    liftmesh::Delaunay outcome;
-    {
-        const nb::gil_scoped_release unlocked;
-        outcome = liftmesh::delaunay(input, skip_non_finite, interrupt);
-    }
+nb::tuple hand_over(liftmesh::Delaunay& outcome) {
     if (outcome.status == liftmesh::Status::interrupted) throw nb::python_error();
     liftmesh::Result& result = outcome.result;
     return nb::make_tuple(name(outcome.status), outcome.row, outcome.distinct,
@@ -117,6 +111,41 @@ nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite) {
                           adopt(std::move(result.neighbors), result.triangle_count, 3),
                           adopt(std::move(result.hull), result.hull_count, 1),
                           duplicates(outcome.duplicates), skipped(outcome.skipped));
+}
+
+nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite) {
+    const Input input = read(rows);
+    PythonInterrupt interrupt;
+    liftmesh::Delaunay outcome;
+    {
+        const nb::gil_scoped_release unlocked;
+        outcome = liftmesh::delaunay(input, skip_non_finite, interrupt);
+    }
+    return hand_over(outcome);
+}
+
+// As liftmesh.counters names them.
+nb::tuple tell(const liftmesh::paper::Counts& counts) {
+    const auto& [i, ii, iii, iv, v, below] = counts.rejected;
+    return nb::make_tuple(counts.calls, counts.candidate_planes, counts.evaluations,
+                          nb::make_tuple(i, ii, iii, iv, v, below), counts.undecided);
+}
+
+nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, std::string_view method,
+                    double qx, double qy) {
+    const Input input = read(rows);
+    const liftmesh::Procedure procedure = method == "lf"      ? liftmesh::Procedure::lf
+                                          : method == "lfres" ? liftmesh::Procedure::lfres
+                                                              : liftmesh::Procedure::lfres_indexed;
+    PythonInterrupt interrupt;
+    liftmesh::Delaunay outcome;
+    liftmesh::paper::Counts counts;
+    {
+        const nb::gil_scoped_release unlocked;
+        outcome = liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy}, interrupt,
+                                          counts);
+    }
+    return nb::make_tuple(hand_over(outcome), tell(counts));
 }
 
 // Keeps the arrays it reads alive.
@@ -202,6 +231,7 @@ NB_MODULE(_kernel, m) {
     m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a);
+    m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "method"_a, "qx"_a, "qy"_a);
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
     nb::class_<PyLocator>(m, "Locator")

@@ -6,6 +6,7 @@
 #include "distinct.hpp"
 #include "emit.hpp"
 #include "input.hpp"
+#include "order.hpp"
 #include "status.hpp"
 
 namespace liftmesh {
@@ -22,6 +23,11 @@ struct Delaunay {
     Result result;
 };
 
+// What every engine begins with: the distinct points are arranged, and what is known of them by then
+// is in the outcome. There is work left where its status is ok.
+Delaunay start(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
+
+// By divide and conquer.
 Delaunay delaunay(const Input& input, bool skip_non_finite, Interrupt& interrupt);
 
 }  // namespace liftmesh

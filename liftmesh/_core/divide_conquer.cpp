@@ -28,7 +28,7 @@ class Engine {
     Engine(Order& order, Triangle* triangles, Interrupt& interrupt)
         : order_(order),
           mesh_(order.points.get(), triangles),
-          seam_{mesh_, order.guard, interrupt},
+          seam_{mesh_, order.scale.guard, interrupt},
           interrupt_(interrupt) {}
 
     Status run() {

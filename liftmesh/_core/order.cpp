@@ -10,7 +10,6 @@
 #include <cstdint>
 
 #include "blocks.hpp"
-#include "scale.hpp"
 
 namespace liftmesh {
 
@@ -31,7 +30,7 @@ class Arrangement {
         if (!order_.skipped.empty() && !skip_non_finite)
             return {Status::non_finite, order_.skipped.front()};
         const Scale scale(range_);
-        order_.guard = scale.guard;
+        order_.scale = scale;
         const bool done = scale.moves
                               ? distribute([&](std::size_t row) { return scale(input_[row]); })
                               : distribute([&](std::size_t row) { return input_[row]; });

@@ -9,7 +9,7 @@
 #include "cuts.hpp"
 #include "distinct.hpp"
 #include "input.hpp"
-#include "predicates/incircle.hpp"
+#include "scale.hpp"
 #include "status.hpp"
 
 namespace liftmesh {
@@ -24,7 +24,7 @@ struct Order {
     std::vector<std::size_t> cell_starts;  // 2^depth + 1 positions
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
-    Guard guard = Guard::in_window();
+    Scale scale{Range{}};  // of the points, against the caller's rows
 };
 
 struct OrderResult {

@@ -21,10 +21,14 @@ class Patience {
  public:
     explicit Patience(Interrupt& interrupt) : interrupt_(interrupt) {}
 
-    // Counts a step; true where the run is to end.
-    bool ends() {
+    // Counts steps; true where the run is to end.
+    bool ends(std::size_t steps = 1) {
         constexpr std::size_t asking_every = std::size_t{1} << 14;
-        if (++steps_ % asking_every == 0) ended_ = interrupt_.requested();
+        steps_ += steps;
+        if (steps_ >= asking_every) {
+            steps_ = 0;
+            ended_ = interrupt_.requested();
+        }
         return ended_;
     }
 

@@ -5,7 +5,8 @@
 #include <cstdint>
 
 #include "predicates/lattice.hpp"
-#include "predicates/orient2d.hpp"
+#include "predicates/ties.hpp"
+#include "predicates/volume.hpp"
 
 namespace liftmesh {
 
@@ -26,7 +27,7 @@ bool is_small(std::int64_t value) {
 }
 
 template <int N>
-int sign_of_side(const Lattice<4>& lattice) {
+int sign_of_side(const PlanarLattice<4>& lattice) {
     const Wide<N> x = lattice.x<N>(3);
     const Wide<N> y = lattice.y<N>(3);
     std::array<Wide<N>, 3> dx, dy;
@@ -41,12 +42,9 @@ int sign_of_side(const Lattice<4>& lattice) {
         if (std::all_of(sx, sx + 3, is_small) && std::all_of(sy, sy + 3, is_small))
             return sign_in_128_bits(sx, sy);
     }
-    Wide<4 * N> det{};
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        det = det + (dx[i] * dx[i] + dy[i] * dy[i]) * (dx[j] * dy[k] - dx[k] * dy[j]);
-    }
-    return det.sign();
+    std::array<Wide<2 * N>, 3> dz;
+    for (int i = 0; i < 3; ++i) dz[i] = dx[i] * dx[i] + dy[i] * dy[i];
+    return sign_of_volume(dx, dy, dz);
 }
 
 // The corners of an axis-parallel rectangle, as every cell of a raster: two values of x, two of y,
@@ -75,33 +73,13 @@ int sign_by_scaled_filter(Point a, Point b, Point c, Point d) {
     return (filter.det > error) - (-filter.det > error);
 }
 
-// How the sign of a tie is found: among the four points the lexicographically largest is lifted
-// most. If that is d, it leaves the circle; otherwise d takes its place in the triangle, and the
-// turn of what results tells the side. Where that is no triangle, the next largest decides. Points
-// that coincide or lie on one line have no side; a clockwise triangle has the opposite one.
-int sign_of_tie(Point a, Point b, Point c, Point d) {
-    const int turn = orient2d(a, b, c);
-    if (turn == 0 || d == a || d == b || d == c) return 0;
-    const Point triangle[3] = {a, b, c};
-    std::array<int, 4> order = {0, 1, 2, 3};
-    const auto point = [&](int i) { return i == 3 ? d : triangle[i]; };
-    std::sort(order.begin(), order.end(),
-              [&](int i, int j) { return before_xy(point(j), point(i)); });
-    for (int i : order) {
-        if (i == 3) break;
-        const Point p = i == 0 ? d : a, q = i == 1 ? d : b, r = i == 2 ? d : c;
-        if (const int side = orient2d(p, q, r); side != 0) return side;
-    }
-    return -turn;
-}
-
 }  // namespace
 
 int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
     if (is_rectangle(a, b, c, d)) return 0;
     if (!guard.vouches())
         if (const int sign = sign_by_scaled_filter(a, b, c, d); sign != 0) return sign;
-    const Lattice<4> lattice({a, b, c, d});
+    const PlanarLattice<4> lattice({a, b, c, d});
     if (lattice.fits<1>()) return sign_of_side<1>(lattice);
     if (lattice.fits<2>()) return sign_of_side<2>(lattice);
     if (lattice.fits<8>()) return sign_of_side<8>(lattice);

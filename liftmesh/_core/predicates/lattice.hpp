@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -35,21 +36,18 @@ inline int bit_length(std::int64_t value) {
     return 64 - std::countl_zero(static_cast<std::uint64_t>(value < 0 ? -value : value));
 }
 
-// The coordinates of K points on their common lattice.
+// K coordinates on their common lattice.
 template <int K>
 class Lattice {
  public:
-    explicit Lattice(const Point (&points)[K]) {
+    explicit Lattice(const std::array<double, K>& values) {
         int low = std::numeric_limits<int>::max();
         int high = std::numeric_limits<int>::min();
         for (int i = 0; i < K; ++i) {
-            x_[i] = dyadic(points[i].x);
-            y_[i] = dyadic(points[i].y);
-            for (const Dyadic& part : {x_[i], y_[i]}) {
-                if (part.mantissa == 0) continue;
-                low = std::min(low, part.exponent);
-                high = std::max(high, part.exponent + bit_length(part.mantissa));
-            }
+            part_[i] = dyadic(values[i]);
+            if (part_[i].mantissa == 0) continue;
+            low = std::min(low, part_[i].exponent);
+            high = std::max(high, part_[i].exponent + bit_length(part_[i].mantissa));
         }
         low_ = low;
         width_ = high > low ? high - low : 0;
@@ -62,22 +60,41 @@ class Lattice {
     }
 
     template <int N>
-    Wide<N> x(int i) const {
-        return place<N>(x_[i]);
-    }
-    template <int N>
-    Wide<N> y(int i) const {
-        return place<N>(y_[i]);
+    Wide<N> at(int i) const {
+        return shifted<N>(part_[i].mantissa,
+                          part_[i].mantissa == 0 ? 0 : part_[i].exponent - low_);
     }
 
  private:
+    Dyadic part_[K];
+    int low_, width_;
+};
+
+// K points of the plane on the common lattice of their coordinates.
+template <int K>
+class PlanarLattice : public Lattice<2 * K> {
+ public:
+    explicit PlanarLattice(const Point (&points)[K])
+        : Lattice<2 * K>(flat(points)) {}
+
     template <int N>
-    Wide<N> place(Dyadic part) const {
-        return shifted<N>(part.mantissa, part.mantissa == 0 ? 0 : part.exponent - low_);
+    Wide<N> x(int i) const {
+        return this->template at<N>(2 * i);
+    }
+    template <int N>
+    Wide<N> y(int i) const {
+        return this->template at<N>(2 * i + 1);
     }
 
-    Dyadic x_[K], y_[K];
-    int low_, width_;
+ private:
+    static std::array<double, 2 * K> flat(const Point (&points)[K]) {
+        std::array<double, 2 * K> values;
+        for (int i = 0; i < K; ++i) {
+            values[2 * i] = points[i].x;
+            values[2 * i + 1] = points[i].y;
+        }
+        return values;
+    }
 };
 
 }  // namespace liftmesh

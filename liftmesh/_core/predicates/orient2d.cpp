@@ -7,7 +7,7 @@ namespace liftmesh {
 namespace {
 
 template <int N>
-int sign_of_turn(const Lattice<3>& lattice) {
+int sign_of_turn(const PlanarLattice<3>& lattice) {
     const Wide<N> cx = lattice.x<N>(2);
     const Wide<N> cy = lattice.y<N>(2);
     const Wide<N> ax = lattice.x<N>(0) - cx;
@@ -25,7 +25,7 @@ bool axis_parallel(Point a, Point b, Point c) {
 
 int orient2d_exact(Point a, Point b, Point c) {
     if (axis_parallel(a, b, c)) return 0;
-    const Lattice<3> lattice({a, b, c});
+    const PlanarLattice<3> lattice({a, b, c});
     if (lattice.fits<1>()) return sign_of_turn<1>(lattice);
     if (lattice.fits<2>()) return sign_of_turn<2>(lattice);
     if (lattice.fits<8>()) return sign_of_turn<8>(lattice);

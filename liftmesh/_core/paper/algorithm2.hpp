@@ -1,0 +1,71 @@
+// Algorithm 2: the lower convex hull, wrapped facet by facet.
+//
+// Facets are appended as they are found, and those before `front`
+// are done: one array is the queue Q' and the result Q. An edge is in E_L while its neighbour is
+// `unknown`, and in E'_L from then on.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "facets.hpp"
+#include "paper/open_edges.hpp"
+#include "point.hpp"
+
+namespace liftmesh::paper {
+
+// `facet_through(a, b)` is LF or LFRes: the third vertex of the facet to the right of [a, b].
+template <class Procedure>
+class LowerConvexHull {
+ public:
+    explicit LowerConvexHull(Procedure& facet_through) : facet_through_(facet_through) {}
+
+    // `a`, `b` is the first edge (line 1). The paper wraps it once, and settles it; where facets lie
+    // on both its sides, those of one side may then never be reached. Here it is wrapped from both.
+    std::vector<Facet> wrap(Vertex a, Vertex b) {
+        std::optional<Vertex> p = facet_through_(a, b);    // line 2
+        if (!p) {
+            std::swap(a, b);
+            p = facet_through_(a, b);
+        }
+        if (!p) return {};
+        add(a, b, *p);
+        for (std::size_t front = 0; front < facets_.size(); ++front)    // lines 3, 4, 12
+            for (unsigned k = 0; k < 3; ++k)                            // lines 5, 6
+                if (facets_[front].neighbor[k] == Facet::unknown) cross(front, k);
+        return std::move(facets_);
+    }
+
+ private:
+    void cross(std::size_t facet, unsigned k) {
+        const Vertex a = facets_[facet].tail(k), b = facets_[facet].head(k);
+        if (const std::optional<Vertex> p = facet_through_(a, b)) {    // lines 7, 8
+            add(a, b, *p);                                             // lines 9, 10
+        } else {
+            facets_[facet].neighbor[k] = Facet::none;                  // line 11
+            open_.take(a, b);
+        }
+    }
+
+    // The facet to the right of [a, b]. Its edges meet those that are open, or are open themselves.
+    void add(Vertex a, Vertex b, Vertex p) {
+        const auto added = static_cast<std::uint32_t>(facets_.size());
+        facets_.push_back({{b, a, p}});
+        for (unsigned k = 0; k < 3; ++k) {
+            const Vertex tail = facets_[added].tail(k), head = facets_[added].head(k);
+            if (const std::optional<OpenEdges::Place> other = open_.take(head, tail)) {
+                facets_[added].neighbor[k] = other->facet;
+                facets_[other->facet].neighbor[other->k] = added;
+            } else {
+                open_.put(tail, head, {added, k});
+            }
+        }
+    }
+
+    Procedure& facet_through_;
+    std::vector<Facet> facets_;
+    OpenEdges open_;
+};
+
+}  // namespace liftmesh::paper

@@ -1,0 +1,51 @@
+// LFRes with the restricted region taken at its word: what it excludes is never touched.
+//
+// Only points inside the box of the circle (C), on the open side of e, can be below a plane through
+// e. So a grid hands out the points of that box and no others. A point that is found below becomes
+// the next candidate: the plane turns about e, and since the circles through a and b are nested on
+// the open side, the region shrinks and no point need be looked at twice. Nothing is left below the
+// last candidate. Before there is a candidate the region is a circle that grows step by step.
+//
+// Everything is computed as seen from a: a paraboloid with its vertex q at a. That is the paper's
+// freedom of choice, and the best one: d = 0, gamma = 0, r = L_cq, and coordinates are small.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "paper/counts.hpp"
+#include "paper/grid.hpp"
+#include "predicates/incircle.hpp"
+#include "status.hpp"
+
+namespace liftmesh::paper {
+
+class LfResIndexed {
+ public:
+    // `points` are in the order of the grid.
+    LfResIndexed(const Grid& grid, const Point* points, Guard guard, Interrupt& interrupt)
+        : grid_(grid), p_(points), guard_(guard), patience_(interrupt) {}
+
+    std::optional<Vertex> operator()(Vertex a, Vertex b);
+
+    const Counts& counts() const { return counts_; }
+    bool interrupted() { return patience_.ends(0); }
+
+ private:
+    struct Edge;
+    struct Candidate;
+
+    std::optional<Vertex> first_candidate(const Edge& e);
+    std::optional<Vertex> best_in(const Edge& e, const Box& box);
+    Vertex turn(const Edge& e, Vertex candidate);
+    template <class Visit>
+    void for_each_run(const Edge& e, const Box& box, Visit visit);
+
+    const Grid& grid_;
+    const Point* p_;
+    Guard guard_;
+    Patience patience_;
+    Counts counts_;
+};
+
+}  // namespace liftmesh::paper

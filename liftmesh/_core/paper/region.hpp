@@ -1,0 +1,60 @@
+// The restricted region of Section 4: line 6 and 7 of Procedure 3, rounded outwards.
+//
+// The printed formulas, each followed by what rounding can do to it: alpha = -n_x / n_z is off by
+// at most (E(n_x) + |alpha| E(n_z)) / (|n_z| - E(n_z)) for the errors E of a plane, and so on down
+// to r. Every bound is rounded away from the circle, so a point that Proposition 4.3 rejects is
+// above the plane, and one that Proposition 4.4 rejects is below it, whatever q is. A q so far away
+// that nothing is left of the digits gives a region without bounds, which rejects nothing.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "paper/plane.hpp"
+
+namespace liftmesh::paper {
+
+struct Region {
+    static constexpr double inf = std::numeric_limits<double>::infinity();
+
+    double min_x = -inf, max_x = inf;
+    double min_y = -inf, max_y = inf;
+    double min_z = -inf, max_z = inf;  // min_z = -inf where L_cq >= r
+
+    Region(const Plane& plane, const PlaneErrors& errors, Point q, double error_of_z) {
+        constexpr double u = 0x1p-53;
+        const double alpha = -plane.nx / plane.nz;
+        const double beta = -plane.ny / plane.nz;
+        const double gamma = plane.d / plane.nz;
+        const double l_cq2 = 0.25 * (alpha * alpha + beta * beta);
+        const double l_cq = std::sqrt(l_cq2);
+        const double r2 = gamma + alpha * q.x + beta * q.y + l_cq2;
+
+        const double rest = std::fabs(plane.nz) - errors.nz;
+        if (!(rest > errors.nz)) return;
+        const double a = std::fabs(alpha), b = std::fabs(beta), g = std::fabs(gamma);
+        const double e_alpha = (errors.nx + a * errors.nz) / rest + 4 * u * a;
+        const double e_beta = (errors.ny + b * errors.nz) / rest + 4 * u * b;
+        const double e_gamma = (errors.d + g * errors.nz) / rest + 4 * u * g;
+        const double e_c = 0.5 * (e_alpha + e_beta);  // of c_x, of c_y, and of L_cq
+        const double qx = std::fabs(q.x), qy = std::fabs(q.y);
+        const double e_r2 = e_gamma + qx * e_alpha + qy * e_beta + e_c * (2 * l_cq + e_c) +
+                            8 * u * (g + a * qx + b * qy + l_cq2);
+        if (!(e_r2 < inf)) return;
+
+        const double r = std::sqrt(std::max(r2, 0.0) + e_r2) * (1 + 4 * u);
+        const double l = l_cq * (1 + 8 * u) + e_c;
+        const double c_x = q.x + 0.5 * alpha, c_y = q.y + 0.5 * beta;
+        const double reach = r + e_c + 4 * u * (qx + qy + a + b + r);
+        min_x = c_x - reach;
+        max_x = c_x + reach;
+        min_y = c_y - reach;
+        max_y = c_y + reach;
+        max_z = (l + r) * (l + r) * (1 + 8 * u) + 2 * error_of_z;
+        const double inner = std::sqrt(std::max(r2 - e_r2, 0.0)) * (1 - 4 * u);
+        if (l < inner) min_z = (inner - l) * (inner - l) * (1 - 8 * u) - 2 * error_of_z;
+    }
+};
+
+}  // namespace liftmesh::paper
