@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from liftmesh.adapters import Adapter as Adapter, as_cloud as as_cloud
     from liftmesh.cloud import Cloud as Cloud
     from liftmesh.comparison import Comparison as Comparison, compare as compare
+    from liftmesh.counters import Counters as Counters
     from liftmesh.errors import (
         DegenerateInputError as DegenerateInputError,
         DuplicateHeightError as DuplicateHeightError,
@@ -38,6 +39,7 @@ _HOMES = {
     "adapters": ("Adapter", "as_cloud"),
     "cloud": ("Cloud",),
     "comparison": ("Comparison", "compare"),
+    "counters": ("Counters",),
     "errors": (
         "DegenerateInputError",
         "DuplicateHeightError",

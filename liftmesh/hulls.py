@@ -1,28 +1,35 @@
-"""delaunay(): planar points in, their one canonical Delaunay triangulation out."""
+"""The engines: delaunay() for planar points, lower_hull() for points in space.
+
+Each set of points has one canonical result, and every method finds it.
+"""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.counters import Counters
 from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.lifting import ParaboloidVertex, resolve_q
 from liftmesh.triangulation import Triangulation
 
-Method = Literal["auto", "divide-and-conquer"]
+Method = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
 NonFinite = Literal["error", "skip"]
 RowOrder = Literal["engine", "canonical"]
 
-METHODS = ("auto", "divide-and-conquer")
+METHODS = get_args(Method)
+_WRAPPING = ("lf", "lfres", "lfres-indexed")
 
 
 def delaunay(
     points: ArrayLike,
     *,
     method: Method = "auto",
+    q: ParaboloidVertex = "origin",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
 ) -> Triangulation:
@@ -38,8 +45,16 @@ def delaunay(
         Planar points, n at most 2^29; of three columns the third is ignored. float64 and float32
         arrays of any strides are read in place; integers must be exact as doubles. Masked entries
         count as not finite.
-    method : {"auto", "divide-and-conquer"}, default "auto"
-        The engine. All give the same triangles; "auto" picks divide and conquer.
+    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
+        The engine. All give the same triangles; "auto" picks divide and conquer. The others wrap
+        the lower hull of the lifted points facet by facet: "lf" and "lfres" are the paper's
+        procedures as printed, in quadratic to cubic time; "lfres-indexed" asks a grid for the
+        points of the restricted region, in linear expected time where points are evenly spread, and
+        in quadratic time or worse where they crowd, as in clusters or on a circle.
+    q : {"origin", "median"} or (2,) array_like, default "origin"
+        The vertex of the paraboloid on which gift wrapping lifts the points: the origin, the
+        coordinate-wise median, or any finite point. It changes the work of "lf" and "lfres", and
+        never a triangle; divide and conquer does without.
     nonfinite : {"error", "skip"}, default "error"
         Rows with NaN or infinity raise, or stay unused and are listed in ``skipped``.
     order : {"engine", "canonical"}, default "engine"
@@ -50,7 +65,8 @@ def delaunay(
     -------
     Triangulation
         Indices are rows of `points`; nothing is reordered or dropped. Of rows at one position the
-        lowest is the vertex; the others are in ``duplicates``.
+        lowest is the vertex; the others are in ``duplicates``. Gift wrapping leaves its
+        ``counters``.
 
     Raises
     ------
@@ -68,6 +84,9 @@ def delaunay(
     and B. J. Schachter (1980), with the alternating cuts of R. A. Dwyer (1987). O(n log n) on every
     input. Memory beyond the points: 70 bytes a point while it works, 48 for the result.
 
+    Gift wrapping with LF and LFRes: "The Lifting Projection of Convex Polyhedra for Finding
+    Delaunay Triangulations", Procedures 1 and 3 and Algorithm 2.
+
     Examples
     --------
     >>> tri = delaunay([[0, 0], [2, 0], [2, 1], [0, 1]], order="canonical")
@@ -75,7 +94,7 @@ def delaunay(
     array([[0, 1, 3],
            [3, 1, 2]], dtype=int32)
     """
-    return Triangulation(**_solve(points, method, nonfinite, order))
+    return Triangulation(**_solve(points, method, q, nonfinite, order))
 
 
 class Delaunay(Triangulation):
@@ -125,19 +144,18 @@ class Delaunay(Triangulation):
                 "points have three columns: liftmesh.delaunay(points) triangulates their x and y; "
                 "for tetrahedra use scipy.spatial.Delaunay"
             )
-        super().__init__(**_solve(rows, "auto", "error", "engine"))
+        super().__init__(**_solve(rows, "auto", "origin", "error", "engine"))
 
 
 def _solve(
-    points: ArrayLike, method: Method, nonfinite: NonFinite, order: RowOrder
+    points: ArrayLike, method: Method, q: ParaboloidVertex, nonfinite: NonFinite, order: RowOrder
 ) -> dict[str, Any]:
     _check_option("method", method, METHODS)
     _check_option("nonfinite", nonfinite, ("error", "skip"))
     _check_option("order", order, ("engine", "canonical"))
     rows = as_coordinates(points)
-    status, row, distinct, simplices, neighbors, hull, duplicates, skipped = _kernel.delaunay(
-        rows, nonfinite == "skip"
-    )
+    outcome, counters = _run(rows, nonfinite == "skip", method, resolve_q(q, rows[:, :2]))
+    status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
     if status == "non-finite":
         raise non_finite(row, rows[row])
     if status != "ok":
@@ -151,7 +169,17 @@ def _solve(
         "hull": hull,
         "duplicates": duplicates,
         "skipped": skipped,
+        "counters": counters,
     }
+
+
+def _run(
+    rows: NDArray[Any], skip: bool, method: Method, q: tuple[float, float]
+) -> tuple[_kernel.Outcome, Counters | None]:
+    if method not in _WRAPPING:
+        return _kernel.delaunay(rows, skip), None
+    outcome, counts = _kernel.gift_wrap(rows, skip, method, *q)
+    return outcome, Counters.from_kernel(counts)
 
 
 def _check_option(name: str, value: object, known: tuple[str, ...]) -> None:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.heights import Policy
     from liftmesh.hulls import Method, NonFinite
+    from liftmesh.lifting import ParaboloidVertex
     from liftmesh.triangulation import Triangulation
 
 Rows = NDArray[np.int32]
@@ -41,6 +42,7 @@ def triangulate(
     duplicates: Policy = "first",
     nonfinite: NonFinite = "error",
     method: Method = "auto",
+    q: ParaboloidVertex = "origin",
 ) -> Surface:
     """Triangulate a point cloud over a plane.
 
@@ -62,8 +64,10 @@ def triangulate(
         too are merged and counted.
     nonfinite : {"error", "skip"}
         What to do with rows that hold NaN or infinity: refuse them, or leave them unused.
-    method : {"auto", "divide-and-conquer"}
-        The engine, as `delaunay` names it.
+    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
+        The engine, as `delaunay` names it: the same triangles by any.
+    q : {"origin", "median"} or (2,) array_like
+        The vertex of the paraboloid, in the coordinates of the plane; only gift wrapping uses it.
 
     Returns
     -------
@@ -106,7 +110,7 @@ def triangulate(
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     clock.lap("plane")
-    solution = _solve(source.points, planar, heights, nonfinite, method)
+    solution = _solve(source.points, planar, heights, nonfinite, method, q)
     clock.lap("triangulation")
     choice = choose_carriers(solution.duplicates, heights, planar, duplicates)
     faces = _faces(solution, choice)
@@ -155,6 +159,7 @@ def _solve(
     heights: Coordinates,
     nonfinite: NonFinite,
     method: Method,
+    q: ParaboloidVertex,
 ) -> Triangulation:
     """Triangulate the planar points; a row whose height is not finite is not finite either.
 
@@ -168,7 +173,7 @@ def _solve(
         planar = planar.copy()
         planar[~finite] = np.nan
     try:
-        solution = delaunay(planar, method=method, nonfinite=nonfinite)
+        solution = delaunay(planar, method=method, q=q, nonfinite=nonfinite)
     except NonFiniteError:
         raise _nonfinite_error(points, planar, heights) from None
     _refuse_overflow(points, solution.skipped)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh.arrays import as_pairs
+from liftmesh.counters import Counters
 from liftmesh.lifting import LowerHull, ParaboloidVertex, lift, resolve_q
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ class Triangulation:
         As the attribute.
     skipped : (j,) ndarray of int32
         As the attribute.
+    counters : Counters, optional
+        As the attribute.
 
     Attributes
     ----------
@@ -47,6 +50,8 @@ class Triangulation:
         with the row that is kept.
     skipped : (j,) ndarray of int32
         Rows left out as not finite.
+    counters : Counters or None
+        What a procedure of the paper took; None for divide and conquer.
     paraboloid_scale, paraboloid_shift : float
         1 and 0: the lift is z = x^2 + y^2.
     ndim : int
@@ -77,6 +82,7 @@ class Triangulation:
         hull: NDArray[np.int32],
         duplicates: NDArray[np.int32],
         skipped: NDArray[np.int32],
+        counters: Counters | None = None,
     ) -> None:
         # What point location rests on must not change under it.
         for array in (simplices, neighbors, hull, duplicates, skipped):
@@ -87,6 +93,7 @@ class Triangulation:
         self.neighbors = neighbors
         self.duplicates = duplicates
         self.skipped = skipped
+        self.counters = counters
 
     def __repr__(self) -> str:
         return (

@@ -61,7 +61,7 @@ def parse_plane(text: str) -> Any:
 
 
 def parse_q(text: str) -> Any:
-    """Turn the text of ``--q`` into what `liftmesh.compare` accepts.
+    """Turn the text of ``--q`` into what `liftmesh` accepts as q.
 
     Parameters
     ----------

@@ -37,8 +37,17 @@ def run(
     ] = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
-        Literal["auto", "divide-and-conquer"], typer.Option(help="The engine; same triangles.")
+        Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"],
+        typer.Option(help="The engine: the same triangles by any; lf and lfres are slow."),
     ] = "auto",
+    q: Annotated[
+        str,
+        typer.Option(
+            "--q",
+            metavar="Q",
+            help="Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+        ),
+    ] = "origin",
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
@@ -52,7 +61,7 @@ def run(
     ----------
     source, target : Path
         IN and OUT.
-    plane, duplicates, nonfinite, method : str
+    plane, duplicates, nonfinite, method, q : str
         As in `liftmesh.triangulate`.
     source_format, target_format : str, optional
         Formats, in place of suffixes.
@@ -65,7 +74,12 @@ def run(
     cloud = files.read(source, source_format)
     seconds = {"read": perf_counter() - start}
     surface = _triangulate(
-        cloud, plane=frame, duplicates=duplicates, nonfinite=nonfinite, method=method
+        cloud,
+        plane=frame,
+        duplicates=duplicates,
+        nonfinite=nonfinite,
+        method=method,
+        q=options.parse_q(q),
     )
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
