@@ -131,7 +131,7 @@ std::optional<Vertex> LfResIndexed::best_in(const Edge& e, const Box& box) {
             const double side = -e.side(px, py);
             const double error = e.side_error(px, py);
             if (side < -error) continue;
-            if (side <= error && orient2d(e.origin, e.end, p_[v]) >= 0) continue;
+            if (!(side > error) && orient2d(e.origin, e.end, p_[v]) >= 0) continue;
             const double dot = px * (px - e.x) + py * (py - e.y);
             if (best && dot * best_side >= best_dot * side) continue;
             best = v;
@@ -179,7 +179,9 @@ void LfResIndexed::for_each_run(const Edge& e, const Box& whole, Visit visit) {
     const Cells& lines = grid_.lines();
     Box box = whole;
     if (e.y == 0) (e.x > 0 ? box.max_y : box.min_y) = e.origin.y;
-    const double slope = e.x / e.y;  // of the line through e: x against y
+    // The slope of the line through e, x against y; it may underflow where nothing vouches for it.
+    const double slope = e.x / e.y;
+    const bool rises = e.y > 0 && guard_.vouches(), falls = e.y < 0 && guard_.vouches();
     const double below = e.origin.y - lines.low();
     for (std::size_t line = lines.cell(box.min_y); line <= lines.cell(box.max_y); ++line) {
         double from = box.min_x, to = box.max_x;
@@ -190,11 +192,11 @@ void LfResIndexed::for_each_run(const Edge& e, const Box& whole, Visit visit) {
         const double slack =
             16 * u * (std::fabs(e.origin.x) + std::fabs(enters) + std::fabs(leaves)) +
             0.01 * std::fabs(lines.width() * slope);
-        if (e.y > 0) {
+        if (rises) {
             const double least = e.origin.x + (std::min(enters, leaves) - slack);
             if (least > to) continue;
             if (least > from) from = least;
-        } else if (e.y < 0) {
+        } else if (falls) {
             const double most = e.origin.x + (std::max(enters, leaves) + slack);
             if (most < from) continue;
             if (most < to) to = most;
