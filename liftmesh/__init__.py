@@ -25,7 +25,11 @@ if TYPE_CHECKING:
         UnsupportedTypeError as UnsupportedTypeError,
     )
     from liftmesh.formats import Format as Format, Written as Written, read as read, write as write
-    from liftmesh.hulls import Delaunay as Delaunay, delaunay as delaunay
+    from liftmesh.hulls import (
+        Delaunay as Delaunay,
+        delaunay as delaunay,
+        lower_hull as lower_hull,
+    )
     from liftmesh.lifting import LowerHull as LowerHull, lift as lift, project as project
     from liftmesh.meshing import triangulate as triangulate
     from liftmesh.plane import Frame as Frame
@@ -51,7 +55,7 @@ _HOMES = {
         "UnsupportedTypeError",
     ),
     "formats": ("Format", "Written", "read", "write"),
-    "hulls": ("Delaunay", "delaunay"),
+    "hulls": ("Delaunay", "delaunay", "lower_hull"),
     "lifting": ("LowerHull", "lift", "project"),
     "meshing": ("triangulate",),
     "plane": ("Frame",),

@@ -21,6 +21,7 @@ def delaunay(rows: NDArray[np.floating[Any]], skip_non_finite: bool) -> Outcome:
 def gift_wrap(
     rows: NDArray[np.floating[Any]], skip_non_finite: bool, method: str, qx: float, qy: float
 ) -> tuple[Outcome, Counts]: ...
+def lower_hull(rows: NDArray[np.floating[Any]], method: str) -> tuple[Outcome, Counts]: ...
 def orient2d(
     a: NDArray[np.float64],
     b: NDArray[np.float64],

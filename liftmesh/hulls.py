@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.arrays import as_coordinates, as_rows3, check_finite, non_finite
 from liftmesh.counters import Counters
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.lifting import ParaboloidVertex, resolve_q
+from liftmesh.lifting import LowerHull, ParaboloidVertex, resolve_q
 from liftmesh.triangulation import Triangulation
 
 Method = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
+HullMethod = Literal["auto", "lf"]
 NonFinite = Literal["error", "skip"]
 RowOrder = Literal["engine", "canonical"]
 
@@ -95,6 +96,70 @@ def delaunay(
            [3, 1, 2]], dtype=int32)
     """
     return Triangulation(**_solve(points, method, q, nonfinite, order))
+
+
+def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
+    """Find the lower convex hull of points in space: exact for every finite double.
+
+    Where four or more points lie on one plane, the facets are those of the symbolic perturbation
+    that lifts lexicographically larger points (by x, then y) more: the placing triangulation in
+    that order. So every point that lies on the lower hull is a vertex of it, and the facets are a
+    function of the points alone.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 3)
+        Points in space; z may be any height. Of points over one planar position only the lowest can
+        be on the lower hull, and of several equal ones the first row is.
+    method : {"auto", "lf"}, default "auto"
+        The engine; both find the same facets. "auto" is randomised incremental construction, in
+        O(n log n) expected time on every input; "lf" is gift wrapping by the paper's procedure LF,
+        in quadratic to cubic time.
+
+    Returns
+    -------
+    LowerHull
+        A mesh over the caller's rows. ``above`` lists the rows that are no vertex of it.
+
+    Raises
+    ------
+    InputError
+        `points` has another shape, other values than real numbers, or too many rows; or the method
+        is unknown, or needs planar points.
+    NonFiniteError
+        A row is not finite.
+    DegenerateInputError
+        There are fewer than three distinct planar positions, or all lie on one line.
+
+    Notes
+    -----
+    The hull of lifted points is that of their *rounded* heights: ``lower_hull(lift(p))`` can differ
+    from ``delaunay(p)``, which is exact for the planar points.
+
+    Incremental construction with conflict lists: K. L. Clarkson and P. W. Shor (1989), in the
+    biased order of N. Amenta, S. Choi and G. Rote (2003). LF: Procedure 1 of "The Lifting
+    Projection of Convex Polyhedra for Finding Delaunay Triangulations".
+
+    Examples
+    --------
+    >>> hull = lower_hull([[0, 0, 0], [2, 0, 1], [0, 2, 1], [2, 2, 0], [1, 1, 5], [1, 0.5, -1]])
+    >>> len(hull.faces), hull.above
+    (4, array([4], dtype=int32))
+    """
+    _check_hull_method(method)
+    rows = as_coordinates(points)
+    if rows.shape[1] != 3:
+        raise InputError(
+            "points have two columns: a lower hull needs z; for planar points use "
+            "liftmesh.delaunay, or lift them first with liftmesh.lift"
+        )
+    check_finite(rows)
+    outcome, counts = _kernel.lower_hull(rows, method)
+    status, _, distinct, faces, neighbors, rim, _, skipped = outcome
+    if status != "ok":
+        raise _degenerate(rows, distinct, rim, len(skipped))
+    counters = Counters.from_kernel(counts) if method == "lf" else None
+    return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
 
 
 class Delaunay(Triangulation):
@@ -180,6 +245,15 @@ def _run(
         return _kernel.delaunay(rows, skip), None
     outcome, counts = _kernel.gift_wrap(rows, skip, method, *q)
     return outcome, Counters.from_kernel(counts)
+
+
+def _check_hull_method(method: str) -> None:
+    if method in METHODS and method not in ("auto", "lf"):
+        raise InputError(
+            f"method {method!r} is for planar points, on the paraboloid of which its vertex q is "
+            "known: use liftmesh.delaunay(points, method=..., q=...)"
+        )
+    _check_option("method", method, ("auto", "lf"))
 
 
 def _check_option(name: str, value: object, known: tuple[str, ...]) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh.arrays import as_coordinates, as_rows3
 from liftmesh.cloud import Cloud
+from liftmesh.counters import Counters
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -138,17 +139,21 @@ def project(points: ArrayLike) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LowerHull:
-    """The lower convex hull of lifted points, as a mesh in space.
+    """The lower convex hull of points in space, as a mesh.
 
     Parameters
     ----------
     vertices : (n, 3) ndarray of float64
-        All lifted points, by the caller's rows.
+        All points, by the caller's rows.
     faces : (m, 3) ndarray of int32
-        Its lower facets; their projections are the Delaunay triangles, counter-clockwise seen from
-        above.
-    q : tuple of float
-        The vertex of the paraboloid.
+        The lower facets, counter-clockwise seen from above. Those of lifted points project to the
+        Delaunay triangles.
+    q : tuple of float, optional
+        The vertex of the paraboloid, where the points were lifted to one.
+    neighbors : (m, 3) ndarray of int32, optional
+        The facet across the edge that faces vertex k; -1 at the rim.
+    counters : Counters, optional
+        What the paper's procedure took, where it found the hull.
 
     Examples
     --------
@@ -160,7 +165,28 @@ class LowerHull:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int32]
-    q: tuple[float, float]
+    q: tuple[float, float] | None = None
+    neighbors: NDArray[np.int32] | None = None
+    counters: Counters | None = None
+
+    @property
+    def above(self) -> NDArray[np.int32]:
+        """Rows that are no vertex of a facet, in ascending order.
+
+        Returns
+        -------
+        (k,) ndarray of int32
+            Rows above the lower hull, and rows equal to a vertex.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.lower_hull([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 9]]).above
+        array([3], dtype=int32)
+        """
+        unused = np.ones(len(self.vertices), dtype=bool)
+        unused[self.faces] = False
+        return np.flatnonzero(unused).astype(np.int32)
 
     def to_cloud(self) -> Cloud:
         """Give the hull as a cloud with faces.
@@ -176,7 +202,8 @@ class LowerHull:
         >>> len(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_cloud())
         3
         """
-        return Cloud(self.vertices, faces=self.faces, metadata={"q": self.q})
+        metadata = {} if self.q is None else {"q": self.q}
+        return Cloud(self.vertices, faces=self.faces, metadata=metadata)
 
     def to_trimesh(self) -> trimesh.Trimesh:
         """Give the hull as a trimesh mesh, vertices and faces untouched.

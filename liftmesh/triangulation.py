@@ -340,7 +340,7 @@ class Triangulation:
         (0.0, 0.0)
         """
         vertex = resolve_q(q, self.points)
-        return LowerHull(lift(self.points, vertex), self.simplices, vertex)
+        return LowerHull(lift(self.points, vertex), self.simplices, vertex, self.neighbors)
 
     def to_scipy(self) -> scipy.spatial.Delaunay:
         """Give a ``scipy.spatial.Delaunay``, for code that accepts only that.

@@ -26,7 +26,7 @@ from commands import (
 from liftmesh.cli import exit_codes, main
 from liftmesh.cli.terminal import bytes_text
 
-COMMANDS = ["triangulate", "compare", "info"]
+COMMANDS = ["triangulate", "compare", "info", "paper"]
 
 
 def test_version():

@@ -12,6 +12,7 @@
 #include "floating_point.hpp"
 #include "gift_wrapping.hpp"
 #include "locate.hpp"
+#include "lower_hull.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 
@@ -148,6 +149,21 @@ nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, std::string_vi
     return nb::make_tuple(hand_over(outcome), tell(counts));
 }
 
+nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
+    const Input input = read(rows);
+    if (rows.shape(1) < 3) throw std::invalid_argument("rows need three columns");
+    const auto engine =
+        method == "lf" ? liftmesh::HullMethod::lf : liftmesh::HullMethod::incremental;
+    PythonInterrupt interrupt;
+    liftmesh::Delaunay outcome;
+    liftmesh::paper::Counts counts;
+    {
+        const nb::gil_scoped_release unlocked;
+        outcome = liftmesh::lower_hull(input, engine, interrupt, counts);
+    }
+    return nb::make_tuple(hand_over(outcome), tell(counts));
+}
+
 // Keeps the arrays it reads alive.
 class PyLocator {
  public:
@@ -232,6 +248,7 @@ NB_MODULE(_kernel, m) {
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a);
     m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "method"_a, "qx"_a, "qy"_a);
+    m.def("lower_hull", &lower_hull, "rows"_a, "method"_a);
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
     nb::class_<PyLocator>(m, "Locator")

@@ -23,6 +23,12 @@ struct Input {
         return {value<double>(at) + 0.0, value<double>(at + column_stride) + 0.0};
     }
 
+    // The third column.
+    double height(std::size_t row) const {
+        const std::byte* at = data + static_cast<std::ptrdiff_t>(row) * row_stride + 2 * column_stride;
+        return (single_precision ? value<float>(at) : value<double>(at)) + 0.0;
+    }
+
  private:
     template <class Real>
     static double value(const std::byte* at) {

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <tuple>
+#include <utility>
 
 #include "blocks.hpp"
 
@@ -149,6 +151,17 @@ class Arrangement {
 
 OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order) {
     return Arrangement(input, interrupt, order).run(skip_non_finite);
+}
+
+void sort_by_row(Order& order) {
+    std::vector<std::pair<Row, Point>> both(order.count);
+    for (std::size_t i = 0; i < order.count; ++i) both[i] = {order.rows[i], order.points[i]};
+    std::sort(both.begin(), both.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < order.count; ++i)
+        std::tie(order.rows[i], order.points[i]) = both[i];
+    order.depth = 0;
+    order.cell_starts = {0, order.count};
 }
 
 }  // namespace liftmesh

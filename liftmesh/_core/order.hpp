@@ -35,4 +35,7 @@ struct OrderResult {
 // Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
 OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
 
+// Puts the points in the order of their rows instead: cells mean nothing from then on.
+void sort_by_row(Order& order);
+
 }  // namespace liftmesh

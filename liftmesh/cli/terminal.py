@@ -8,13 +8,20 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any
 
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
@@ -38,6 +45,34 @@ def stage(text: str) -> Iterator[None]:
     with Progress(*columns, console=console, transient=True) as progress:
         progress.add_task(text, total=None)
         yield
+
+
+@contextmanager
+def bar(total: float) -> Iterator[Callable[[str, float], None]]:
+    """Show how far a long work has come, on a terminal only, while it is done.
+
+    Parameters
+    ----------
+    total : float
+        The whole work, in any unit.
+
+    Yields
+    ------
+    callable
+        To be called with what is being done (empty: the same as before), and how much of the work
+        was done since the last call.
+    """
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _text, _done: None
+        return
+    shown = TextColumn("{task.description}", markup=False)
+    columns = (BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn(), shown)
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("", total=total)
+        yield lambda text, done: progress.update(
+            task, advance=done, description=text or progress.tasks[0].description
+        )
 
 
 def error_line(text: str) -> None:

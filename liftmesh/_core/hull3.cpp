@@ -1,0 +1,264 @@
+#include "hull3.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+
+#include "mesh.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+constexpr Vertex nobody = ~Vertex{0};
+
+// The order of insertion. A point is in the last round with probability 1/2, in the one before with
+// 1/4, and so on, by the trailing zeros of a scrambled index (the finalizer of splitmix64).
+std::vector<Vertex> biased_random_order(std::size_t count) {
+    std::array<std::vector<Vertex>, 65> rounds;
+    for (std::size_t v = 0; v < count; ++v) {
+        std::uint64_t bits = (v + 1) * 0x9e3779b97f4a7c15u;
+        bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+        bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+        bits ^= bits >> 31;
+        rounds[static_cast<std::size_t>(std::countr_zero(bits))].push_back(static_cast<Vertex>(v));
+    }
+    std::vector<Vertex> order;
+    order.reserve(count);
+    for (auto round = rounds.rbegin(); round != rounds.rend(); ++round)
+        order.insert(order.end(), round->begin(), round->end());
+    return order;
+}
+
+class LowerHullBuilder {
+ public:
+    LowerHullBuilder(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt)
+        : p_(points),
+          guard_(guard),
+          patience_(interrupt),
+          next_waiting_(points.size(), nobody),
+          home_(points.size(), nowhere),
+          spoke_(points.size() + 1) {}
+
+    Status build() {
+        const std::vector<Vertex> order = biased_random_order(p_.size());
+        const std::optional<std::array<Vertex, 3>> seed = find_seed(order);
+        if (!seed) return patience_.ends(0) ? Status::interrupted : Status::ok;
+        start(*seed);
+        for (Vertex v : order) {
+            if (patience_.ends()) return Status::interrupted;
+            if (std::find(seed->begin(), seed->end(), v) == seed->end()) settle(v, fresh_);
+        }
+        for (Vertex v : order)
+            if (home_[v] != nowhere)
+                if (insert(v); patience_.ends(cavity_.size())) return Status::interrupted;
+        return Status::ok;
+    }
+
+    std::vector<Facet> facets() const {
+        std::vector<std::uint32_t> name(triangles_.size(), Facet::none);
+        std::vector<Facet> result;
+        for (TriangleId t = 0; t < triangles_.size(); ++t) {
+            if (!is_live(t) || triangles_[t].is_ghost()) continue;
+            name[t] = static_cast<std::uint32_t>(result.size());
+            const Vertex* v = triangles_[t].vertex;
+            result.push_back({{v[0], v[1], v[2]}});
+        }
+        for (TriangleId t = 0; t < triangles_.size(); ++t)
+            if (name[t] != Facet::none)
+                for (unsigned k = 0; k < 3; ++k)
+                    result[name[t]].neighbor[k] = name[triangle_of(triangles_[t].twin[k])];
+        return result;
+    }
+
+ private:
+    static constexpr TriangleId nowhere = ~TriangleId{0};
+
+    // An edge of the rim, as seen from the cavity: what lies outside, and the edge's ends.
+    struct Side {
+        Edge outside;
+        Vertex tail, head;
+    };
+    Side side(TriangleId t, unsigned k) const {
+        const Triangle& triangle = triangles_[t];
+        return {triangle.twin[k], triangle.vertex[(k + 1) % 3], triangle.vertex[(k + 2) % 3]};
+    }
+
+    Point planar(Vertex v) const { return p_[v].planar(); }
+    bool is_live(TriangleId t) const { return triangles_[t].vertex[0] != ghost; }
+
+    // The first three points of the order that are not on one line.
+    std::optional<std::array<Vertex, 3>> find_seed(const std::vector<Vertex>& order) {
+        for (std::size_t i = 2; i < order.size() && !patience_.ends(); ++i) {
+            const int turn = orient2d(planar(order[0]), planar(order[1]), planar(order[i]));
+            if (turn > 0) return {{order[0], order[1], order[i]}};
+            if (turn < 0) return {{order[1], order[0], order[i]}};
+        }
+        return std::nullopt;
+    }
+
+    void start(const std::array<Vertex, 3>& v) {
+        const TriangleId middle = allocate({v[0], v[1], v[2]});
+        std::array<TriangleId, 3> around;
+        for (unsigned k = 0; k < 3; ++k) {
+            around[k] = allocate({v[(k + 2) % 3], v[(k + 1) % 3], ghost});
+            join(edge(middle, k), edge(around[k], 2));
+        }
+        for (unsigned k = 0; k < 3; ++k) join(edge(around[k], 0), edge(around[(k + 2) % 3], 1));
+        fresh_ = {middle, around[0], around[1], around[2]};
+    }
+
+    TriangleId allocate(const std::array<Vertex, 3>& v) {
+        TriangleId t;
+        if (free_.empty()) {
+            t = static_cast<TriangleId>(triangles_.size());
+            triangles_.emplace_back();
+            waiting_.push_back(nobody);
+        } else {
+            t = free_.back();
+            free_.pop_back();
+        }
+        std::copy(v.begin(), v.end(), triangles_[t].vertex);
+        return t;
+    }
+
+    void join(Edge e, Edge f) {
+        triangles_[triangle_of(e)].twin[place(e)] = f;
+        triangles_[triangle_of(f)].twin[place(f)] = e;
+    }
+
+    // Whether a point that is below the facet goes there: its position is in the triangle, or beyond
+    // the hull edge of a ghost.
+    bool holds(TriangleId t, Point p) const {
+        const Vertex* v = triangles_[t].vertex;
+        if (triangles_[t].is_ghost()) return orient2d(planar(v[1]), planar(v[0]), p) < 0;
+        return orient2d(planar(v[0]), planar(v[1]), p) >= 0 &&
+               orient2d(planar(v[1]), planar(v[2]), p) >= 0 &&
+               orient2d(planar(v[2]), planar(v[0]), p) >= 0;
+    }
+
+    // Lets a point wait at the one of these facets that it belongs to, or leaves it out for good.
+    void settle(Vertex v, const std::vector<TriangleId>& facets) {
+        home_[v] = nowhere;
+        const auto home = std::find_if(facets.begin(), facets.end(),
+                                       [&](TriangleId t) { return holds(t, planar(v)); });
+        if (home == facets.end() || !is_in_conflict(*home, v)) return;
+        home_[v] = *home;
+        next_waiting_[v] = waiting_[*home];
+        waiting_[*home] = v;
+    }
+
+    // Whether a facet goes when v comes.
+    bool is_in_conflict(TriangleId t, Vertex v) const {
+        const Vertex* w = triangles_[t].vertex;
+        if (!triangles_[t].is_ghost())
+            return orient3d_canonical(p_[w[0]], p_[w[1]], p_[w[2]], p_[v], guard_);
+        const int turn = orient2d(planar(w[1]), planar(w[0]), planar(v));
+        return turn != 0 ? turn < 0 : is_below_line(p_[w[1]], p_[w[0]], p_[v]);
+    }
+
+    // The same for an edge of the planar hull and a point on its line. Of three points on a line in
+    // space the middle one is a vertex: it is below the line of the others.
+    static bool is_below_line(SpacePoint a, SpacePoint b, SpacePoint p) {
+        const bool across = a.x != b.x;
+        const auto upright = [&](SpacePoint s) { return Point{across ? s.x : s.y, s.z}; };
+        const Point s = upright(a), t = upright(b), r = upright(p);
+        const int turn = orient2d(s, t, r);
+        if (turn != 0) return (turn < 0) == (s.x < t.x);
+        return (s.x < r.x) == (r.x < t.x);
+    }
+
+    void insert(Vertex v) {
+        find_cavity(v);
+        collect_waiting(v);
+        fill_cavity(v);
+        for (Vertex w : moving_) settle(w, fresh_);
+    }
+
+    // The facets in conflict are connected; the rim is where they meet those that stay.
+    void find_cavity(Vertex v) {
+        cavity_.assign(1, home_[v]);
+        rim_.clear();
+        conflict_.resize(triangles_.size());
+        conflict_[home_[v]] = true;
+        for (std::size_t i = 0; i < cavity_.size(); ++i) {
+            for (unsigned k = 0; k < 3; ++k) {
+                const TriangleId t = triangle_of(triangles_[cavity_[i]].twin[k]);
+                if (conflict_[t]) continue;
+                if (is_in_conflict(t, v)) {
+                    conflict_[t] = true;
+                    cavity_.push_back(t);
+                } else {
+                    rim_.push_back(side(cavity_[i], k));
+                }
+            }
+        }
+        for (TriangleId t : cavity_) conflict_[t] = false;
+    }
+
+    void collect_waiting(Vertex v) {
+        home_[v] = nowhere;
+        moving_.clear();
+        for (TriangleId t : cavity_) {
+            for (Vertex w = waiting_[t]; w != nobody; w = next_waiting_[w])
+                if (w != v) moving_.push_back(w);
+            waiting_[t] = nobody;
+        }
+    }
+
+    // A new facet on each edge of the rim; `spoke_` remembers the edge from v to each corner.
+    void fill_cavity(Vertex v) {
+        for (TriangleId t : cavity_) {
+            triangles_[t].vertex[0] = ghost;
+            free_.push_back(t);
+        }
+        fresh_.clear();
+        for (const Side& side : rim_) {
+            const TriangleId t = allocate(ghost_last({side.tail, side.head, v}));
+            fresh_.push_back(t);
+            join(facing(t, v), side.outside);
+            spoke_[index(side.tail)] = facing(t, side.head);
+        }
+        for (std::size_t i = 0; i < rim_.size(); ++i)
+            join(facing(fresh_[i], rim_[i].tail), spoke_[index(rim_[i].head)]);
+    }
+
+    static std::array<Vertex, 3> ghost_last(std::array<Vertex, 3> v) {
+        std::rotate(v.begin(), v.begin() + (v[0] == ghost ? 1 : v[1] == ghost ? 2 : 0), v.end());
+        return v;
+    }
+    Edge facing(TriangleId t, Vertex v) const {
+        const Vertex* w = triangles_[t].vertex;
+        return edge(t, w[0] == v ? 0 : w[1] == v ? 1 : 2);
+    }
+    std::size_t index(Vertex v) const { return v == ghost ? p_.size() : v; }
+
+    std::span<const SpacePoint> p_;
+    Guard guard_;
+    Patience patience_;
+    std::vector<Triangle> triangles_;
+    std::vector<TriangleId> free_;
+    std::vector<Vertex> waiting_;       // of each facet, the first that waits there
+    std::vector<Vertex> next_waiting_;  // of each point, the next at the same facet
+    std::vector<TriangleId> home_;      // of each point that waits
+    std::vector<Edge> spoke_;
+    std::vector<char> conflict_;
+    std::vector<TriangleId> cavity_, fresh_;
+    std::vector<Side> rim_;
+    std::vector<Vertex> moving_;
+};
+
+}  // namespace
+
+Status lower_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
+                  std::vector<Facet>& facets) {
+    LowerHullBuilder builder(points, guard, interrupt);
+    const Status status = builder.build();
+    if (status == Status::ok) facets = builder.facets();
+    return status;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,91 @@
+#include "lower_hull.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "facets.hpp"
+#include "floating_point.hpp"
+#include "hull3.hpp"
+#include "order.hpp"
+#include "paper/algorithm2.hpp"
+#include "paper/first_edge.hpp"
+#include "paper/lf.hpp"
+#include "paper/points.hpp"
+#include "scale.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+// Puts the lowest row of each planar position in place of the first.
+void take_lowest(const Input& input, Order& order) {
+    if (order.duplicates.empty()) return;
+    std::vector<Row> lowest(input.rows);
+    for (std::size_t i = 0; i < order.count; ++i) lowest[order.rows[i]] = order.rows[i];
+    for (const Duplicate& pair : order.duplicates)
+        if (input.height(pair.row) < input.height(lowest[pair.kept])) lowest[pair.kept] = pair.row;
+    for (std::size_t i = 0; i < order.count; ++i) order.rows[i] = lowest[order.rows[i]];
+}
+
+struct Heights {
+    std::vector<double> values;
+    Guard guard;
+};
+
+// Moved by a power of two of their own, which changes no side.
+Heights heights_of(const Input& input, const Order& order) {
+    Range range;
+    Heights z{std::vector<double>(order.count), order.scale.guard};
+    for (std::size_t i = 0; i < order.count; ++i) {
+        z.values[i] = input.height(order.rows[i]);
+        range.add({z.values[i], 0});
+    }
+    const Scale scale(range);
+    if (scale.moves)
+        for (double& value : z.values) value = scale({value, 0}).x;
+    if (!scale.guard.vouches()) z.guard = scale.guard;
+    return z;
+}
+
+std::vector<SpacePoint> in_space(const Order& order, const std::vector<double>& z) {
+    std::vector<SpacePoint> points(order.count);
+    for (std::size_t i = 0; i < order.count; ++i)
+        points[i] = {order.points[i].x, order.points[i].y, z[i]};
+    return points;
+}
+
+Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet>& facets,
+            paper::Counts& counts) {
+    paper::Lf facet_through(p, interrupt);
+    if (const auto e1 = paper::FirstEdgeSearch(p).find())
+        facets = paper::LowerConvexHull(facet_through).wrap(e1->v1, e1->end);
+    counts = facet_through.counts();
+    return facet_through.interrupted() ? Status::interrupted : Status::ok;
+}
+
+}  // namespace
+
+Delaunay lower_hull(const Input& input, HullMethod method, Interrupt& interrupt,
+                    paper::Counts& counts) {
+    const IeeeArithmetic ieee;
+    Order order;
+    Delaunay outcome = start(input, false, interrupt, order);
+    if (outcome.status != Status::ok) return outcome;
+    if (method == HullMethod::lf) sort_by_row(order);
+    take_lowest(input, order);
+    const Heights z = heights_of(input, order);
+    std::vector<SpacePoint> points = in_space(order, z.values);
+    std::vector<Facet> facets;
+    outcome.status = method == HullMethod::lf
+                         ? wrap({std::move(points), z.guard}, interrupt, facets, counts)
+                         : lower_hull(points, z.guard, interrupt, facets);
+    if (outcome.status != Status::ok) return outcome;
+    const std::span<const Row> rows(order.rows.get(), order.count);
+    const std::span<const Point> planar(order.points.get(), order.count);
+    outcome.status = emit(facets, planar, rows, outcome.result);
+    return outcome;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,252 @@
+"""``liftmesh paper``: the paper's Tables 5.1 and 5.2, measured again beside the printed numbers."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from liftmesh.cli import terminal
+
+if TYPE_CHECKING:
+    from liftmesh.paper.experiments import Trial
+    from liftmesh.paper.printed import TableName
+    from liftmesh.paper.results import Results, Settings
+    from liftmesh.paper.summary import Row
+
+SHORT_HELP = "Measure the paper's tables again, beside the printed numbers."
+HELP = (
+    "Tables 5.1 and 5.2 time gift wrapping by LF and by LFRes on 1,000 to 20,000 points. Here the "
+    "restricted region by a spatial index and the default engine stand beside them, and dot "
+    "products beside seconds. DIR receives measurements.csv, a CSV file for each table, tables.md, "
+    "paper.json and the figures. A run that was interrupted goes on where it stopped."
+)
+EXAMPLES = [
+    "liftmesh paper --quick",
+    "liftmesh paper --out out/paper --seeds 5",
+    "liftmesh paper --table 5.2 --n 1000 --n 4000 --no-figures",
+]
+
+SECONDS_HEADER = (
+    *("n", "paper: LF", "LFRes", "ratio", "ours: LF", "LFRes", "ratio"),
+    *("indexed", "engine", "LF/indexed"),
+)
+QUICK_SIZES = (1_000, 2_000, 3_000)
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """What was asked for."""
+
+    quick: bool
+    seeds: int | None
+    table: Literal["5.1", "5.2", "both"]
+    sizes: tuple[int, ...]
+    machine: str | None
+
+    @property
+    def tables(self) -> Sequence[TableName]:
+        return ("5.1", "5.2") if self.table == "both" else (self.table,)
+
+    def settings(self) -> Settings:
+        from liftmesh.paper.machine import describe_machine  # noqa: PLC0415 - not for --help
+        from liftmesh.paper.printed import SIZES  # noqa: PLC0415 - as above
+        from liftmesh.paper.results import Settings  # noqa: PLC0415 - as above
+
+        sizes = tuple(sorted(set(self.sizes))) or (QUICK_SIZES if self.quick else SIZES)
+        seeds = self.seeds or (1 if self.quick else 3)
+        return Settings(sizes, seeds, self.machine or describe_machine())
+
+    def command(self) -> str:
+        """The command that does the same, wherever its files go."""
+        words = ["liftmesh", "paper", *(["--quick"] if self.quick else [])]
+        words += ["--seeds", str(self.seeds)] if self.seeds else []
+        words += ["--table", self.table] if self.table != "both" else []
+        words += [word for n in self.sizes for word in ("--n", str(n))]
+        words += ["--machine", self.machine] if self.machine else []
+        return shlex.join(words)
+
+
+def run(
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for all files; made if it does not exist.")
+    ] = Path("out/paper"),
+    quick: Annotated[
+        bool, typer.Option("--quick", help="1,000 to 3,000 points, one seed: under a minute.")
+    ] = False,
+    seeds: Annotated[
+        int | None,
+        typer.Option(min=1, help="Random sets of each size: 3, or 1 with --quick."),
+    ] = None,
+    table: Annotated[
+        Literal["5.1", "5.2", "both"],
+        typer.Option(help="5.1 has the paraboloid's vertex at the origin, 5.2 at the median."),
+    ] = "both",
+    sizes: Annotated[
+        list[int] | None,
+        typer.Option(
+            "--n", min=3, metavar="N", help="Points, in place of the paper's; repeatable."
+        ),
+    ] = None,
+    figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
+    machine: Annotated[
+        str | None, typer.Option(metavar="TEXT", help="Describe the machine in your own words.")
+    ] = None,
+) -> None:
+    """Measure what is missing, write all files, and show the tables.
+
+    Parameters
+    ----------
+    out : Path
+        DIR.
+    quick : bool
+        Small sizes, one seed.
+    seeds : int, optional
+        Random sets of each size.
+    table : {"5.1", "5.2", "both"}
+        Which tables.
+    sizes : list of int, optional
+        Numbers of points.
+    figures : bool
+        Whether to draw.
+    machine : str, optional
+        The machine in words.
+    """
+    from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without
+
+    if figures:
+        _check_drawing()
+    choice = _Choice(quick, seeds, table, tuple(sizes or ()), machine)
+    settings = choice.settings()
+    out.mkdir(parents=True, exist_ok=True)
+    results = Results(out, settings)
+    _measure(results, settings.trials(choice.tables))
+    _finish(out, results, settings, choice, figures=figures)
+
+
+def _check_drawing() -> None:
+    """Say that the figures cannot be drawn before the long run, not after it."""
+    from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
+
+    load("matplotlib", extra="plot")
+
+
+def _measure(results: Results, trials: Sequence[Trial]) -> None:
+    """Measure the sets of points that are missing, each on the disk before the next begins."""
+    from liftmesh.paper.estimate import calibrate  # noqa: PLC0415 - help and --version do without
+    from liftmesh.paper.experiments import measure, warm_up  # noqa: PLC0415 - as above
+
+    missing = [trial for trial in trials if trial not in results.done]
+    _tell_what_is_there(results, len(trials), len(missing))
+    if not missing:
+        return
+    with terminal.stage("estimating"):
+        warm_up()
+        estimate = calibrate(missing)
+    expected = [estimate(trial) for trial in missing]
+    _announce(len(missing), sum(expected))
+    with terminal.bar(sum(expected)) as bar:
+        for trial, seconds in zip(missing, expected, strict=True):
+            results.add(measure(trial, partial(_show_step, bar, trial)))
+            bar("", seconds)
+
+
+def _show_step(bar: Callable[[str, float], None], trial: Trial, method: str) -> None:
+    bar(f"Table {trial.table}, {trial.n:,} points, seed {trial.seed}: {method}", 0.0)
+
+
+def _tell_what_is_there(results: Results, wanted: int, missing: int) -> None:
+    if results.cut:
+        terminal.sentence(
+            f"{results.path}: its end was not finished; {results.cut} lines are cut off and "
+            "measured again."
+        )
+    if wanted == missing:
+        return
+    going_on = f"going on with the other {missing}" if missing else "nothing is left to measure"
+    terminal.sentence(
+        f"{results.path} holds {wanted - missing} of {wanted} sets of points with these settings: "
+        f"{going_on}."
+    )
+
+
+def _announce(count: int, seconds: float) -> None:
+    terminal.sentence(
+        f"{count} sets of points, four methods on each: about {_duration(seconds)}. "
+        "It may be interrupted: the same command then goes on where it stopped."
+    )
+    sys.stdout.flush()
+
+
+def _duration(seconds: float) -> str:
+    """A rough time in words."""
+    if seconds < 90:
+        return f"{max(1, round(seconds))} seconds"
+    return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.1f} hours"
+
+
+def _finish(
+    out: Path, results: Results, settings: Settings, choice: _Choice, *, figures: bool
+) -> None:
+    from liftmesh.paper.tables import complete_tables, write_all  # noqa: PLC0415 - not for --help
+
+    files = write_all(out, results, settings, choice.command())
+    tables = complete_tables(results, settings)
+    for name in choice.tables:
+        _show(tables[name])
+    if figures:
+        files += _draw(out / "figures", [row for rows in tables.values() for row in rows])
+    terminal.blank()
+    terminal.sentence(f"Measured on: {settings.machine}.")
+    terminal.sentence(
+        f"{out} holds {len(files) + 1} files, {results.path.name} among them.", "good"
+    )
+
+
+def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:
+    from liftmesh.paper.figures import draw_all  # noqa: PLC0415 - help and --version do without
+
+    folder.mkdir(exist_ok=True)
+    with terminal.stage("drawing the figures"):
+        return draw_all(folder, results=rows)
+
+
+def _show(rows: Sequence[Row]) -> None:
+    """Print one table: seconds, operations, and what they come to."""
+    from liftmesh.paper import tables  # noqa: PLC0415 - help and --version do without
+
+    title = f"Table {rows[0].table}, q = {rows[0].q}"
+    terminal.blank()
+    terminal.sentence(f"{title}: seconds, the paper's and ours ({_seeds(rows)})", "name")
+    terminal.table([tables.seconds_cells(row) for row in rows], header=SECONDS_HEADER)
+    terminal.blank()
+    terminal.sentence(f"{title}: dot products a facet, and points rejected by LFRes", "name")
+    terminal.table([tables.work_cells(row) for row in rows], header=tables.WORK_HEADER)
+    terminal.blank()
+    terminal.sentence(_conclusion(rows))
+
+
+def _seeds(rows: Sequence[Row]) -> str:
+    return "one seed" if rows[0].seeds == 1 else f"median of {rows[0].seeds} seeds"
+
+
+def _conclusion(rows: Sequence[Row]) -> str:
+    printed = [row.printed_ratio for row in rows if row.printed_ratio is not None]
+    paper = f", where the paper prints {_range(printed, '.2f')}" if printed else ""
+    return (
+        f"LFRes needs {_range([row.work_ratio for row in rows], '.1f')} times fewer dot products "
+        f"than LF; on the clock LF / LFRes is {_range([row.ratio for row in rows], '.2f')}{paper}. "
+        "With the restricted region as a query into an index, LF / indexed is "
+        f"{_range([row.indexed_ratio for row in rows], ',.0f')}."
+    )
+
+
+def _range(values: Sequence[float], digits: str) -> str:
+    low, high = format(min(values), digits), format(max(values), digits)
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,192 @@
+"""The definitions of Section 2 in exact rationals: lower facets, and what a lifting is.
+
+P is a sequence of points in space, a facet three of its rows. Definition 2.2 asks of an affine
+transformation tau, which takes a polyhedron L onto a polyhedron Q, that it has a single-valued
+inverse tau* whose image is a union of closed faces of L. For the paper L is CH(P), Q the convex
+hull of P*, tau the projection parallel to the z-axis, and tau* goes up to the lower facets. (The
+paper's sentence after the definition has the letters L and Q the other way round, and calls the
+projection mu* the lifting.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias
+
+from liftmesh.errors import InputError
+from liftmesh.paper.geometry import Exact, Plane, Point, exact, mu_star, orient
+
+Facet: TypeAlias = Sequence[int]
+Polygon: TypeAlias = list[Exact]
+
+
+def is_lower_facet(a: Point, b: Point, p: Point, points: Iterable[Point]) -> bool:
+    """Definition 2.1: all points of P are on or above the plane (a, b, p).
+
+    Parameters
+    ----------
+    a, b, p : sequence of three numbers
+        The vertices, in any order.
+    points : iterable of points
+        P.
+
+    Returns
+    -------
+    bool
+        Whether the triangle is a lower facet; never for a vertical plane, which has no above.
+
+    Notes
+    -----
+    With four coplanar points, which the paper excludes, lower facets overlap: of a square at one
+    height all four triangles are lower facets.
+
+    Examples
+    --------
+    >>> tetrahedron = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    >>> is_lower_facet(*tetrahedron[:3], tetrahedron)
+    True
+    >>> is_lower_facet(*tetrahedron[1:], tetrahedron)
+    False
+    """
+    plane = Plane.through(a, b, p)
+    return plane.n[2] != 0 and all(plane.position(v) != "below" for v in points)
+
+
+def lifted(u: Point, points: Sequence[Point], facets: Iterable[Facet]) -> Exact:
+    """The lifting tau* of Definition 2.2 at one point of the planar hull.
+
+    Parameters
+    ----------
+    u : sequence of two numbers
+        A planar point.
+    points : sequence of points
+        P.
+    facets : iterable of three rows each
+        Lower facets.
+
+    Returns
+    -------
+    tuple of three Fraction
+        The one point of the facets that projects to u.
+
+    Raises
+    ------
+    InputError
+        No facet lies over u, or facets lie over it at different heights.
+
+    Notes
+    -----
+    This is not the mapping mu of Section 2, with which it agrees at the points of P* alone: between
+    them it follows the facets, and mu the paraboloid below.
+
+    Examples
+    --------
+    >>> points = [(0, 0, 0), (2, 0, 4), (0, 2, 4)]
+    >>> tuple(map(int, lifted((1, 1), points, [(0, 1, 2)])))
+    (1, 1, 4)
+    """
+    x, y = exact(u)
+    corners = [[points[i] for i in facet] for facet in facets]
+    heights = {Plane.through(*abp).height(x, y) for abp in corners if _covers(abp, u)}
+    if len(heights) != 1:
+        raise InputError(f"{len(heights)} heights over {u!r}: no facet there, or no lower hull")
+    return x, y, heights.pop()
+
+
+def _covers(corners: Sequence[Point], u: Point) -> bool:
+    a, b, c = corners
+    signs = [orient(a, b, u), orient(b, c, u), orient(c, a, u)]
+    return orient(a, b, c) != 0 and (min(signs) >= 0 or max(signs) <= 0)
+
+
+def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
+    """Definition 2.2, of the projection tau = mu* of CH(P) and the inverse that the facets give.
+
+    (ii) Their union is one of closed faces of CH(P) if all points are on or above each facet's
+    plane. Then they are parts of the graph of one function, the least height of CH(P), and (i) the
+    inverse is single-valued; it is defined everywhere if their projections cover the planar hull:
+    if nothing is left when each is cut away from it.
+
+    Parameters
+    ----------
+    points : sequence of points
+        P.
+    facets : iterable of three rows each
+        The facets, for example the simplices of a Delaunay triangulation.
+
+    Returns
+    -------
+    bool
+        Whether the pair is a lifting; False where the planar hull has no area.
+
+    Examples
+    --------
+    >>> pyramid = [(0, 0, 0), (2, 0, 4), (0, 2, 4), (-3, -3, 18)]
+    >>> is_lifting(pyramid, [(0, 1, 2), (0, 2, 3), (0, 3, 1)])
+    True
+    >>> is_lifting(pyramid, [(0, 1, 2), (0, 2, 3)])
+    False
+    """
+    corners = [[points[i] for i in facet] for facet in facets]
+    if not all(is_lower_facet(abp[0], abp[1], abp[2], points) for abp in corners):
+        return False
+    hull = planar_hull(points)
+    left = [hull]
+    for abp in corners:
+        left = [piece for polygon in left for piece in _cut_away(polygon, abp)]
+    return len(hull) > 2 and not left
+
+
+def planar_hull(points: Iterable[Point]) -> Polygon:
+    """The convex hull L of the projected points, of which the paper says that it is a polygon.
+
+    Parameters
+    ----------
+    points : iterable of points
+        In the plane or in space.
+
+    Returns
+    -------
+    list of planar points
+        Its corners, counter-clockwise; fewer than three if the points lie on a line.
+
+    Examples
+    --------
+    >>> len(planar_hull([(0, 0), (1, 0), (2, 0), (2, 2), (1, 1)]))
+    3
+    """
+    distinct = sorted({mu_star(p) for p in points})
+    return _half_hull(distinct)[:-1] + _half_hull(distinct[::-1])[:-1]
+
+
+def _half_hull(ordered: Polygon) -> Polygon:
+    kept: Polygon = []
+    for p in ordered:
+        while len(kept) > 1 and orient(kept[-2], kept[-1], p) <= 0:
+            kept.pop()
+        kept.append(p)
+    return kept
+
+
+def _cut_away(polygon: Polygon, triangle: Sequence[Point]) -> Iterator[Polygon]:
+    """What is left of a convex polygon without a triangle, in convex pieces with area."""
+    a, b, c = planar_hull(triangle)
+    rest, pieces = polygon, []
+    for u, v in ((a, b), (b, c), (c, a)):
+        pieces.append(_half(rest, v, u))
+        rest = _half(rest, u, v)
+    yield from [piece for piece in pieces if piece] if rest else [polygon]
+
+
+def _half(polygon: Polygon, u: Exact, v: Exact) -> Polygon:
+    """The part of a convex polygon to the left of the line uv; empty where it has no area."""
+    kept: Polygon = []
+    sides = [orient(u, v, w) for w in polygon]
+    for i, w in enumerate(polygon):
+        before = sides[i - 1]
+        if before * sides[i] < 0:
+            share = before / (before - sides[i])
+            kept.append(tuple(s + share * (t - s) for s, t in zip(polygon[i - 1], w, strict=True)))
+        if sides[i] >= 0:
+            kept.append(w)
+    return kept if any(side > 0 for side in sides) else []

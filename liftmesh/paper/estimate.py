@@ -1,0 +1,97 @@
+"""How long the experiments will take: the paper's growth, set to this machine by a short run.
+
+The seconds printed for LF and LFRes grow with n like a power a little over two. A run at the
+smallest size tells what this machine makes of it; the other methods are too quick to matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from statistics import median
+from time import perf_counter
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.hulls import Method, delaunay
+from liftmesh.paper.experiments import BURST, METHODS, PATIENCE, ROUNDS, Trial
+from liftmesh.paper.printed import TABLES, TableName, Vertex
+
+Estimate: TypeAlias = Callable[[Trial], float]
+
+_WRAPPING = METHODS[:2]
+
+
+def growth(table: TableName) -> float:
+    """Give the power of n with which the printed seconds of LF and LFRes together grow.
+
+    Parameters
+    ----------
+    table : {"5.1", "5.2"}
+        The printed table.
+
+    Returns
+    -------
+    float
+        From its first row to its last.
+
+    Examples
+    --------
+    >>> [round(growth(table), 2) for table in ("5.1", "5.2")]
+    [2.15, 2.14]
+    """
+    first, last = TABLES[table].rows[0], TABLES[table].rows[-1]
+    ratio = (last.lf + last.lfres) / (first.lf + first.lfres)
+    return math.log(ratio) / math.log(last.n / first.n)
+
+
+def calibrate(trials: Iterable[Trial]) -> Estimate:
+    """Time LF and LFRes on the smallest set of each table, and foretell the others.
+
+    Parameters
+    ----------
+    trials : iterable of Trial
+        What is to be measured.
+
+    Returns
+    -------
+    callable
+        From a trial to the seconds it will take, all methods and rounds together.
+
+    Examples
+    --------
+    >>> small, large = Trial("5.1", 50, seed=1), Trial("5.1", 50_000, seed=1)
+    >>> estimate = calibrate([small, large])
+    >>> estimate(small) < 1 < estimate(large)
+    True
+    """
+    smallest: dict[TableName, Trial] = {}
+    for trial in sorted(trials):
+        smallest.setdefault(trial.table, trial)
+    seconds = {table: _seconds_of_each(trial) for table, trial in smallest.items()}
+
+    def estimate(trial: Trial) -> float:
+        size = (trial.n / smallest[trial.table].n) ** growth(trial.table)
+        quick = ROUNDS * BURST * (len(METHODS) - len(_WRAPPING))
+        return quick + sum(_all_rounds(once * size) for once in seconds[trial.table])
+
+    return estimate
+
+
+def _seconds_of_each(trial: Trial) -> list[float]:
+    points = trial.points()
+    return [median(_once(points, method, trial.q) for _ in range(3)) for method in _WRAPPING]
+
+
+def _once(points: NDArray[np.float64], method: Method, q: Vertex) -> float:
+    start = perf_counter()
+    delaunay(points, method=method, q=q)
+    return perf_counter() - start
+
+
+def _all_rounds(once: float) -> float:
+    """Seconds of all rounds of a method that takes so long once."""
+    spent = max(once, BURST)
+    return spent * min(ROUNDS, max(1, int(PATIENCE / spent)))

@@ -1,0 +1,239 @@
+"""One experiment of Section 5: a random set of points, and every method timed on it.
+
+The paper takes n points uniform in [0, 200] x [0, 200] and times Algorithm 2 with LF and with
+LFRes. Two methods stand beside them here that the paper does not have: the restricted region as a
+query into a spatial index, and the default engine. What is timed is the whole call of
+`liftmesh.delaunay`, from planar points to triangles with their neighbours; the vertex q is given as
+a point, so that finding the median is no part of it.
+
+The methods run in alternating rounds, forth and back, so that a drifting machine hits all alike. A
+quick method runs several times a round; a slow one sits out the later rounds. All methods must find
+the same facets, or it is a bug.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from statistics import median
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.counters import REJECTIONS
+from liftmesh.hulls import Method, delaunay
+from liftmesh.lifting import resolve_q
+from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
+
+if TYPE_CHECKING:
+    from liftmesh.triangulation import Triangulation
+
+METHODS: tuple[Method, ...] = ("lf", "lfres", "lfres-indexed", "divide-and-conquer")
+"""The methods of a round, in its order."""
+
+ROUNDS = 5
+"""Rounds at most."""
+
+PATIENCE = 3.0
+"""Seconds that a method may take in all rounds; in the first it always runs."""
+
+BURST = 0.01
+"""Seconds for which a quick method is repeated within a round."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Trial:
+    """A random set of points and the vertex of the paraboloid: what all methods are timed on.
+
+    Parameters
+    ----------
+    table : {"5.1", "5.2"}
+        The printed table, which tells the vertex q.
+    n : int
+        Points, at least three.
+    seed : int
+        Seed of NumPy's default generator.
+
+    Examples
+    --------
+    >>> Trial("5.2", 1_000, seed=1).q
+    'median'
+    """
+
+    table: TableName
+    n: int
+    seed: int
+
+    @property
+    def q(self) -> Vertex:
+        """The vertex of the paraboloid: "origin" or "median"."""
+        return TABLES[self.table].q
+
+    def points(self) -> NDArray[np.float64]:
+        """Make the points; both tables get the same ones.
+
+        Returns
+        -------
+        (n, 2) ndarray of float64
+            Uniform in the paper's square.
+
+        Examples
+        --------
+        >>> Trial("5.1", 1_000, seed=1).points().mean(axis=0).round()
+        array([100., 101.])
+        """
+        return np.random.default_rng(self.seed).uniform(0.0, SQUARE, (self.n, 2))
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """One method on one set of points.
+
+    Parameters
+    ----------
+    trial : Trial
+        The points.
+    method : str
+        As `liftmesh.delaunay` names it.
+    seconds, fastest, slowest : float
+        Median and extremes of all runs.
+    runs : int
+        How often it ran.
+    facets : int
+        Lower facets, which are the triangles.
+    calls, planes, evaluations, undecided : int
+        Calls of the procedure, candidate planes, dot products, and dot products whose sign the
+        exact predicate decided; zero for the default engine, which does not wrap.
+    rejected : mapping of str to int
+        Points rejected by each proposition, which `liftmesh.counters.REJECTIONS` names.
+
+    Examples
+    --------
+    >>> found = measure(Trial("5.1", 20, seed=1))
+    >>> [measurement.method for measurement in found]
+    ['lf', 'lfres', 'lfres-indexed', 'divide-and-conquer']
+    >>> found[0].evaluations > found[1].evaluations > 0
+    True
+    """
+
+    trial: Trial
+    method: str
+    seconds: float
+    fastest: float
+    slowest: float
+    runs: int
+    facets: int
+    calls: int
+    planes: int
+    evaluations: int
+    undecided: int
+    rejected: Mapping[str, int]
+
+
+@dataclass(slots=True)
+class _Runs:
+    """What the runs of one method have given so far."""
+
+    method: Method
+    seconds: list[float] = field(default_factory=list)
+    result: Triangulation | None = None
+
+
+def measure(trial: Trial, progress: Callable[[str], None] = lambda _: None) -> list[Measurement]:
+    """Time every method on one set of points.
+
+    Parameters
+    ----------
+    trial : Trial
+        The points.
+    progress : callable, optional
+        Called with the name of a method before it runs.
+
+    Returns
+    -------
+    list of Measurement
+        In the order of `METHODS`.
+
+    Raises
+    ------
+    RuntimeError
+        Two methods found different facets, which is a bug.
+
+    Examples
+    --------
+    >>> len({measurement.facets for measurement in measure(Trial("5.2", 30, seed=4))})
+    1
+    """
+    points = trial.points()
+    q = resolve_q(trial.q, points)
+    runs = [_Runs(method) for method in METHODS]
+    gc.collect()
+    for done in range(ROUNDS):
+        for run in runs[:: 1 if done % 2 == 0 else -1]:
+            if done == 0 or sum(run.seconds) * (done + 1) / done <= PATIENCE:
+                progress(run.method)
+                _burst(run, points, q)
+    return _agreed(trial, runs)
+
+
+def warm_up() -> None:
+    """Run every method once, so that no first measurement pays for what is loaded on first use.
+
+    Examples
+    --------
+    >>> warm_up()
+    """
+    for table in TABLES:
+        for method in METHODS:
+            delaunay(Trial(table, 100, seed=0).points(), method=method, q=TABLES[table].q)
+
+
+def _burst(run: _Runs, points: NDArray[np.float64], q: tuple[float, float]) -> None:
+    """Run a method once, and again while it is quick."""
+    total = 0.0
+    while total < BURST:
+        start = perf_counter()
+        run.result = delaunay(points, method=run.method, q=q)
+        run.seconds.append(perf_counter() - start)
+        total += run.seconds[-1]
+
+
+def _agreed(trial: Trial, runs: list[_Runs]) -> list[Measurement]:
+    """The measurements, once all methods have found the same facets."""
+    first: NDArray[np.int32] | None = None
+    found = []
+    for run, result in [(run, run.result) for run in runs if run.result is not None]:
+        facets = _facets(result)
+        if first is not None and not np.array_equal(facets, first):
+            raise RuntimeError(f"{METHODS[0]} and {run.method} found different facets of {trial}")
+        first = facets
+        found.append(_measurement(trial, run, result))
+    return found
+
+
+def _facets(result: Triangulation) -> NDArray[np.int32]:
+    """The set of facets, as sorted rows that each begin with their least vertex."""
+    rows = result.simplices
+    turned = np.take_along_axis(rows, (rows.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    return turned[np.lexsort(turned.T[::-1])]
+
+
+def _measurement(trial: Trial, run: _Runs, result: Triangulation) -> Measurement:
+    counters = result.counters
+    return Measurement(
+        trial,
+        run.method,
+        seconds=median(run.seconds),
+        fastest=min(run.seconds),
+        slowest=max(run.seconds),
+        runs=len(run.seconds),
+        facets=len(result.simplices),
+        calls=counters.calls if counters else 0,
+        planes=counters.candidate_planes if counters else 0,
+        evaluations=counters.evaluations if counters else 0,
+        undecided=counters.undecided if counters else 0,
+        rejected=dict(counters.rejected) if counters else dict.fromkeys(REJECTIONS, 0),
+    )

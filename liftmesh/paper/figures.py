@@ -1,0 +1,109 @@
+"""The paper's figures, drawn from computed data: all of them into a folder, or one by one.
+
+Figures 2.1 to 5.2 show what the modules beside this one compute: exact planes and cross-sections,
+real triangulations and hulls, random points. Figures 6.1 and 6.2 show the printed running times,
+and measured ones beside them. Two more that the paper does not have show the restricted region at
+work. Each function returns a matplotlib ``Figure`` that belongs to no window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from liftmesh.paper.pictures.data import figure_5_1, figure_5_2
+from liftmesh.paper.pictures.files import save
+from liftmesh.paper.pictures.first_edge import figure_3_1
+from liftmesh.paper.pictures.lifting import figure_2_1, figure_2_2
+from liftmesh.paper.pictures.nearest import figure_4_2
+from liftmesh.paper.pictures.region import figure_4_3
+from liftmesh.paper.pictures.running_times import figure_6_1, figure_6_2
+from liftmesh.paper.pictures.section import figure_4_1
+from liftmesh.paper.pictures.work import figure_dot_products, figure_rejections
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from liftmesh.paper.summary import Row
+
+Drawer: TypeAlias = "Callable[[], Figure]"
+
+FIXED: Mapping[str, Drawer] = {
+    "figure_2_1": figure_2_1,
+    "figure_2_2": figure_2_2,
+    "figure_3_1": figure_3_1,
+    "figure_4_1": figure_4_1,
+    "figure_4_2": figure_4_2,
+    "figure_4_3": figure_4_3,
+    "figure_5_1": figure_5_1,
+    "figure_5_2": figure_5_2,
+}
+"""The figures that need no measurements."""
+
+TIMED: Mapping[str, Callable[[Sequence[Row]], Figure]] = {
+    "figure_6_1": figure_6_1,
+    "figure_6_2": figure_6_2,
+}
+"""The figures of running times: printed ones, and measured ones where there are any."""
+
+MEASURED: Mapping[str, Callable[[Sequence[Row]], Figure]] = {
+    "rejections": figure_rejections,
+    "dot_products": figure_dot_products,
+}
+"""The figures that show measurements alone."""
+
+
+def draw_all(
+    directory: Path,
+    *,
+    results: Sequence[Row] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Draw all figures into a folder, each as PNG and as SVG.
+
+    The same results give the same bytes.
+
+    Parameters
+    ----------
+    directory : path
+        The folder; made if there is none.
+    results : sequence of Row, optional
+        The measured tables. Without them Figures 6.1 and 6.2 show the printed numbers alone, and
+        the two figures of the restricted region at work are left out.
+    progress : callable, optional
+        Called with the name of each figure before it is drawn.
+
+    Returns
+    -------
+    list of Path
+        The files, in the order of the paper.
+
+    Raises
+    ------
+    MissingDependencyError
+        matplotlib is not installed.
+    OSError
+        The folder cannot be made or written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> files = draw_all(Path(tempfile.mkdtemp()))
+    >>> len(files), files[0].name
+    (20, 'figure_2_1.png')
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    files: list[Path] = []
+    for name, draw in _drawers(results or ()):
+        if progress is not None:
+            progress(name)
+        files += save(draw(), directory, name)
+    return files
+
+
+def _drawers(results: Sequence[Row]) -> Iterator[tuple[str, Drawer]]:
+    yield from FIXED.items()
+    for name, draw in {**TIMED, **(MEASURED if results else {})}.items():
+        yield name, partial(draw, results)

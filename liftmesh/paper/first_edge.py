@@ -1,0 +1,142 @@
+"""The first edge of the lower hull, by the projection onto Oyz: Section 3 of the paper.
+
+P' is P seen along the x-axis, with Oy from right to left. (That is the view from x = -infinity; the
+paper says +infinity, from where Oy runs from left to right.) v'_1 is the lowest point of P'; all
+of P' is on or to the left of v'_1 v'_2, and on or to the right of v'_1 v'_n. As v'_1 is lowest,
+all of P' is seen from it within a half turn, which v'_2 begins and v'_n ends. So
+
+* if v_2y < v_1y, the points are above the line v'_1 v'_2, and [v_1, v_2] is a lower edge;
+* if v_1y < v_ny, the points are above the line v'_1 v'_n, and [v_1, v_n] is a lower edge.
+
+Both hold in the paper's first case, one each in its second and third. Equality helps neither: the
+line is then vertical, and what lies on it need not be an edge (see `first_edge`).
+
+Ties are decided by the canonical perturbation: every point is thought lifted by an infinitely small
+amount, infinitely more for a point that is lexicographically larger in (x, y). Then no two points
+are equally low and the paper's "rightmost" is not needed, and no three points of different y lie on
+one line of P'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cmp_to_key
+from typing import TypeAlias
+
+from liftmesh.errors import DegenerateInputError
+from liftmesh.paper.geometry import Exact, Point, exact
+
+Edge: TypeAlias = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class FirstEdge:
+    """What the projection onto Oyz tells about the first edge.
+
+    Parameters
+    ----------
+    v1, v2, vn : int
+        Rows of the points named in the paper.
+    case : {1, 2, 3}
+        Which of its three cases holds, with strict inequalities.
+    edges : tuple of (int, int)
+        The edges of the lower hull that were found, v1 first: one, or in the first case two.
+
+    Examples
+    --------
+    >>> first_edge([(0, 0, 0), (0, 1, 1), (0, -1, 1), (1, 0, 9)]).edges
+    ((0, 2), (0, 1))
+    """
+
+    v1: int
+    v2: int
+    vn: int
+    case: int
+    edges: tuple[Edge, ...]
+
+
+def first_edge(points: Sequence[Point]) -> FirstEdge:
+    """Find edges of the lower convex hull by the projection onto Oyz.
+
+    Parameters
+    ----------
+    points : sequence of points in space
+        P, of any size and in any position.
+
+    Returns
+    -------
+    FirstEdge
+        v_1, v_2, v_n, the case, and its edges.
+
+    Raises
+    ------
+    DegenerateInputError
+        All points have the same y: they lie in a vertical plane, and there is no lower facet.
+
+    Examples
+    --------
+    The segment from row 0 to row 1 is vertical in P', and no edge; [v_1, v_n] is one.
+
+    >>> found = first_edge([(0, 0, 0), (1, 0, 10), (2, 0, 1), (0, 5, 50), (2, 5, 51)])
+    >>> found.case, found.edges
+    (3, ((0, 3),))
+    """
+    rows = [exact(p) for p in points]
+    v1 = min(range(len(rows)), key=lambda i: (rows[i][2], rows[i][:2]), default=0)
+    if len({y for _, y, _ in rows}) < 2:
+        raise DegenerateInputError("all points have the same y: there is no lower facet")
+    others = [i for i, row in enumerate(rows) if row != rows[v1]]
+
+    def before(i: int, j: int) -> int:
+        return _turn(rows[v1], rows[i], rows[j])
+
+    around = cmp_to_key(before)
+    return _cases(rows, v1, min(others, key=around), max(others, key=around))
+
+
+def _cases(rows: Sequence[Exact], v1: int, v2: int, vn: int) -> FirstEdge:
+    y1, y2, yn = rows[v1][1], rows[v2][1], rows[vn][1]
+    if y2 < y1 < yn:
+        return FirstEdge(v1, v2, vn, 1, ((v1, v2), (v1, vn)))
+    if y2 < y1:
+        return FirstEdge(v1, v2, vn, 2, ((v1, v2),))
+    return FirstEdge(v1, v2, vn, 3, ((v1, vn),))
+
+
+def _turn(v1: Exact, i: Exact, j: Exact) -> int:
+    """-1 where v'_1 v'_i comes before v'_1 v'_j on the half turn from the right to the left."""
+    yi, yj = i[1] - v1[1], j[1] - v1[1]
+    turn = yj * (i[2] - v1[2]) - yi * (j[2] - v1[2])
+    return -tie_sign(turn, [(v1, yi - yj), (i, yj), (j, -yi)])
+
+
+def tie_sign(value: Fraction, rises: Iterable[tuple[Exact, Fraction]]) -> int:
+    """The sign of a sum of heights after the canonical perturbation.
+
+    Parameters
+    ----------
+    value : Fraction
+        The sum as it is.
+    rises : iterable of (point, Fraction)
+        How often each point's height enters the sum.
+
+    Returns
+    -------
+    int
+        The sign of the value; if it is zero, the sign with which the lexicographically largest
+        point enters, for that point is lifted infinitely more than all before it; 0 if none does.
+
+    Examples
+    --------
+    >>> low, high = exact((0, 0, 1)), exact((1, 0, 1))
+    >>> tie_sign(low[2] - high[2], [(low, Fraction(1)), (high, Fraction(-1))])
+    -1
+    """
+    totals: dict[Exact, Fraction] = {}
+    for point, factor in rises:
+        totals[point[:2]] = totals.get(point[:2], Fraction(0)) + factor
+    entering = [totals[xy] for xy in sorted(totals, reverse=True) if totals[xy] != 0]
+    deciding = value or (entering[0] if entering else 0)
+    return (deciding > 0) - (deciding < 0)

@@ -1,0 +1,72 @@
+"""What the experiments ran on, in words: processor and versions, and nothing that names a host."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from liftmesh import _kernel
+
+_PROCESSORS = Path("/proc/cpuinfo")
+
+
+def describe_machine() -> str:
+    """Say what this machine is.
+
+    Returns
+    -------
+    str
+        Processor, processors in number, memory where the system tells it, system.
+
+    Examples
+    --------
+    >>> "processor" in describe_machine()
+    True
+    """
+    count = os.cpu_count() or 1
+    words = [_processor(), f"{count} processor" + ("s" if count > 1 else ""), _memory()]
+    return ", ".join([*filter(None, words), f"{platform.system()} {platform.machine()}"])
+
+
+def versions() -> dict[str, str]:
+    """Say what was measured and by what.
+
+    Returns
+    -------
+    dict of str to str
+        Versions; for the compiled kernel, the beginning of its SHA-256, which tells builds apart.
+
+    Examples
+    --------
+    >>> sorted(versions())
+    ['kernel', 'liftmesh', 'numpy', 'python']
+    """
+    kernel = Path(str(_kernel.__file__)).read_bytes()
+    return {
+        "liftmesh": version("liftmesh"),
+        "kernel": hashlib.sha256(kernel).hexdigest()[:12],
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+    }
+
+
+def _processor() -> str:
+    """The processor's name, as Linux tells it or as Python knows it elsewhere."""
+    if _PROCESSORS.is_file():
+        for line in _PROCESSORS.read_text("utf-8", errors="replace").splitlines():
+            name, _, value = line.partition(":")
+            if name.strip() == "model name":
+                return " ".join(value.split())
+    return platform.processor()
+
+
+def _memory() -> str:
+    if "SC_PHYS_PAGES" not in getattr(os, "sysconf_names", {}):
+        return ""
+    size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return f"{size / 2**30:.0f} GiB of memory"

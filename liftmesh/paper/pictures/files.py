@@ -1,0 +1,62 @@
+"""Figures as files: PNG and SVG, the same bytes each time, whole or not at all."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from liftmesh.formats.atomic import replacing
+from liftmesh.optional import load
+from liftmesh.paper.pictures.style import styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DOTS_PER_INCH = 180
+
+
+@styled
+def save(figure: Figure, directory: Path, name: str) -> list[Path]:
+    """Write a figure as ``name.png`` and ``name.svg``.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    directory : path
+        An existing folder.
+    name : str
+        The files' name without suffix.
+
+    Returns
+    -------
+    list of Path
+        The two files.
+
+    Raises
+    ------
+    OSError
+        The folder does not exist or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from liftmesh.paper.pictures.style import new_figure
+    >>> [path.name for path in save(new_figure(1, 1), Path(tempfile.mkdtemp()), "empty")]
+    ['empty.png', 'empty.svg']
+    """
+    return [_write(directory / f"{name}.{kind}", figure, kind) for kind in ("png", "svg")]
+
+
+def _write(path: Path, figure: Figure, kind: str) -> Path:
+    # No date, no version: the bytes tell of the figure alone. The salt fixes SVG's random names.
+    nothing: dict[str, Any] = (
+        {"Software": None} if kind == "png" else {"Date": None, "Creator": None}
+    )
+    drawn = io.BytesIO()
+    with load("matplotlib", extra="plot").rc_context({"svg.hashsalt": path.stem}):
+        figure.savefig(drawn, format=kind, dpi=DOTS_PER_INCH, metadata=nothing)
+    with replacing(path) as stream:
+        stream.write(drawn.getvalue())
+    return path

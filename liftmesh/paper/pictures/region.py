@@ -1,0 +1,153 @@
+"""Figure 4.3: the extents of the ellipse (E), and the points that they decide."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.lifting import lift
+from liftmesh.paper.pictures.section import CORNERS, SECTION, VIEW, draw_section
+from liftmesh.paper.pictures.space import Space
+from liftmesh.paper.pictures.style import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    SOFT,
+    VERMILION,
+    blank_axes,
+    label,
+    new_figure,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from liftmesh.paper.pictures.cross_section import CrossSection
+
+Array = NDArray[np.float64]
+
+KINDS = {
+    "4.4: below": (("4.4",), GREEN, "v"),
+    "4.3 (i)\N{EN DASH}(iv): above": (("4.3 (i)", "4.3 (ii)", "4.3 (iii)", "4.3 (iv)"), SOFT, "^"),
+    "4.3 (v): above": (("4.3 (v)",), PURPLE, "D"),
+    "left to a dot product": (("",), INK, "o"),
+}
+
+
+@styled
+def figure_4_3() -> Figure:
+    """Draw the ellipse (E), the circle (C), and the points that their extents decide.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure 4.3: in space a point t above and a point u below the plane; beside it the restricted
+        region seen from above, with points by the proposition that decides them.
+
+    Examples
+    --------
+    >>> len(figure_4_3().axes)
+    2
+    """
+    figure = new_figure(9.0, 4.6)
+    space = Space(blank_axes(figure, (0.0, 0.04, 0.5, 0.96)), VIEW)
+    draw_section(space)
+    box = _box_corners(SECTION)
+    _box(space.axes, space.view.flat(np.column_stack([box, np.zeros(len(box))])))
+    _above_and_below(space)
+    plan = blank_axes(figure, (0.5, 0.15, 0.49, 0.84))
+    _plan(plan, SECTION)
+    for left, text in ((0.25, "(a)"), (0.745, "(b)")):
+        figure.text(left, 0.015, text, ha="center")
+    return figure
+
+
+def _box_corners(section: CrossSection) -> Array:
+    """The box of the circle (C), closed."""
+    (left, right), (front, back), _ = section.box
+    return np.array([(left, front), (right, front), (right, back), (left, back), (left, front)])
+
+
+def _box(axes: Axes, corners: Array) -> None:
+    axes.plot(*corners.T, color=BLUE, lw=1.1, ls=(0, (5, 2)), zorder=1.7, gid="box")
+
+
+def _above_and_below(space: Space) -> None:
+    """The point t with t' outside (C), and u with u' inside."""
+    for text, position in (("t", (1.7, 0.3)), ("u", (0.5, 0.6))):
+        (point,) = lift([position], SECTION.q)
+        space.line([point, point * (1, 1, 0)], color=SOFT, lw=0.8, ls=(0, (3, 2)), zorder=3)
+        space.dots([point, point * (1, 1, 0)], color=PURPLE if text == "t" else GREEN, ms=5)
+        space.name(point, f"${text}$", (11, 3))
+        space.name(point * (1, 1, 0), f"${text}'$", (11, 3))
+
+
+def plan_points() -> Array:
+    """Give the planar points of Figure 4.3 (b).
+
+    Returns
+    -------
+    (110, 2) ndarray of float64
+        Points spread evenly about the circle.
+
+    Examples
+    --------
+    >>> sorted(set(SECTION.decided_by(plan_points()).tolist()))[-2:]
+    ['4.3 (v)', '4.4']
+    """
+    return np.random.default_rng(43).uniform((-1.0, -1.05), (1.85, 1.3), (110, 2))
+
+
+def _plan(axes: Axes, section: CrossSection) -> None:
+    """The restricted region from above: box, (C), and the circles of max z_E and min z_E."""
+    axes.fill(*section.circle().T, fc=ORANGE, alpha=0.2, lw=0, zorder=1)
+    axes.plot(*section.circle().T, color=VERMILION, lw=1.8, zorder=2, gid="C")
+    label(axes, section.center, r"$(\mathcal{C})$", (0, -40), color=VERMILION)
+    _box(axes, _box_corners(section))
+    _bounds(axes, section)
+    points = plan_points()
+    decided = section.decided_by(points)
+    for text, (names, color, marker) in KINDS.items():
+        look: dict[str, Any] = {"marker": marker, "color": color, "ls": "none", "ms": 4.2, "mew": 0}
+        axes.plot(*points[np.isin(decided, names)].T, label=text, gid=text, **look)
+    axes.plot(*section.q, marker="o", ms=5.5, color=ORANGE, mec=INK, mew=0.7, zorder=5)
+    label(axes, section.q, "$q$", (8, -9))
+    axes.plot(*CORNERS.T, ls="none", marker="o", ms=5.5, color=VERMILION, mec=INK, zorder=5)
+    for corner, text, away in zip(CORNERS, "abp", ((13, -2), (-2, 13), (-8, -12)), strict=True):
+        label(axes, corner, f"${text}'$", away)
+    axes.set(xlim=(-1.45, 2.0), ylim=(-1.4, 1.4))
+    place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.01)}
+    axes.legend(**place, ncols=2, frameon=False, handletextpad=0.2)
+
+
+def _bounds(axes: Axes, section: CrossSection) -> None:
+    """The circles about q on which z is min z_E and max z_E, and the names of all six bounds."""
+    (left, _), (front, back), heights = section.box
+    around = (section.circle() - section.center) / section.radius
+    for height, color, name in zip(heights, (GREEN, PURPLE), ("min", "max"), strict=True):
+        circle = np.sqrt(height) * around + section.q
+        axes.plot(*circle.T, color=color, lw=1.1, ls=(0, (2, 1.5)), zorder=2, gid=f"{name} z")
+        away = (0, 9) if name == "min" else (-21, -4)
+        label(
+            axes,
+            circle[100 if name == "max" else 45],
+            rf"$\{name}\, z_E$",
+            away,
+            color=color,
+            fontsize=10.5,
+        )
+    right = 2 * section.center[0] - left
+    names = {
+        r"$\max\, y_E$": ((left, back), (20, 8), 0),
+        r"$\min\, y_E$": ((right, front), (-20, -9), 0),
+        r"$\min\, x_E$": ((left, front), (-9, 22), 90),
+        r"$\max\, x_E$": ((right, back), (10, -22), 90),
+    }
+    for text, (at, away, turn) in names.items():
+        label(axes, at, text, away, color=BLUE, fontsize=10.5, rotation=turn)

@@ -1,0 +1,180 @@
+"""Figure 4.1: the ellipse (E) where a plane cuts the paraboloid, and the circle (C) below it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.hulls import delaunay
+from liftmesh.lifting import lift
+from liftmesh.paper.pictures.cross_section import CrossSection
+from liftmesh.paper.pictures.space import Space, View
+from liftmesh.paper.pictures.style import (
+    BLUE,
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    SKY,
+    SOFT,
+    VERMILION,
+    blank_axes,
+    new_figure,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+CORNERS = np.array([[1.29, 0.25], [0.3, 0.94], [0.25, -0.73]])  # a', b', p'
+SECTION = CrossSection(CORNERS, (0.0, 0.0))
+VIEW = View(-118, 19, 0.8)
+TOP = 2.6  # where the paraboloid is cut off
+
+
+@styled
+def figure_4_1() -> Figure:
+    """Draw the projection of (E) onto Oxy.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure 4.1: the paraboloid (P), the plane (a, b, p), the ellipse (E) in which they meet, and
+        the circle (C) below it.
+
+    Examples
+    --------
+    >>> len(figure_4_1().axes)
+    1
+    """
+    figure = new_figure(5.8, 5.0)
+    space = Space(blank_axes(figure, (0.0, 0.0, 1.0, 1.0)), VIEW)
+    _paraboloid(space)
+    draw_section(space)
+    return figure
+
+
+def draw_section(space: Space) -> None:
+    """Draw the plane (a, b, p) with (E) and its corners, and below it, on Oxy, (C) and theirs.
+
+    Parameters
+    ----------
+    space : Space
+        Where to.
+
+    Examples
+    --------
+    >>> space = Space(blank_axes(new_figure(4, 4), (0, 0, 1, 1)), VIEW)
+    >>> draw_section(space)
+    >>> [line.get_gid() for line in space.axes.lines if line.get_gid() in {"C", "E"}]
+    ['C', 'E']
+    """
+    _ground(space)
+    _cut(space, SECTION)
+    _drops(space, lift(CORNERS, SECTION.q))
+
+
+def _ground(space: Space) -> None:
+    """A piece of the plane Oxy with the circle (C)."""
+    square = np.array([[-1.5, -1.4, 0], [2.0, -1.4, 0], [2.0, 1.6, 0], [-1.5, 1.6, 0]])
+    space.faces([square], facecolors="#f3f1ec", edgecolors=FAINT, lw=0.7, zorder=0.5)
+    space.name(square[1], "$Oxy$", (-26, 10), fontsize=12)
+    circle = _flat(SECTION.circle())
+    space.faces([circle], facecolors=ORANGE, alpha=0.25, zorder=1)
+    space.line(circle, color=VERMILION, lw=1.6, zorder=1.6, gid="C")
+    space.name(circle[172], r"$(\mathcal{C})$", (-16, -3), color=VERMILION)
+
+
+def _paraboloid(space: Space) -> None:
+    """Its outline, its rim, and some meridians and parallels."""
+    angles, radii = np.linspace(0, 2 * np.pi, 145), np.linspace(0, np.sqrt(TOP), 40)
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    rim = lift(around * radii[-1])
+    solid = np.vstack([lift(around * radius) for radius in radii])
+    outline = solid[delaunay(space.view.flat(solid)).convex_hull[:, 0]]
+    space.faces([outline], facecolors=SKY, alpha=0.16, zorder=1.2)
+    space.faces([rim], facecolors=SKY, alpha=0.14, zorder=1.3)
+    for direction in around[:-1:12]:
+        _seen(space, lift(np.outer(radii, direction)), color=BLUE, lw=0.5)
+    for radius in radii[13:-1:9]:
+        _seen(space, lift(around * radius), color=BLUE, lw=0.5)
+    space.line([*outline, outline[0]], color=BLUE, lw=1.0, zorder=2)
+    space.line(rim, color=BLUE, lw=1.2, zorder=2, gid="rim")
+    space.name(rim[2], r"$(\mathcal{P})$", (24, 0), color=BLUE)
+
+
+def _cut(space: Space, section: CrossSection) -> None:
+    """The plane, and the ellipse (E) where it meets the paraboloid."""
+    piece = section.on_plane(_square_about(section, 0.22))
+    space.faces([piece], facecolors=GREEN, alpha=0.14, zorder=2.5, gid="plane")
+    space.line([*piece, piece[0]], color=GREEN, lw=0.9, zorder=2.6)
+    space.name(piece[1], "$(a, b, p)$", (30, -4), color=GREEN)
+    ellipse = section.on_plane(section.circle())
+    space.faces([ellipse], facecolors=VERMILION, alpha=0.16, zorder=2.7)
+    space.line(ellipse, color=VERMILION, lw=1.8, zorder=4, gid="E")
+    space.name(ellipse[72], "$(E)$", (-17, 8), color=VERMILION)
+
+
+def _square_about(section: CrossSection, margin: float) -> Array:
+    """A square about the circle (C), two of its sides as level as the plane is above them."""
+    slope = section.center - section.q
+    rise = slope / np.linalg.norm(slope) * (section.radius + margin)
+    level = np.array([-rise[1], rise[0]])
+    corners: Array = section.center + np.array(
+        [-rise - level, rise - level, rise + level, -rise + level]
+    )
+    return corners
+
+
+def _drops(space: Space, lifted: Array) -> None:
+    """a, b, p on (E) and a', b', p' on (C) below them."""
+    aways = ((13, 0), (-4, 12), (8, -10))
+    for point, text, away in zip(lifted, "abp", aways, strict=True):
+        space.line([point, point * (1, 1, 0)], color=SOFT, lw=0.8, ls=(0, (3, 2)), zorder=3)
+        space.name(point, f"${text}$", away)
+        space.name(point * (1, 1, 0), f"${text}'$", away)
+    space.dots(lifted, color=INK, gid="abp")
+    space.dots(lifted * (1, 1, 0), color=INK, ms=3.6, gid="abp'")
+
+
+def _flat(points: Array) -> Array:
+    return np.column_stack([points, np.zeros(len(points))])
+
+
+def _seen(space: Space, points: Array, **look: Any) -> None:
+    """A line on the paraboloid: full where it is seen, pale where the paraboloid hides it."""
+    hidden = behind_paraboloid(points, space.view)
+    for part, strength in ((hidden, 0.22), (~hidden, 0.75)):
+        space.line(np.where(part[:, np.newaxis], points, np.nan), alpha=strength, zorder=2, **look)
+
+
+def behind_paraboloid(points: Array, view: View) -> NDArray[np.bool_]:
+    """Tell which points on the paraboloid z = x^2 + y^2 are hidden by its nearer side.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        Points on the paraboloid.
+    view : View
+        Where it is seen from.
+
+    Returns
+    -------
+    (n,) ndarray of bool
+        True where the ray to the viewer meets the paraboloid again, below its rim.
+
+    Examples
+    --------
+    >>> sides = lift([[-1.0, 0.0], [1.0, 0.0]])
+    >>> behind_paraboloid(sides, View(0, 5)).tolist()
+    [True, False]
+    """
+    x, y, z = view.towards
+    # At points + s towards the surface is met for s = 0 and for this s.
+    s = (z - 2 * points[:, :2] @ (x, y)) / (x * x + y * y)
+    hidden: NDArray[np.bool_] = (s > 1e-9) & (points[:, 2] + s * z < TOP)
+    return hidden

@@ -1,0 +1,255 @@
+"""Drawings in space on a sheet of paper: parallel projection, far things first.
+
+The projection is drawn in the plane by hand, rather than by matplotlib's 3-D axes, so that lines,
+names and translucent planes lie over each other in the order that is asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liftmesh.optional import load
+from liftmesh.paper.pictures.style import INK, label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A direction to look from.
+
+    Parameters
+    ----------
+    azimuth, elevation : float
+        Degrees: of the viewer about the z-axis from the x-axis on, and above the plane Oxy.
+    rise : float, default 1
+        By what heights are drawn longer.
+
+    Examples
+    --------
+    >>> View(0, 0).flat([[5.0, 1.0, 2.0]])
+    array([[1., 2.]])
+    """
+
+    azimuth: float
+    elevation: float
+    rise: float = 1.0
+
+    def _frame(self) -> NDArray[np.float64]:
+        """Columns: to the right, up, and towards the viewer."""
+        a, e = np.radians([self.azimuth, self.elevation])
+        right = (-np.sin(a), np.cos(a), 0.0)
+        up = (-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e))
+        towards = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
+        frame: NDArray[np.float64] = np.array([right, up, towards]).T
+        return frame
+
+    def flat(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Project points onto the sheet.
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3)
+            Points in space.
+
+        Returns
+        -------
+        (..., 2) ndarray of float64
+            To the right, and up.
+
+        Examples
+        --------
+        >>> View(0, 90).flat((1.0, 2.0, 3.0)).round(12) + 0.0
+        array([ 2., -1.])
+        """
+        projected: NDArray[np.float64] = np.asarray(points) * (1, 1, self.rise) @ self._frame()
+        return projected[..., :2]
+
+    def nearness(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Measure how near the viewer points are.
+
+        Parameters
+        ----------
+        points : array_like of shape (..., 3)
+            Points in space.
+
+        Returns
+        -------
+        (...) ndarray of float64
+            Greater is nearer.
+
+        Examples
+        --------
+        >>> View(0, 0).nearness([[5.0, 1.0, 2.0], [6.0, 1.0, 2.0]])
+        array([5., 6.])
+        """
+        nearness: NDArray[np.float64] = np.asarray(points) * (1, 1, self.rise) @ self._frame()[:, 2]
+        return nearness
+
+    @property
+    def towards(self) -> NDArray[np.float64]:
+        """The direction to the viewer in the units of the data, (3,) float64."""
+        direction: NDArray[np.float64] = self._frame()[:, 2] / (1, 1, self.rise)
+        return direction
+
+
+@dataclass(frozen=True, slots=True)
+class Space:
+    """Axes that take points in space, and draw them as a viewer sees them.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        The sheet.
+    view : View
+        Where it is seen from.
+
+    Examples
+    --------
+    >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+    >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
+    >>> space.line([(0, 0, 0), (0, 1, 0)])
+    >>> space.axes.lines[0].get_xdata().tolist()
+    [0.0, 1.0]
+    """
+
+    axes: Axes
+    view: View
+
+    def line(self, points: ArrayLike, **options: Any) -> None:
+        """Draw a line through points.
+
+        Parameters
+        ----------
+        points : array_like of shape (n, 3)
+            The points; rows of NaN break the line.
+        **options
+            As for ``Axes.plot``.
+
+        Examples
+        --------
+        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
+        >>> space.line([(0, 0, 0), (0, 1, 0)], gid="edge")
+        """
+        self.axes.plot(*self.view.flat(points).T, **{"color": INK, "lw": 1.0, **options})
+
+    def dots(self, points: ArrayLike, **options: Any) -> None:
+        """Draw points.
+
+        Parameters
+        ----------
+        points : array_like of shape (n, 3)
+            The points.
+        **options
+            As for ``Axes.plot``.
+
+        Examples
+        --------
+        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
+        >>> space.dots([(0, 1, 0)])
+        """
+        look = {"ls": "none", "marker": "o", "ms": 4.5, "zorder": 6, "mew": 0.0}
+        self.line(np.atleast_2d(points), **{**look, **options})
+
+    def faces(self, corners: ArrayLike, **options: Any) -> None:
+        """Draw flat faces, far ones first.
+
+        Parameters
+        ----------
+        corners : array_like of shape (m, k, 3)
+            The corners of each face.
+        **options
+            As for ``matplotlib.collections.PolyCollection``; colours may be given for each face.
+
+        Examples
+        --------
+        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
+        >>> space.faces([[(0, 0, 0), (0, 1, 0), (0, 0, 1)]], facecolors="tab:blue")
+        """
+        corners = np.asarray(corners, dtype=np.float64)
+        order = np.argsort(self.view.nearness(corners.mean(axis=1)), kind="stable")
+        colors = options.pop("facecolors", "none")
+        if not isinstance(colors, str):
+            colors = np.asarray(colors)[order]
+        polygons = load("matplotlib.collections", extra="plot").PolyCollection(
+            self.view.flat(corners[order]), facecolors=colors, **{"lw": 0.0, **options}
+        )
+        self.axes.add_collection(polygons)
+        self.axes.autoscale_view()
+
+    def name(self, point: ArrayLike, text: str, away: tuple[float, float], **options: Any) -> None:
+        """Write a name beside a point.
+
+        Parameters
+        ----------
+        point : (3,) array_like
+            The point.
+        text : str
+            The name; mathtext between dollars.
+        away : tuple of float
+            Printer's points from the point to the middle of the name.
+        **options
+            As for ``Axes.annotate``.
+
+        Examples
+        --------
+        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
+        >>> space.name((0, 1, 0), "$w$", (8, 0))
+        """
+        label(self.axes, self.view.flat(point), text, away, **options)
+
+    def coordinate_axes(self, lengths: tuple[float, float, float]) -> None:
+        """Draw the axes Ox, Oy, Oz as arrows from O.
+
+        Parameters
+        ----------
+        lengths : tuple of float
+            Of x, y and z.
+
+        Examples
+        --------
+        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(30, 20))
+        >>> space.coordinate_axes((1, 1, 1))
+        """
+        self.name((0, 0, 0), "$O$", (-10, 6))
+        for axis, length in enumerate(lengths):
+            tip = np.zeros(3)
+            tip[axis] = length
+            self.arrow(np.zeros(3), tip)
+            x, y = self.view.flat(tip) / np.linalg.norm(self.view.flat(tip))
+            self.name(tip, f"${'xyz'[axis]}$", (9 * x, 9 * y))
+
+    def arrow(self, start: ArrayLike, tip: ArrayLike, **options: Any) -> None:
+        """Draw an arrow.
+
+        Parameters
+        ----------
+        start, tip : (3,) array_like
+            From where to where.
+        **options
+            As for ``matplotlib.patches.FancyArrowPatch``.
+
+        Examples
+        --------
+        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
+        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(30, 20))
+        >>> space.arrow((0, 0, 0), (0, 1, 0))
+        """
+        ends = self.view.flat(np.array([start, tip]))
+        look = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
+        patch = load("matplotlib.patches", extra="plot").FancyArrowPatch(
+            *map(tuple, ends), mutation_scale=9, **{**look, **options}
+        )
+        self.axes.add_patch(patch)
+        self.axes.update_datalim(ends)
+        self.axes.autoscale_view()

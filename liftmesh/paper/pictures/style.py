@@ -1,0 +1,163 @@
+"""One look for all figures: type, colours, sizes, whatever the reader's own settings are.
+
+Colours are those of Okabe and Ito (2008), told apart by colour-blind readers too. Figures are
+made without pyplot, so nothing global remembers them and no window opens.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+INK, SOFT, FAINT, GRID = "#1a1a1a", "#6e6e6e", "#c9c9c9", "#dddddd"
+BLUE, SKY, GREEN, ORANGE = "#0072b2", "#56b4e9", "#009e73", "#e69f00"
+VERMILION, PURPLE, YELLOW = "#d55e00", "#cc79a7", "#f0e442"
+
+_SETTINGS = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "cm",
+    "font.size": 12.0,
+    "axes.labelsize": 12.0,
+    "axes.titlesize": 12.0,
+    "xtick.labelsize": 10.5,
+    "ytick.labelsize": 10.5,
+    "legend.fontsize": 10.5,
+    "axes.edgecolor": SOFT,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "lines.solid_joinstyle": "round",
+    "lines.solid_capstyle": "round",
+    "svg.fonttype": "path",
+}
+
+
+def styled(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function draw in the look of the figures, and leave the reader's settings as they were.
+
+    Parameters
+    ----------
+    function : callable
+        A function that makes or writes figures.
+
+    Returns
+    -------
+    callable
+        The same, with the settings in force while it runs.
+
+    Examples
+    --------
+    >>> import matplotlib
+    >>> styled(lambda: matplotlib.rcParams["mathtext.fontset"])()
+    'cm'
+    """
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with load("matplotlib.style", extra="plot").context(["default", _SETTINGS]):
+            return function(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Make an empty figure that belongs to no window.
+
+    Parameters
+    ----------
+    width, height : float
+        Inches.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+
+    Examples
+    --------
+    >>> new_figure(6, 4).get_size_inches().tolist()
+    [6.0, 4.0]
+    """
+    figure: Figure = load("matplotlib.figure", extra="plot").Figure(figsize=(width, height))
+    return figure
+
+
+def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
+    """Add axes for a drawing to scale: no frame, no ticks, equal units.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        Where to.
+    box : tuple of float
+        Left, bottom, width and height as shares of the figure.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+
+    Examples
+    --------
+    >>> blank_axes(new_figure(2, 2), (0, 0, 1, 1)).get_aspect()
+    1.0
+    """
+    axes = figure.add_axes(box)
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    axes.margins(0.06)
+    return axes
+
+
+def label(
+    axes: Axes, at: Any, text: str, away: tuple[float, float] = (0.0, 0.0), **options: Any
+) -> None:
+    """Write a name beside a point, on a halo of paper that keeps lines off it.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to.
+    at : (2,) array_like
+        The point in data units.
+    text : str
+        The name; mathtext between dollars.
+    away : tuple of float, default (0, 0)
+        Printer's points from the point to the middle of the name.
+    **options
+        As for ``Axes.annotate``.
+
+    Examples
+    --------
+    >>> axes = blank_axes(new_figure(2, 2), (0, 0, 1, 1))
+    >>> label(axes, (0, 0), "$a'$", (8, 8))
+    >>> axes.texts[0].get_text()
+    "$a'$"
+    """
+    effects = load("matplotlib.patheffects", extra="plot")
+    settings: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 13}
+    axes.annotate(
+        text,
+        tuple(at),
+        xytext=away,
+        textcoords="offset points",
+        annotation_clip=False,
+        path_effects=[effects.withStroke(linewidth=3.0, foreground="white")],
+        **{**settings, **options},
+    )

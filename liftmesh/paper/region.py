@@ -1,0 +1,233 @@
+"""Section 4 of the paper in exact rationals: the restricted region of a plane.
+
+A plane that is not vertical cuts the paraboloid z = (x - q_x)^2 + (y - q_y)^2 in an ellipse (E),
+whose projection onto Oxy is the circle (C). The extents of (E) along the three axes decide points
+by comparing coordinates alone. They hold square roots, minx_E = c_x - r for one; no root is taken
+here: a `Surd` compares exactly, and turns into a float for drawing.
+
+"Outside", "inside" and "on" are meant in the plane Oxy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import isqrt
+from typing import Literal
+
+from liftmesh.paper.geometry import Exact, Number, Plane, Point, exact, fraction
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surd:
+    """A rational plus or minus the square root of a rational, compared without taking the root.
+
+    ``t < Surd`` asks t - c < s, where the square of the root s is known. As x |x| grows with x,
+    the answer is that of (t - c) |t - c| < s |s|, which is rational. So c_x - r is read
+    ``Surd(c_x, -r_squared)``.
+
+    Parameters
+    ----------
+    rational : Fraction
+        The rational part.
+    square : Fraction
+        The square of the root, negative where the root is subtracted.
+
+    Examples
+    --------
+    >>> bound = Surd(Fraction(1), Fraction(-2))  # 1 - sqrt(2)
+    >>> Fraction(-1) < bound < Fraction(-2, 5)
+    True
+    >>> float(bound)
+    -0.41421356237309503
+    """
+
+    rational: Fraction
+    square: Fraction
+
+    def compare(self, value: Number) -> int:
+        """Compare with a rational number.
+
+        Parameters
+        ----------
+        value : number
+            The number.
+
+        Returns
+        -------
+        int
+            1 if the surd is greater than the value, -1 if it is less, 0 if they are equal.
+
+        Examples
+        --------
+        >>> Surd(Fraction(1), Fraction(9, 4)).compare(2.5)
+        0
+        """
+        difference = fraction(value) - self.rational
+        gap = self.square - difference * abs(difference)
+        return (gap > 0) - (gap < 0)
+
+    def __lt__(self, value: Number) -> bool:
+        return self.compare(value) < 0
+
+    def __le__(self, value: Number) -> bool:
+        return self.compare(value) <= 0
+
+    def __gt__(self, value: Number) -> bool:
+        return self.compare(value) > 0
+
+    def __ge__(self, value: Number) -> bool:
+        return self.compare(value) >= 0
+
+    def __float__(self) -> float:
+        digits = 256  # binary ones: more than c - r can lose where q is far away
+        top, bottom = self.square.numerator, self.square.denominator
+        root = Fraction(isqrt(abs(top) * bottom << 2 * digits), bottom << digits)
+        return float(self.rational + (root if top > 0 else -root))
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """The circle (C): the projection of (E) onto Oxy.
+
+    Parameters
+    ----------
+    centre : tuple of two Fraction
+        c.
+    squared_radius : Fraction
+        The square of r.
+
+    Examples
+    --------
+    >>> from liftmesh.paper.geometry import mu
+    >>> lifted = [mu(u, (0, 0)) for u in [(0, 0), (0, 2), (2, 0)]]
+    >>> circle = Circle.of(Plane.through(*lifted), q=(0, 0))
+    >>> circle.centre == (1, 1), circle.squared_radius == 2
+    (True, True)
+    """
+
+    centre: Exact
+    squared_radius: Fraction
+
+    @classmethod
+    def of(cls, plane: Plane, q: Point) -> Circle:
+        """Project the section of a plane with the paraboloid: Section 4.
+
+        Parameters
+        ----------
+        plane : Plane
+            A plane that is not vertical.
+        q : sequence of two numbers
+            The vertex of the paraboloid.
+
+        Returns
+        -------
+        Circle
+            Through a', b', p' if the plane is (a, b, p). A squared radius below zero means that the
+            plane misses the paraboloid.
+
+        Examples
+        --------
+        >>> Circle.of(Plane(exact((0, 0, -1)), Fraction(-9)), q=(5, 5)).squared_radius
+        Fraction(9, 1)
+        """
+        (qx, qy), alpha, beta = exact(q), plane.alpha, plane.beta
+        squared = alpha * qx + beta * qy + (alpha**2 + beta**2) / 4 + plane.gamma
+        return cls((qx + alpha / 2, qy + beta / 2), squared)
+
+    def position(self, t: Point) -> Literal["outside", "on", "inside"]:
+        """Tell on which side of the circle a point projects.
+
+        Parameters
+        ----------
+        t : sequence of two or three numbers
+            A point; only x and y count.
+
+        Returns
+        -------
+        {"outside", "on", "inside"}
+            Where its projection t' lies.
+
+        Examples
+        --------
+        >>> Circle((Fraction(1), Fraction(1)), Fraction(2)).position((2, 2))
+        'on'
+        """
+        (x, y), (cx, cy) = exact(t[:2]), self.centre
+        difference = (x - cx) ** 2 + (y - cy) ** 2 - self.squared_radius
+        if difference > 0:
+            return "outside"
+        return "inside" if difference < 0 else "on"
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """The ellipse (E) in which a plane cuts the paraboloid, with its six extents.
+
+    The extents along z are those of Lemma 4.1: the squares of L_cq - r and of L_cq + r, multiplied
+    out to the surds (L_cq^2 + r^2) -+ sqrt(4 L_cq^2 r^2).
+
+    Parameters
+    ----------
+    plane : Plane
+        The plane (a, b, p), not vertical.
+    q : tuple of two numbers
+        The vertex of the paraboloid.
+
+    Examples
+    --------
+    >>> ellipse = Ellipse(Plane.through((3, 4, 25), (5, 0, 25), (4, 3, 25)), (0, 0))
+    >>> float(ellipse.min_x), float(ellipse.max_y), float(ellipse.max_z)
+    (-5.0, 5.0, 25.0)
+    """
+
+    plane: Plane
+    q: Point
+
+    @cached_property
+    def circle(self) -> Circle:
+        """Its projection, the circle (C)."""
+        return Circle.of(self.plane, self.q)
+
+    @cached_property
+    def squared_distance(self) -> Fraction:
+        """The square of L_cq, the distance from the centre of (C) to q."""
+        return (self.plane.alpha**2 + self.plane.beta**2) / 4
+
+    @property
+    def min_x(self) -> Surd:
+        """The least x, c_x - r."""
+        return self._extent(0, -1)
+
+    @property
+    def max_x(self) -> Surd:
+        """The greatest x, c_x + r."""
+        return self._extent(0, 1)
+
+    @property
+    def min_y(self) -> Surd:
+        """The least y, c_y - r."""
+        return self._extent(1, -1)
+
+    @property
+    def max_y(self) -> Surd:
+        """The greatest y, c_y + r."""
+        return self._extent(1, 1)
+
+    @property
+    def min_z(self) -> Surd:
+        """The least z, (L_cq - r)^2."""
+        return self._extent(2, -1)
+
+    @property
+    def max_z(self) -> Surd:
+        """The greatest z, (L_cq + r)^2."""
+        return self._extent(2, 1)
+
+    def _extent(self, axis: int, sign: int) -> Surd:
+        circle, distance = self.circle, self.squared_distance
+        squared = circle.squared_radius
+        if axis == 2:
+            return Surd(distance + squared, sign * 4 * distance * squared)
+        return Surd(circle.centre[axis], sign * squared)

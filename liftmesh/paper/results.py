@@ -1,0 +1,210 @@
+"""Measurements on disk, so that an interrupted run goes on where it stopped.
+
+``measurements.csv`` begins with a comment that holds the settings as JSON, then names its columns,
+then has one line for each method on each set of points. The lines of a set are appended together
+and reach the disk before the next set begins. What a crash may leave half-written is the end of the
+file: it is cut off, and measured again. Any other damage is refused, and so are other settings:
+numbers of different machines or builds never meet in one table.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from liftmesh.errors import FormatError, InputError
+from liftmesh.formats.atomic import replacing
+from liftmesh.paper.experiments import BURST, METHODS, PATIENCE, ROUNDS, Measurement, Trial
+from liftmesh.paper.machine import versions
+from liftmesh.paper.printed import TABLES, TableName
+from liftmesh.paper.records import COLUMNS, from_lines, to_line
+
+FILE = "measurements.csv"
+
+_HEADING = "# liftmesh paper "
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What must be the same for measurements to stand in one table.
+
+    Parameters
+    ----------
+    sizes : tuple of int
+        Numbers of points.
+    seeds : int
+        Random sets of each size: seeds 1, 2, ...
+    machine : str
+        The machine, in words.
+
+    Examples
+    --------
+    >>> [trial.seed for trial in Settings((50,), 2, "a desk").trials(["5.1"])]
+    [1, 2]
+    """
+
+    sizes: tuple[int, ...]
+    seeds: int
+    machine: str
+
+    def trials(self, tables: Sequence[TableName]) -> list[Trial]:
+        """List the sets of points, small ones first.
+
+        Parameters
+        ----------
+        tables : sequence of {"5.1", "5.2"}
+            The tables wanted.
+
+        Returns
+        -------
+        list of Trial
+            One for each size, seed and table.
+
+        Examples
+        --------
+        >>> len(Settings((50, 60), 3, "a desk").trials(["5.1", "5.2"]))
+        12
+        """
+        seeds = range(1, self.seeds + 1)
+        return [Trial(t, n, seed) for n in sorted(self.sizes) for seed in seeds for t in tables]
+
+    def record(self) -> dict[str, Any]:
+        """Give the settings, the versions and how runs are repeated, as JSON can hold them.
+
+        Returns
+        -------
+        dict
+            What a file of measurements begins with.
+
+        Examples
+        --------
+        >>> Settings((50,), 2, "a desk").record()["sizes"]
+        [50]
+        """
+        timing = {"rounds": ROUNDS, "patience": PATIENCE, "burst": BURST}
+        own = {"sizes": sorted(self.sizes), "seeds": self.seeds, "machine": self.machine}
+        return {**own, "methods": [*METHODS], **timing, **versions()}
+
+
+class Results:
+    """The measurements of a folder: what is there already, and a way to add to it.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    settings : Settings
+        What is to be measured.
+
+    Raises
+    ------
+    InputError
+        The folder holds measurements with other settings.
+    FormatError
+        Its file is damaged, and not only at its end.
+    OSError
+        It cannot be read or written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from liftmesh.paper.experiments import measure
+    >>> folder, settings = Path(tempfile.mkdtemp()), Settings((50,), 1, "a desk")
+    >>> Results(folder, settings).add(measure(Trial("5.1", 50, seed=1)))
+    >>> Results(folder, settings).done
+    {Trial(table='5.1', n=50, seed=1)}
+    """
+
+    def __init__(self, folder: Path, settings: Settings) -> None:
+        self.path = folder / FILE
+        self._settings = settings
+        self._heading = _HEADING + json.dumps(settings.record())
+        self.measurements: list[Measurement] = []
+        self.cut = 0
+        if self.path.exists():
+            self._load()
+        else:
+            self._write([])
+
+    @property
+    def done(self) -> set[Trial]:
+        """The sets of points that are measured."""
+        return {measurement.trial for measurement in self.measurements}
+
+    def add(self, measurements: Sequence[Measurement]) -> None:
+        """Append the measurements of a set of points; they are on the disk when this returns.
+
+        Parameters
+        ----------
+        measurements : sequence of Measurement
+            All methods on one set, in the order of `METHODS`.
+
+        Raises
+        ------
+        OSError
+            The disk is full, or the file cannot be written any more.
+        """
+        text = "".join(f"{to_line(measurement)}\n" for measurement in measurements)
+        with self.path.open("ab") as stream:
+            stream.write(text.encode())
+            stream.flush()
+            os.fsync(stream.fileno())
+        self.measurements.extend(measurements)
+
+    def _load(self) -> None:
+        """Read the file, and cut off what was not finished."""
+        text = self._text()
+        whole, _, torn = text.rpartition("\n")
+        heading, _, rest = whole.partition("\n")
+        _check_heading(self.path, heading, self._heading)
+        names, *lines = rest.split("\n")
+        if names != ",".join(COLUMNS):
+            raise self._damaged("line 2 does not name the columns")
+        complete = lines[: len(lines) // len(METHODS) * len(METHODS)]
+        self.cut = len(lines) - len(complete) + bool(torn)
+        try:
+            self.measurements = from_lines(complete, first=3)
+        except ValueError as error:
+            raise self._damaged(str(error)) from error
+        if strange := self.done.difference(self._settings.trials([*TABLES])):
+            raise self._damaged(f"{min(strange)} is not part of its settings")
+        if self.cut:
+            self._write(complete)
+
+    def _text(self) -> str:
+        try:
+            return self.path.read_text("utf-8")
+        except UnicodeDecodeError as error:
+            raise self._damaged(f"it is no text ({error})") from error
+
+    def _damaged(self, reason: str) -> FormatError:
+        return FormatError(f"{self.path}: {reason}: {_remedy(self.path)}")
+
+    def _write(self, lines: Sequence[str]) -> None:
+        with replacing(self.path) as stream:
+            text = "\n".join([self._heading, ",".join(COLUMNS), *lines])
+            stream.write(f"{text}\n".encode())
+
+
+def _remedy(path: Path) -> str:
+    return f"delete {path.name} to measure again, or choose another folder"
+
+
+def _check_heading(path: Path, found: str, expected: str) -> None:
+    """Refuse a file with other settings, and name those that differ."""
+    held, wanted = _settings(path, found), _settings(path, expected)
+    names = [name for name in {**held, **wanted} if held.get(name) != wanted.get(name)]
+    if names:
+        differ = "; ".join(f"{name} {held.get(name)}, now {wanted.get(name)}" for name in names)
+        raise InputError(f"{path} was measured with other settings ({differ}): {_remedy(path)}")
+
+
+def _settings(path: Path, heading: str) -> dict[str, Any]:
+    try:
+        return dict(json.loads(heading.removeprefix(_HEADING)))
+    except (ValueError, TypeError) as error:
+        raise FormatError(f"{path}: line 1 holds no settings: {_remedy(path)}") from error

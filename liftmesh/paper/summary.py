@@ -1,0 +1,151 @@
+"""Our measurements beside the printed numbers: one row for each table and number of points.
+
+A row tells three stories apart. Seconds: the paper's and ours, with their ratio. Operations: the
+dot products a facet that LF and LFRes need, which no machine changes. And why they differ: the
+share of the points that each proposition rejects by comparing coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from liftmesh.counters import REJECTIONS
+from liftmesh.paper.experiments import METHODS, Measurement
+from liftmesh.paper.printed import TABLES, TableName, Vertex
+
+LF, LFRES, INDEXED, ENGINE = METHODS
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of a table: what is printed, and the medians over the seeds of what was measured.
+
+    Parameters
+    ----------
+    table : {"5.1", "5.2"}
+        The printed table.
+    q : {"origin", "median"}
+        The vertex of the paraboloid.
+    n, seeds : int
+        Points, and random sets of that many points.
+    printed_lf, printed_lfres, printed_ratio : float, optional
+        As the paper prints them; None where it has no such line.
+    seconds : mapping of str to float
+        For each method, the median over the seeds.
+    spread : mapping of str to (float, float)
+        For each method, the seconds of the quickest and the slowest seed.
+    facets : float
+        Lower facets.
+    dot_products : mapping of str to float
+        For each method that wraps, dot products a facet.
+    planes : mapping of str to float
+        For each method that wraps, candidate planes a facet.
+    rejected : mapping of str to float
+        For each proposition, the share of the points looked at by LFRes that it rejects.
+
+    Examples
+    --------
+    >>> from liftmesh.paper.experiments import Trial, measure
+    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
+    >>> row.dot_products["lf"] > row.dot_products["lfres"]
+    True
+    """
+
+    table: TableName
+    q: Vertex
+    n: int
+    seeds: int
+    printed_lf: float | None
+    printed_lfres: float | None
+    printed_ratio: float | None
+    seconds: Mapping[str, float]
+    spread: Mapping[str, tuple[float, float]]
+    facets: float
+    dot_products: Mapping[str, float]
+    planes: Mapping[str, float]
+    rejected: Mapping[str, float]
+
+    @property
+    def ratio(self) -> float:
+        """Our seconds of LF over those of LFRes: above one, LFRes is the quicker."""
+        return self.seconds[LF] / self.seconds[LFRES]
+
+    @property
+    def work_ratio(self) -> float:
+        """Dot products of LF over those of LFRes."""
+        return self.dot_products[LF] / self.dot_products[LFRES]
+
+    @property
+    def indexed_ratio(self) -> float:
+        """Our seconds of LF over those of the indexed region."""
+        return self.seconds[LF] / self.seconds[INDEXED]
+
+    @property
+    def share_rejected(self) -> float:
+        """The share of the points looked at by LFRes that no dot product was needed for."""
+        return sum(self.rejected.values())
+
+
+def summarise(measurements: Iterable[Measurement]) -> list[Row]:
+    """Turn measurements into the rows of the tables.
+
+    Parameters
+    ----------
+    measurements : iterable of Measurement
+        All methods on each set of points.
+
+    Returns
+    -------
+    list of Row
+        Ordered by table and number of points.
+
+    Examples
+    --------
+    >>> summarise([])
+    []
+    """
+    groups: dict[tuple[TableName, int], list[Measurement]] = {}
+    for measurement in measurements:
+        key = (measurement.trial.table, measurement.trial.n)
+        groups.setdefault(key, []).append(measurement)
+    return [_row(table, n, groups[table, n]) for table, n in sorted(groups)]
+
+
+def _row(table: TableName, n: int, group: Sequence[Measurement]) -> Row:
+    by_method: dict[str, list[Measurement]] = {
+        method: [m for m in group if m.method == method] for method in METHODS
+    }
+    seconds = {method: [m.seconds for m in found] for method, found in by_method.items()}
+    printed = TABLES[table].row(n)
+    return Row(
+        table=table,
+        q=TABLES[table].q,
+        n=n,
+        seeds=len(by_method[LF]),
+        printed_lf=printed.lf if printed else None,
+        printed_lfres=printed.lfres if printed else None,
+        printed_ratio=printed.ratio if printed else None,
+        seconds={method: median(values) for method, values in seconds.items()},
+        spread={method: (min(values), max(values)) for method, values in seconds.items()},
+        facets=median(m.facets for m in by_method[ENGINE]),
+        dot_products=_per_facet(by_method, lambda m: m.evaluations),
+        planes=_per_facet(by_method, lambda m: m.planes),
+        rejected=_shares(by_method[LFRES]),
+    )
+
+
+def _per_facet(
+    by_method: Mapping[str, Sequence[Measurement]], count: Callable[[Measurement], int]
+) -> dict[str, float]:
+    return {
+        method: median(count(m) / m.facets for m in by_method[method])
+        for method in (LF, LFRES, INDEXED)
+    }
+
+
+def _shares(found: Sequence[Measurement]) -> dict[str, float]:
+    """The share of each proposition, in all seeds together so that the shares add up."""
+    points = sum(m.evaluations + sum(m.rejected.values()) for m in found)
+    return {name: sum(m.rejected[name] for m in found) / points for name in REJECTIONS}

@@ -1,0 +1,341 @@
+"""The tables as text: CSV for programs, Markdown for pages, and everything at once as JSON.
+
+`COLUMNS` says what each column of the CSV files holds. Seconds are medians over the seeds, ratios
+those of the medians; an empty cell stands where the paper has no number.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from liftmesh.counters import REJECTIONS
+from liftmesh.formats.atomic import replacing
+from liftmesh.paper.machine import versions
+from liftmesh.paper.summary import ENGINE, INDEXED, LF, LFRES, Row, summarise
+
+if TYPE_CHECKING:
+    from liftmesh.paper.printed import TableName
+    from liftmesh.paper.results import Results, Settings
+
+_TIMED = {"lf": LF, "lfres": LFRES, "indexed": INDEXED, "engine": ENGINE}
+
+COLUMNS: Mapping[str, str] = MappingProxyType(
+    {
+        "n": "points, uniform in [0, 200] x [0, 200]",
+        "seeds": "random sets of n points that were measured",
+        "printed_lf": "seconds of Algorithm 2 using LF, as the paper prints them",
+        "printed_lfres": "seconds using LFRes, as the paper prints them",
+        "printed_ratio": "LF over LFRes, as the paper prints it",
+        "lf": "our seconds of LF: median over the seeds",
+        "lf_min": "the quickest seed",
+        "lf_max": "the slowest seed",
+        "lfres": "our seconds of LFRes: median over the seeds",
+        "lfres_min": "the quickest seed",
+        "lfres_max": "the slowest seed",
+        "ratio": "our seconds: LF over LFRes",
+        "indexed": "our seconds of LFRes by a spatial index",
+        "indexed_min": "the quickest seed",
+        "indexed_max": "the slowest seed",
+        "engine": "our seconds of the default engine, divide and conquer",
+        "engine_min": "the quickest seed",
+        "engine_max": "the slowest seed",
+        "lf_over_indexed": "our seconds: LF over LFRes by a spatial index",
+        "facets": "lower facets",
+        "lf_dot_products": "dot products a facet: LF",
+        "lfres_dot_products": "dot products a facet: LFRes",
+        "dot_product_ratio": "dot products: LF over LFRes",
+        "indexed_dot_products": "dot products a facet: LFRes by a spatial index",
+        "lf_planes": "candidate planes a facet: LF",
+        "lfres_planes": "candidate planes a facet: LFRes",
+        "indexed_planes": "candidate planes a facet: LFRes by a spatial index",
+        **{
+            f"rejected {name}": f"share of the points LFRes looks at that {name} rejects"
+            for name in REJECTIONS
+        },
+    }
+)
+"""The columns of the CSV files and what they hold."""
+
+
+def values(row: Row) -> dict[str, float | int | None]:
+    """Give a row under the names of `COLUMNS`.
+
+    Parameters
+    ----------
+    row : Row
+        One line of a table.
+
+    Returns
+    -------
+    dict
+        Numbers; None where the paper has none.
+
+    Examples
+    --------
+    >>> from liftmesh.paper.experiments import Trial, measure
+    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
+    >>> list(values(row)) == list(COLUMNS)
+    True
+    """
+    found: dict[str, float | int | None] = {
+        "n": row.n,
+        "seeds": row.seeds,
+        "printed_lf": row.printed_lf,
+        "printed_lfres": row.printed_lfres,
+        "printed_ratio": row.printed_ratio,
+        "ratio": row.ratio,
+        "lf_over_indexed": row.indexed_ratio,
+        "facets": row.facets,
+        "dot_product_ratio": row.work_ratio,
+    }
+    for name, method in _TIMED.items():
+        found[name] = row.seconds[method]
+        found[f"{name}_min"], found[f"{name}_max"] = row.spread[method]
+        if method in row.planes:
+            found[f"{name}_dot_products"] = row.dot_products[method]
+            found[f"{name}_planes"] = row.planes[method]
+    found.update({f"rejected {name}": share for name, share in row.rejected.items()})
+    return {name: found[name] for name in COLUMNS}
+
+
+def to_csv(rows: Sequence[Row]) -> str:
+    """Write the rows of one table as CSV, with the names of the columns on top.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        One table.
+
+    Returns
+    -------
+    str
+        One line for each row; six digits.
+
+    Examples
+    --------
+    >>> to_csv([])[:15]
+    'n,seeds,printed'
+    """
+    lines = [
+        ",".join("" if v is None else f"{v:.6g}" for v in values(row).values()) for row in rows
+    ]
+    return "\n".join([",".join(COLUMNS), *lines]) + "\n"
+
+
+_ABOVE_SECONDS = (
+    "Seconds, as printed and as measured (median over the seeds; half the spread between them):"
+)
+_ABOVE_WORK = (
+    "Dot products a facet, and of the points that LFRes looks at the share that each proposition "
+    "rejects:"
+)
+SECONDS_HEADER = (
+    *("n", "printed LF", "printed LFRes", "printed ratio", "LF", "LFRes", "ratio"),
+    *("indexed", "default engine", "LF / indexed"),
+)
+WORK_HEADER = ("n", "LF", "LFRes", "LF / LFRes", "indexed", *REJECTIONS)
+
+
+def seconds_cells(row: Row) -> tuple[str, ...]:
+    """Write the seconds of a row: the paper's, and ours with their spread over the seeds.
+
+    Parameters
+    ----------
+    row : Row
+        One line of a table.
+
+    Returns
+    -------
+    tuple of str
+        Under `SECONDS_HEADER`.
+
+    Examples
+    --------
+    >>> from liftmesh.paper.experiments import Trial, measure
+    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
+    >>> seconds_cells(row)[:4]
+    ('50', '-', '-', '-')
+    """
+    printed = (row.printed_lf, row.printed_lfres)
+    return (
+        f"{row.n:,}",
+        *("-" if value is None else f"{value:.3f}" for value in printed),
+        "-" if row.printed_ratio is None else f"{row.printed_ratio:.2f}",
+        _spread(row, LF),
+        _spread(row, LFRES),
+        f"{row.ratio:.2f}",
+        _seconds(row, INDEXED),
+        _seconds(row, ENGINE),
+        f"{row.indexed_ratio:,.0f}",
+    )
+
+
+def work_cells(row: Row) -> tuple[str, ...]:
+    """Write the dot products a facet, and the share of points that each proposition rejects.
+
+    Parameters
+    ----------
+    row : Row
+        One line of a table.
+
+    Returns
+    -------
+    tuple of str
+        Under `WORK_HEADER`.
+
+    Examples
+    --------
+    >>> from liftmesh.paper.experiments import Trial, measure
+    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
+    >>> work_cells(row)[0]
+    '50'
+    """
+    return (
+        f"{row.n:,}",
+        f"{row.dot_products[LF]:,.0f}",
+        f"{row.dot_products[LFRES]:,.0f}",
+        f"{row.work_ratio:.1f}",
+        f"{row.dot_products[INDEXED]:,.1f}",
+        *(f"{100 * row.rejected[name]:.1f}%" for name in REJECTIONS),
+    )
+
+
+def to_markdown(rows: Sequence[Row]) -> str:
+    """Write the rows of one table as two Markdown tables: seconds, then operations.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        One table.
+
+    Returns
+    -------
+    str
+        With a line above each that says what it holds.
+
+    Examples
+    --------
+    >>> to_markdown([]).splitlines()[0]
+    'Seconds, as printed and as measured (median over the seeds; half the spread between them):'
+    """
+    seconds = _markdown(SECONDS_HEADER, [seconds_cells(row) for row in rows])
+    work = _markdown(WORK_HEADER, [work_cells(row) for row in rows])
+    return "\n".join([_ABOVE_SECONDS, "", *seconds, "", _ABOVE_WORK, "", *work, ""])
+
+
+def write_all(folder: Path, results: Results, settings: Settings, command: str) -> list[Path]:
+    """Write the CSV file of every table that is complete, ``tables.md`` and ``paper.json``.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    results : Results
+        What was measured.
+    settings : Settings
+        With what.
+    command : str
+        What makes it again.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from liftmesh.paper.experiments import Trial, measure
+    >>> from liftmesh.paper.results import Results, Settings
+    >>> folder, settings = Path(tempfile.mkdtemp()), Settings((50,), 1, "a desk")
+    >>> results = Results(folder, settings)
+    >>> results.add(measure(Trial("5.1", 50, seed=1)))
+    >>> [path.name for path in write_all(folder, results, settings, "liftmesh paper")]
+    ['table_5_1.csv', 'tables.md', 'paper.json']
+    """
+    tables = complete_tables(results, settings)
+    texts = {f"table_{name.replace('.', '_')}.csv": to_csv(rows) for name, rows in tables.items()}
+    texts["tables.md"] = _page(tables, settings, command)
+    texts["paper.json"] = json.dumps(_record(tables, results, settings, command), indent=1) + "\n"
+    for name, text in texts.items():
+        with replacing(folder / name) as stream:
+            stream.write(text.encode())
+    return [folder / name for name in texts]
+
+
+def complete_tables(results: Results, settings: Settings) -> dict[TableName, list[Row]]:
+    """Give the rows of each table of which every set of points was measured.
+
+    Parameters
+    ----------
+    results : Results
+        What was measured.
+    settings : Settings
+        What belongs to a table.
+
+    Returns
+    -------
+    dict of str to list of Row
+        By the name of the table.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from liftmesh.paper.results import Results, Settings
+    >>> settings = Settings((50,), 1, "a desk")
+    >>> complete_tables(Results(Path(tempfile.mkdtemp()), settings), settings)
+    {}
+    """
+    names: list[TableName] = ["5.1", "5.2"]
+    complete = [name for name in names if results.done.issuperset(settings.trials([name]))]
+    rows = summarise(results.measurements)
+    return {name: [row for row in rows if row.table == name] for name in complete}
+
+
+def _spread(row: Row, method: str) -> str:
+    """Seconds, and half the way from the quickest to the slowest seed in percent."""
+    text, (low, high) = _seconds(row, method), row.spread[method]
+    return text if row.seeds == 1 else f"{text} ±{50 * (high - low) / row.seconds[method]:.0f}%"
+
+
+def _seconds(row: Row, method: str) -> str:
+    """Three digits, and no more than six places."""
+    seconds = row.seconds[method]
+    if seconds >= 100:
+        return f"{seconds:,.0f}"
+    return f"{seconds:#.3g}" if seconds >= 1e-3 else f"{seconds:.6f}"
+
+
+def _markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    rule = ["---:"] * len(header)
+    return [f"| {' | '.join(cells)} |" for cells in (header, rule, *rows)]
+
+
+def _page(tables: Mapping[TableName, Sequence[Row]], settings: Settings, command: str) -> str:
+    made = f"Measured on: {settings.machine}. Remade by `{command}`.\n"
+    parts = [f"## Table {name}\n\n{to_markdown(rows)}" for name, rows in tables.items()]
+    return "\n".join([made, *parts])
+
+
+def _record(
+    tables: Mapping[TableName, Sequence[Row]], results: Results, settings: Settings, command: str
+) -> dict[str, Any]:
+    return {
+        "command": command,
+        "machine": settings.machine,
+        "versions": versions(),
+        "settings": settings.record(),
+        "columns": dict(COLUMNS),
+        "tables": {name: [values(row) for row in rows] for name, rows in tables.items()},
+        "measurements": [asdict(measurement) for measurement in results.measurements],
+    }

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# The paper's tables and figures on a fresh machine: installs liftmesh into .venv-paper and measures.
+#   scripts/paper.sh             all of both tables, into data/paper: some minutes
+#   scripts/paper.sh --quick     small sizes, into out/paper-quick: under a minute
+# An interrupted run goes on where it stopped; other options are those of `liftmesh paper`.
+set -euo pipefail
+cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
+source scripts/setup.sh
+
+show() {
+    printf '\n$ %s\n' "$*"
+    PATH="$PWD/.venv-paper/bin:$PATH" "$@"
+}
+
+# What the repository holds was measured on one machine, and is replaced only by a whole run on another.
+replace_committed() {
+    mkdir -p data/paper/figures
+    cp out/paper/*.csv out/paper/*.json out/paper/*.md data/paper/
+    cp out/paper/figures/* data/paper/figures/
+    say
+    say "data/paper holds the tables and figures of this machine."
+}
+
+prepare_machine build
+# Editable, so that Python started in this folder finds the kernel and not the bare sources.
+make_environment .venv-paper "pyproject.toml README.md LICENSE liftmesh" --editable '.[plot]'
+mkdir -p out
+
+if (($# == 0)); then
+    show liftmesh paper --out out/paper
+    replace_committed
+elif [[ $* == --quick ]]; then
+    show liftmesh paper --quick --out out/paper-quick
+else
+    show liftmesh paper "$@"
+fi

@@ -1,0 +1,96 @@
+"""Build the C program in one of its variants, and run it."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+FOLDER = Path(__file__).parent
+LIBRARIES = ("-lm",)
+PROPOSITIONS = ("4.3 (i)", "4.3 (ii)", "4.3 (iii)", "4.3 (iv)", "4.3 (v)", "4.4")
+PROCEDURES = ("LF", "LFRes")
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What one procedure did while Algorithm 2 ran once."""
+
+    calls: int
+    planes: int
+    points: int
+    evaluations: int
+    comparisons: int
+    rejected: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Run:
+    """Algorithm 2 with one procedure: seconds of processor time, facets, and its counts."""
+
+    procedure: str
+    seconds: float
+    facets: int
+    complete: bool
+    counts: Counts
+
+
+def compiler() -> list[str]:
+    """Give the C compiler's command: CC from the environment, or cc."""
+    return shlex.split(os.environ.get("CC", "cc"))
+
+
+def build(target: Path, flags: tuple[str, ...]) -> str:
+    """Compile and link; return what the compiler said where it refused, else the empty string."""
+    sources = [str(path) for path in sorted(FOLDER.glob("*.c"))]
+    command = [*compiler(), "-std=c99", *flags, *sources, "-o", str(target), *LIBRARIES]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return done.stderr if done.returncode else ""
+
+
+def command_of(
+    program: Path, points: Path, q: tuple[float, float], repeat: int, procedure: str = "both"
+) -> list[str]:
+    """Give the command that runs a built program on a file of points."""
+    rows = points.stat().st_size // 16
+    return [str(program), str(points), str(rows), repr(q[0]), repr(q[1]), str(repeat), procedure]
+
+
+def run(
+    program: Path,
+    points: Path,
+    q: tuple[float, float],
+    repeat: int = 1,
+    *,
+    facets: Path | None = None,
+) -> list[Run]:
+    """Run a built program; the procedures take turns."""
+    command = command_of(program, points, q, repeat) + ([str(facets)] if facets else [])
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return [parse(line) for line in done.stdout.splitlines()]
+
+
+def parse(line: str) -> Run:
+    """Read one line of the program's output."""
+    procedure, seconds, facets, complete, *numbers = line.split()
+    counts = [int(number) for number in numbers]
+    rejected = dict(zip(PROPOSITIONS, counts[5:], strict=True))
+    named = Counts(*counts[:5], rejected=rejected)
+    return Run(procedure, float(seconds), int(facets), complete == "1", named)
+
+
+def read_facets(file: Path, runs: list[Run]) -> list[NDArray[np.int32]]:
+    """Read the facets of every run, in a form that does not depend on the order of finding them."""
+    rows = np.fromfile(file, np.int32).reshape(-1, 3)
+    ends = np.cumsum([run.facets for run in runs])[:-1]
+    return [canonical(part) for part in np.split(rows, ends)]
+
+
+def canonical(facets: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Sort the facets, each as three increasing rows."""
+    return np.unique(np.sort(facets, axis=1), axis=0)

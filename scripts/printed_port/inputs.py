@@ -1,0 +1,70 @@
+"""Random points as in the paper's Section 5, and the orders in which a program may hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+SIDE = 200.0
+BITS = 10
+Points = NDArray[np.float64]
+Vertex = tuple[float, float]
+
+
+def uniform(n: int, seed: int) -> Points:
+    """Spread n points over the square [0, 200] x [0, 200]."""
+    return np.random.default_rng(seed).random((n, 2)) * SIDE
+
+
+def vertex(case: int, points: Points) -> Vertex:
+    """Give q: the origin in case 1, the median point in case 2."""
+    return (
+        (0.0, 0.0)
+        if case == 1
+        else (float(np.median(points[:, 0])), float(np.median(points[:, 1])))
+    )
+
+
+def generated(points: Points, _q: Vertex) -> Points:
+    """Leave the points in the order in which they were drawn."""
+    return points
+
+
+def by_x(points: Points, _q: Vertex) -> Points:
+    """Sort by x."""
+    return points[np.argsort(points[:, 0])]
+
+
+def by_y(points: Points, _q: Vertex) -> Points:
+    """Sort by y, as a search for the first edge in Oyz may leave them."""
+    return points[np.argsort(points[:, 1])]
+
+
+def by_z(points: Points, q: Vertex) -> Points:
+    """Sort by z, the squared distance from q."""
+    return points[np.argsort(((points - q) ** 2).sum(axis=1))]
+
+
+def by_cells(points: Points, _q: Vertex) -> Points:
+    """Sort along the Z-shaped curve through the cells of a fine grid."""
+    column, row = (points / SIDE * (1 << BITS)).astype(np.int64).T
+    bits = np.arange(BITS)
+    key = (column[:, None] >> bits & 1) << 2 * bits | (row[:, None] >> bits & 1) << 2 * bits + 1
+    return points[np.argsort(key.sum(axis=1))]
+
+
+ORDERS: dict[str, Callable[[Points, Vertex], Points]] = {
+    "as generated": generated,
+    "sorted by x": by_x,
+    "sorted by y": by_y,
+    "sorted by z": by_z,
+    "by cells": by_cells,
+}
+
+
+def write(points: Points, file: Path) -> None:
+    """Write the rows as the C program reads them."""
+    np.ascontiguousarray(points, np.float64).tofile(file)
