@@ -63,6 +63,7 @@ def read_options() -> Namespace:
     add("--seeds", nargs="+", type=int, default=[1, 2, 3], metavar="SEED")
     add("--repeat", type=int, default=3, help="runs on each set of points")
     add("--groups", nargs="+", choices=GROUPS, default=GROUPS, metavar="G", help=", ".join(GROUPS))
+    add("--matching", default="", metavar="TEXT", help="only variants whose name contains it")
     add("--quick", action="store_true", help=f"{' and '.join(QUICK)} only, one seed")
     add("--growth", action="store_true", help="counts at the printed numbers of points")
     add("--largest", type=int, default=10_000, help="the largest n of --growth")
@@ -89,7 +90,9 @@ def write_csv(file: Path, rows: list[dict[str, object]]) -> None:
 def show_variants(console: Console, options: Namespace, folder: Path) -> None:
     """Measure every chosen variant; print a line for each n."""
     found: list[Measurement] = []
-    chosen = [variant for variant in VARIANTS if variant.group in options.groups]
+    chosen = [v for v in VARIANTS if v.group in options.groups and options.matching in v.name]
+    if not chosen:
+        raise SystemExit(f"no variant matches {options.matching!r}")
     with console.status("") as status:
         for variant in chosen:
             status.update(f"{variant.group}: {variant.name}")
@@ -113,13 +116,13 @@ def table_of(found: list[Measurement]) -> Table:
     for case in CASES:
         for heading in ("LF s", "LFRes s", "ratio", "dot products"):
             table.add_column(f"{heading}\ncase {case}", justify="right")
-    for heading in ("LF: case 1\n/ case 2", "printed\n/ here", "scatter", "same\nfacets"):
+    for heading in ("LF: case 1\n/ case 2", "printed\n/ here", "scatter", "right\nfacets"):
         table.add_column(heading, justify="right")
     for (variant, n), items in groups.items():
         cells = [cell for case in CASES for cell in cells_of(items, case)]
-        agree = "yes" if all(item.agree for item in items) else "no"
+        right = "yes" if all(item.right for item in items) else "no"
         cells += [case_ratio(items), *likeness_cells(items)]
-        table.add_row(variant.group, variant.name, f"{n:,}", *cells, agree)
+        table.add_row(variant.group, variant.name, f"{n:,}", *cells, right)
     return table
 
 
@@ -156,7 +159,7 @@ def row_of(item: Measurement) -> dict[str, object]:
         "case": item.case,
         "seed": item.seed,
         "facets": item.facets,
-        "same_facets": item.agree,
+        "right_facets": item.right,
     }
     for name in PROCEDURES:
         counts = vars(item.counts[name])

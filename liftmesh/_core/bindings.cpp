@@ -143,8 +143,8 @@ nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, std::string_vi
     liftmesh::paper::Counts counts;
     {
         const nb::gil_scoped_release unlocked;
-        outcome = liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy}, interrupt,
-                                          counts);
+        outcome =
+            liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy}, interrupt, counts);
     }
     return nb::make_tuple(hand_over(outcome), tell(counts));
 }

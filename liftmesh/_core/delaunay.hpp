@@ -23,8 +23,8 @@ struct Delaunay {
     Result result;
 };
 
-// What every engine begins with: the distinct points are arranged, and what is known of them by then
-// is in the outcome. There is work left where its status is ok.
+// What every engine begins with: the distinct points are arranged, and what is known of them by
+// then is in the outcome. There is work left where its status is ok.
 Delaunay start(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
 
 // By divide and conquer.

@@ -11,7 +11,8 @@ constexpr Vertex no_vertex = ~Vertex{0};
 
 std::vector<Vertex> ends_of_line(std::span<const Point> points) {
     const auto [first, last] = std::minmax_element(points.begin(), points.end(), before_xy);
-    return {static_cast<Vertex>(first - points.begin()), static_cast<Vertex>(last - points.begin())};
+    return {static_cast<Vertex>(first - points.begin()),
+            static_cast<Vertex>(last - points.begin())};
 }
 
 // The bound-edges, one after the other, counter-clockwise from the lexicographically least vertex.

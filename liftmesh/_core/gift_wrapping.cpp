@@ -47,7 +47,7 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
         auto facet_through = make_procedure(p);
         std::vector<Facet> facets;
         if (const auto e1 = paper::FirstEdgeSearch(p).find())
-            facets = paper::LowerConvexHull(facet_through).wrap(e1->v1, e1->end);
+            facets = paper::LowerConvexHull(facet_through, p.size()).wrap(e1->v1, e1->end);
         counts = facet_through.counts();
         outcome.status = facet_through.interrupted() ? Status::interrupted
                                                      : emit(facets, points, rows, outcome.result);
@@ -59,7 +59,9 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
         wrap([&](const LiftedPoints& p) { return paper::LfRes(p, interrupt); });
     } else {
         const paper::Grid grid(points, rows);
-        wrap([&](const LiftedPoints& p) { return paper::LfResIndexed(grid, points.data(), p.guard(), interrupt); });
+        wrap([&](const LiftedPoints& p) {
+            return paper::LfResIndexed(grid, points.data(), p.guard(), interrupt);
+        });
     }
     return outcome;
 }

@@ -130,8 +130,8 @@ class LowerHullBuilder {
         triangles_[triangle_of(f)].twin[place(f)] = e;
     }
 
-    // Whether a point that is below the facet goes there: its position is in the triangle, or beyond
-    // the hull edge of a ghost.
+    // Whether a point that is below the facet goes there: its position is in the triangle, or
+    // beyond the hull edge of a ghost.
     bool holds(TriangleId t, Point p) const {
         const Vertex* v = triangles_[t].vertex;
         if (triangles_[t].is_ghost()) return orient2d(planar(v[1]), planar(v[0]), p) < 0;

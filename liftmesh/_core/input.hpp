@@ -25,7 +25,8 @@ struct Input {
 
     // The third column.
     double height(std::size_t row) const {
-        const std::byte* at = data + static_cast<std::ptrdiff_t>(row) * row_stride + 2 * column_stride;
+        const std::byte* at =
+            data + static_cast<std::ptrdiff_t>(row) * row_stride + 2 * column_stride;
         return (single_precision ? value<float>(at) : value<double>(at)) + 0.0;
     }
 

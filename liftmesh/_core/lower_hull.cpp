@@ -60,7 +60,7 @@ Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet
             paper::Counts& counts) {
     paper::Lf facet_through(p, interrupt);
     if (const auto e1 = paper::FirstEdgeSearch(p).find())
-        facets = paper::LowerConvexHull(facet_through).wrap(e1->v1, e1->end);
+        facets = paper::LowerConvexHull(facet_through, p.size()).wrap(e1->v1, e1->end);
     counts = facet_through.counts();
     return facet_through.interrupted() ? Status::interrupted : Status::ok;
 }

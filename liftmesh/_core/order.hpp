@@ -24,7 +24,7 @@ struct Order {
     std::vector<std::size_t> cell_starts;  // 2^depth + 1 positions
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
-    Scale scale{Range{}};  // of the points, against the caller's rows
+    Scale scale{Range{}};                  // of the points, against the caller's rows
 };
 
 struct OrderResult {

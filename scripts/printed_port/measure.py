@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import Delaunay
 
-from printed_port.build import Counts, Run, build, read_facets, run
+from printed_port.build import Counts, Run, build, canonical, read_facets, run
 from printed_port.inputs import ORDERS, uniform, vertex, write
 
 if TYPE_CHECKING:
+    from printed_port.inputs import Points
     from printed_port.variants import Variant
 
 CASES = (1, 2)
@@ -27,7 +29,7 @@ class Measurement:
     n: int
     seed: int
     facets: int
-    agree: bool
+    right: bool
     seconds: dict[str, float]
     counts: dict[str, Counts]
 
@@ -57,17 +59,17 @@ def measure(
                 points = uniform(n, seed)
                 q = vertex(case, points)
                 file = folder / "points"
-                write(ORDERS[variant.order](points, q), file)
+                ordered = ORDERS[variant.order](points, q)
+                write(ordered, file)
                 runs = run(timed, file, q, repeat)
                 counted = run(counting, file, q, facets=folder / "facets")
-                agree = same_facets(folder / "facets", counted)
                 yield Measurement(
                     variant,
                     case,
                     n,
                     seed,
                     counted[0].facets,
-                    agree,
+                    right_facets(folder / "facets", counted, ordered),
                     {name: quickest(runs, name) for name in ("LF", "LFRes")},
                     {item.procedure: item.counts for item in counted},
                 )
@@ -78,7 +80,11 @@ def quickest(runs: list[Run], procedure: str) -> float:
     return min(item.seconds for item in runs if item.procedure == procedure)
 
 
-def same_facets(file: Path, runs: list[Run]) -> bool:
-    """Say whether both procedures came to an end with one set of facets."""
-    first, second = read_facets(file, runs)
-    return all(item.complete for item in runs) and np.array_equal(first, second)
+def right_facets(file: Path, runs: list[Run], points: Points) -> bool:
+    """Say whether both procedures came to an end with the facets of the Delaunay triangulation."""
+    expected = canonical(Delaunay(points).simplices)
+    found = read_facets(file, runs)
+    return all(item.complete for item in runs) and all(
+        len(facets) == item.facets and np.array_equal(facets, expected)
+        for item, facets in zip(runs, found, strict=True)
+    )

@@ -46,6 +46,7 @@ VARIANTS = [
     *at_both("layout", "pointers to structs", "-DLAYOUT=POINTERS"),
     *at_both("layout", "linked list", "-DLAYOUT=LIST"),
     *at_both("membership", "coordinates compared", "-DSAME=COORDINATES"),
+    *at_both("membership", "a, b, p_l not left out", "-DSAME=NOT_TESTED"),
     *at_both("edges", "E_L and E'_L as linked lists", "-DEDGES=CHAIN"),
     *at_both("edges", "E_L and E'_L as arrays", "-DEDGES=ARRAY"),
     *at_both("tests", "z first", "-DTESTS=Z_FIRST"),
@@ -58,6 +59,7 @@ VARIANTS = [
     Variant("order", "along a Z-curve, -O0", BASE, "by cells"),
     Variant("order", "sorted by x, -O2", ("-O2",), "sorted by x"),
     Variant("order", "sorted by z, -O2", ("-O2",), "sorted by z"),
+    *at_both("together", "four points, wide structs", DETERMINANT, "-DLAYOUT=WIDE"),
     *at_both("together", "four points, arrays of edges", DETERMINANT, "-DEDGES=ARRAY"),
     *at_both(
         "together",

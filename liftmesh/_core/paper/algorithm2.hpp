@@ -19,20 +19,22 @@ namespace liftmesh::paper {
 template <class Procedure>
 class LowerConvexHull {
  public:
-    explicit LowerConvexHull(Procedure& facet_through) : facet_through_(facet_through) {}
+    LowerConvexHull(Procedure& facet_through, std::size_t points) : facet_through_(facet_through) {
+        facets_.reserve(2 * points);
+    }
 
-    // `a`, `b` is the first edge (line 1). The paper wraps it once, and settles it; where facets lie
-    // on both its sides, those of one side may then never be reached. Here it is wrapped from both.
+    // `a`, `b` is the first edge (line 1). The paper wraps it once, and settles it; where facets
+    // lie on both its sides, those of one side may then never be reached. Here it is wrapped from
+    // both.
     std::vector<Facet> wrap(Vertex a, Vertex b) {
-        std::optional<Vertex> p = facet_through_(a, b);    // line 2
-        if (!p) {
-            std::swap(a, b);
-            p = facet_through_(a, b);
+        if (const std::optional<Vertex> p = facet_through_(a, b)) {  // line 2
+            add(a, b, *p);
+        } else if (const std::optional<Vertex> other = facet_through_(b, a)) {
+            add(b, a, *other);
+            settle(0, 2);
         }
-        if (!p) return {};
-        add(a, b, *p);
-        for (std::size_t front = 0; front < facets_.size(); ++front)    // lines 3, 4, 12
-            for (unsigned k = 0; k < 3; ++k)                            // lines 5, 6
+        for (std::size_t front = 0; front < facets_.size(); ++front)  // lines 3, 4, 12
+            for (unsigned k = 0; k < 3; ++k)                          // lines 5, 6
                 if (facets_[front].neighbor[k] == Facet::unknown) cross(front, k);
         return std::move(facets_);
     }
@@ -40,15 +42,21 @@ class LowerConvexHull {
  private:
     void cross(std::size_t facet, unsigned k) {
         const Vertex a = facets_[facet].tail(k), b = facets_[facet].head(k);
-        if (const std::optional<Vertex> p = facet_through_(a, b)) {    // lines 7, 8
-            add(a, b, *p);                                             // lines 9, 10
+        if (const std::optional<Vertex> p = facet_through_(a, b)) {  // lines 7, 8
+            add(a, b, *p);                                           // lines 9, 10
         } else {
-            facets_[facet].neighbor[k] = Facet::none;                  // line 11
-            open_.take(a, b);
+            settle(facet, k);  // line 11
         }
     }
 
-    // The facet to the right of [a, b]. Its edges meet those that are open, or are open themselves.
+    // A bound-edge: it moves from E_L to E'_L.
+    void settle(std::size_t facet, unsigned k) {
+        facets_[facet].neighbor[k] = Facet::none;
+        open_.take(facets_[facet].tail(k), facets_[facet].head(k));
+    }
+
+    // The facet to the right of [a, b], whose edge 2 is that one, reversed. Its edges meet those
+    // that are open, or are open themselves.
     void add(Vertex a, Vertex b, Vertex p) {
         const auto added = static_cast<std::uint32_t>(facets_.size());
         facets_.push_back({{b, a, p}});

@@ -1,8 +1,9 @@
 // Section 3: the first edge of the lower convex hull.
 //
-// P is projected in the direction of the x-axis onto the plane Oyz, seen from x = +infinity, where
-// the y-axis runs from right to left. v'_1 is the lowest point of the projection P'. All others are
-// on or to the left of v'_1 v'_2, and on or to the right of v'_1 v'_n.
+// P is projected in the direction of the x-axis onto the plane Oyz, drawn with the y-axis from
+// right to left (which is the view from x = -infinity, where the paper prints +infinity). v'_1 is
+// the lowest point of the projection P'. All others are on or to the left of v'_1 v'_2, and on or
+// to the right of v'_1 v'_n.
 #pragma once
 
 #include <optional>

@@ -4,7 +4,7 @@ namespace liftmesh::paper {
 
 namespace {
 
-constexpr double points_per_cell = 2;
+constexpr double points_per_cell = 1;
 
 Box bounds_of(const std::vector<Point>& points) {
     Box box{points[0].x, points[0].x, points[0].y, points[0].y};
@@ -29,8 +29,8 @@ std::size_t columns_for(const Box& box, double cells) {
 Grid::Grid(std::vector<Point>& points, std::vector<Row>& rows) : bounds_(bounds_of(points)) {
     const double cells = std::max(1.0, static_cast<double>(points.size()) / points_per_cell);
     const std::size_t columns = columns_for(bounds_, cells);
-    const auto lines = static_cast<std::size_t>(
-        std::max(1.0, std::ceil(cells / static_cast<double>(columns))));
+    const auto lines =
+        static_cast<std::size_t>(std::max(1.0, std::ceil(cells / static_cast<double>(columns))));
     columns_ = Cells(bounds_.min_x, bounds_.max_x, columns);
     lines_ = Cells(bounds_.min_y, bounds_.max_y, lines);
 

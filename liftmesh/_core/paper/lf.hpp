@@ -21,15 +21,15 @@ class Lf {
         ++counts_.calls;
         const PlaneErrors errors(p_, a, b);
         const auto n = static_cast<Vertex>(p_.size());
-        for (Vertex l = 0; l < n && !patience_.ends(); ++l) {          // lines 1, 9, 10
-            if (l == a || l == b) continue;                            // lines 2, 3
-            const Plane plane = plane_through(p_[a], p_[b], p_[l]);    // line 4
+        for (Vertex l = 0; l < n && !patience_.ends(); ++l) {        // lines 1, 9, 10
+            if (l == a || l == b) continue;                          // lines 2, 3
+            const Plane plane = plane_through(p_[a], p_[b], p_[l]);  // line 4
             if (!points_down(plane, errors, p_.planar(a), p_.planar(b), p_.planar(l)))
-                continue;                                              // line 5
+                continue;  // line 5
             ++counts_.candidate_planes;
-            if (!any_below(plane, errors.dot, a, b, l)) return l;      // lines 6, 7, 8
+            if (!any_below(plane, errors.dot, a, b, l)) return l;  // lines 6, 7, 8
         }
-        return std::nullopt;                                           // line 11
+        return std::nullopt;  // line 11
     }
 
     const Counts& counts() const { return counts_; }
@@ -38,17 +38,18 @@ class Lf {
  private:
     // n . p > d says that p is below. Within the error of the dot product the exact predicate
     // decides.
-    bool any_below(const Plane& plane, double error, Vertex a, Vertex b, Vertex l) {
+    bool any_below(const Plane plane, double error, Vertex a, Vertex b, Vertex l) {
+        const SpacePoint* const p = p_.data();
         const auto n = static_cast<Vertex>(p_.size());
         Vertex v = 0;
         for (; v < n; ++v) {
-            const double side = plane.dot(p_[v]) - plane.d;
+            const double side = plane.dot(p[v]) - plane.d;
             if (side < -error) continue;
             if (side > error || is_below(a, b, l, v)) break;
         }
         const bool found = v < n;
         const Vertex evaluated = v + found;
-        counts_.evaluations += evaluated;
+        counts_.evaluations += evaluated - members_of_plane(a, b, l, evaluated);
         patience_.ends(evaluated);
         return found;
     }

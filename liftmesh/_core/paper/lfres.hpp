@@ -1,6 +1,7 @@
 // Procedure 3: LFRes(e, P), which is LF(e, P) with the restricted region.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "paper/counts.hpp"
@@ -19,16 +20,16 @@ class LfRes {
         ++counts_.calls;
         const PlaneErrors errors(p_, a, b);
         const auto n = static_cast<Vertex>(p_.size());
-        for (Vertex l = 0; l < n && !patience_.ends(); ++l) {          // lines 1, 12, 13
-            if (l == a || l == b) continue;                            // lines 2, 3
-            const Plane plane = plane_through(p_[a], p_[b], p_[l]);    // line 4
+        for (Vertex l = 0; l < n && !patience_.ends(); ++l) {        // lines 1, 12, 13
+            if (l == a || l == b) continue;                          // lines 2, 3
+            const Plane plane = plane_through(p_[a], p_[b], p_[l]);  // line 4
             if (!points_down(plane, errors, p_.planar(a), p_.planar(b), p_.planar(l)))
-                continue;                                              // line 5
+                continue;  // line 5
             ++counts_.candidate_planes;
-            const Region region(plane, errors, p_.q(), p_.error_of_z());    // lines 6, 7
-            if (!any_below(plane, region, errors.dot, a, b, l)) return l;   // lines 8 to 11
+            const Region region(plane, errors, p_.q(), p_.error_of_z());   // lines 6, 7
+            if (!any_below(plane, region, errors.dot, a, b, l)) return l;  // lines 8 to 11
         }
-        return std::nullopt;                                           // line 14
+        return std::nullopt;  // line 14
     }
 
     const Counts& counts() const { return counts_; }
@@ -37,32 +38,18 @@ class LfRes {
  private:
     bool any_below(const Plane& plane, const Region& region, double error, Vertex a, Vertex b,
                    Vertex l) {
+        const SpacePoint* const p = p_.data();
         const auto n = static_cast<Vertex>(p_.size());
-        auto& [i, ii, iii, iv, v, below] = counts_.rejected;
-        Vertex k = 0;
-        for (; k < n; ++k) {
-            const SpacePoint& p = p_[k];
-            if (p.z < region.min_z) {  // line 9
-                ++below;
-                break;
-            }
-            if (p.x < region.min_x) {  // line 10
-                ++i;
-            } else if (p.x > region.max_x) {
-                ++ii;
-            } else if (p.y < region.min_y) {
-                ++iii;
-            } else if (p.y > region.max_y) {
-                ++iv;
-            } else if (p.z > region.max_z) {
-                ++v;
-            } else {
-                ++counts_.evaluations;
-                const double side = plane.dot(p) - plane.d;
-                if (side < -error) continue;
-                if (side > error || is_below(a, b, l, k)) break;
-            }
+        Vertex k = 0, evaluated = 0;
+        for (;; ++k) {
+            k = next_in_region(p, k, n, region, counts_.rejected);
+            if (k == n || p[k].z < region.min_z) break;  // line 9
+            ++evaluated;
+            const double side = plane.dot(p[k]) - plane.d;  // line 10
+            if (side < -error) continue;
+            if (side > error || is_below(a, b, l, k)) break;
         }
+        counts_.evaluations += evaluated - members_of_plane(a, b, l, std::min(k + 1, n));
         patience_.ends(k);
         return k < n;
     }

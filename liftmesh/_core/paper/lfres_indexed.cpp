@@ -18,12 +18,13 @@ Box common(const Box& s, const Box& t) {
             std::min(s.max_y, t.max_y)};
 }
 
-double farthest(double from, double low, double high) {
-    return std::max(high - from, from - low);
+bool covers(const Box& s, const Box& t) {
+    return (s.min_x <= t.min_x) & (s.max_x >= t.max_x) & (s.min_y <= t.min_y) &
+           (s.max_y >= t.max_y);
 }
 
-bool covers(const Box& s, const Box& t) {
-    return s.min_x <= t.min_x && s.max_x >= t.max_x && s.min_y <= t.min_y && s.max_y >= t.max_y;
+double farthest(double from, double low, double high) {
+    return std::max(high - from, from - low);
 }
 
 }  // namespace
@@ -42,22 +43,16 @@ struct LfResIndexed::Edge {
           x(end.x - origin.x),
           y(end.y - origin.y),
           z(x * x + y * y) {}
-
-    // Twice the area to the left of e, negative to the right, and what rounding leaves open.
-    double side(double px, double py) const { return x * py - y * px; }
-    double side_error(double px, double py) const {
-        return 4 * u * (std::fabs(x * py) + std::fabs(y * px)) + 1e-300;
-    }
 };
 
-// The plane (a, b, p) and the box of its circle. Differences are off by u and heights by 4 u, so the
-// parts of the normal are off by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
+// The plane (a, b, p). Differences are off by u and heights by 4 u, so the parts of the normal are
+// off by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
 struct LfResIndexed::Candidate {
     Vertex p;
     double nx, ny, nz;
-    Box box;
+    double ax, ay, az;  // what the parts of the normal would be if nothing cancelled
 
-    Candidate(const Edge& e, Vertex vertex, const Point* points, Guard guard) : p(vertex) {
+    Candidate(const Edge& e, Vertex vertex, const Point* points) : p(vertex) {
         const double px = points[p].x - e.origin.x, py = points[p].y - e.origin.y;
         const double pz = px * px + py * py;
         nx = e.y * pz - e.z * py;
@@ -66,146 +61,171 @@ struct LfResIndexed::Candidate {
         ax = std::fabs(e.y) * pz + e.z * std::fabs(py);
         ay = e.z * std::fabs(px) + std::fabs(e.x) * pz;
         az = std::fabs(e.x * py) + std::fabs(e.y * px);
-        restrict_region(e, guard);
     }
 
+    // n . p - d for a point at (x, y) as seen from a, and its error where |x| <= vx and |y| <= vy.
+    double side(double x, double y) const { return nx * x + ny * y + nz * (x * x + y * y); }
     double error_within(double vx, double vy) const {
         return 20 * u * (ax * vx + ay * vy + az * (vx * vx + vy * vy));
     }
 
- private:
-    double ax, ay, az;  // what the parts of the normal would be if nothing cancelled
-
-    // (C) passes through a, so its radius is the distance of its centre c from there.
-    void restrict_region(const Edge& e, Guard guard) {
-        box = {-inf, inf, -inf, inf};
-        const double rest = std::fabs(nz) - 5 * u * az;
-        if (!(rest > 5 * u * az) || !guard.vouches()) return;
-        const double cx = -0.5 * nx / nz, cy = -0.5 * ny / nz;
-        const double error_of_c = (4 * u * (ax + ay) + 5 * u * az * (std::fabs(cx) + std::fabs(cy))) /
-                                      rest + 4 * u * (std::fabs(cx) + std::fabs(cy));
+    // The box of what (C) has to the right of e, rounded outwards. (C) passes through a, so its
+    // radius is the distance of its centre c from there.
+    Box region(const Edge& e, Guard guard) const {
+        const Box everything{-inf, inf, -inf, inf};
+        const double error_of_nz = 5 * u * az;
+        const double rest = std::fabs(nz) - error_of_nz;
+        if (!(rest > error_of_nz) || !guard.vouches()) return everything;
+        const double scale = -0.5 / nz;
+        const double cx = nx * scale, cy = ny * scale;
+        const double size = std::fabs(cx) + std::fabs(cy);
+        const double error_of_c = (4 * u * (ax + ay) + error_of_nz * size) / rest + 6 * u * size;
         const double r = std::sqrt(cx * cx + cy * cy);
         const double reach = r * (1 + 8 * u) + 3 * error_of_c +
                              4 * u * (std::fabs(e.origin.x) + std::fabs(e.origin.y));
-        if (!(reach < inf)) return;
-        box = {e.origin.x + (cx - reach), e.origin.x + (cx + reach), e.origin.y + (cy - reach),
-               e.origin.y + (cy + reach)};
+        if (!(reach < inf)) return everything;
+        // c is to the right of e, or to the left where (C) reaches less than a half-circle across;
+        // then an extreme of (C) to the left of e does not count.
+        const auto left = [&](double x, double y) {
+            return e.x * y - e.y * x > 8 * u * (std::fabs(e.x) + std::fabs(e.y)) * (size + reach) +
+                                           3 * error_of_c * (std::fabs(e.x) + std::fabs(e.y));
+        };
+        const double low_x = left(cx - r, cy) ? std::min(0.0, e.x) : cx - reach;
+        const double high_x = left(cx + r, cy) ? std::max(0.0, e.x) : cx + reach;
+        const double low_y = left(cx, cy - r) ? std::min(0.0, e.y) : cy - reach;
+        const double high_y = left(cx, cy + r) ? std::max(0.0, e.y) : cy + reach;
+        return {std::min(e.origin.x + low_x, std::min(e.origin.x, e.end.x)),
+                std::max(e.origin.x + high_x, std::max(e.origin.x, e.end.x)),
+                std::min(e.origin.y + low_y, std::min(e.origin.y, e.end.y)),
+                std::max(e.origin.y + high_y, std::max(e.origin.y, e.end.y))};
     }
+};
+
+// Before there is a candidate: circles through a and b, to the right of e, whose radius doubles.
+class LfResIndexed::Growth {
+ public:
+    Growth(const Edge& e, const Grid& grid) : e_(e), grid_(grid), length_(std::sqrt(e.z)) {
+        const double cell = std::max(grid.columns().width(), grid.lines().width());
+        r_ = std::max(0.55 * length_, 0.9 * cell);
+    }
+
+    // The next box; at last one that holds all points.
+    Box next() {
+        const Box& all = grid_.bounds();
+        const double shift = std::sqrt(r_ * r_ - 0.25 * e_.z) / length_;
+        const double cx = e_.origin.x + 0.5 * e_.x + shift * e_.y;
+        const double cy = e_.origin.y + 0.5 * e_.y - shift * e_.x;
+        const Box box{cx - r_, cx + r_, cy - r_, cy + r_};
+        const double size = (all.max_x - all.min_x) + (all.max_y - all.min_y);
+        if (!(r_ < size) || !(shift < inf)) return all;
+        r_ *= 2;
+        return common(box, all);
+    }
+
+ private:
+    const Edge& e_;
+    const Grid& grid_;
+    double length_, r_;
 };
 
 std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
     ++counts_.calls;
     const Edge e(a, b, p_);
-    const std::optional<Vertex> first = first_candidate(e);
-    if (!first) return std::nullopt;
-    return turn(e, *first);
-}
-
-// Circles through a and b, of a radius that doubles until there is a point in the box of one.
-std::optional<Vertex> LfResIndexed::first_candidate(const Edge& e) {
-    constexpr int steps = 4;
-    const double length = std::sqrt(e.z);
-    double r = std::max(0.55 * length, 1.2 * std::max(grid_.columns().width(), grid_.lines().width()));
-    for (int step = 0; step < steps; ++step, r *= 2) {
-        const double shift = std::sqrt(r * r - 0.25 * e.z) / length;
-        const double cx = e.origin.x + 0.5 * e.x + shift * e.y;
-        const double cy = e.origin.y + 0.5 * e.y - shift * e.x;
-        const Box box{cx - r, cx + r, cy - r, cy + r};
-        if (!(r < inf) || !(shift < inf) || covers(box, grid_.bounds())) break;
-        if (const auto found = best_in(e, common(box, grid_.bounds()))) return found;
-        if (patience_.ends()) return std::nullopt;
-    }
-    return best_in(e, grid_.bounds());
-}
-
-// Of the points to the right of e, the one from which it is seen under the widest angle, up to
-// rounding: its circle is the smallest on that side. The cotangent of the angle is compared by
-// fractions.
-std::optional<Vertex> LfResIndexed::best_in(const Edge& e, const Box& box) {
-    std::optional<Vertex> best;
-    double best_dot = 0, best_side = 0;
-    for_each_run(e, box, [&](Grid::Run run) {
-        counts_.evaluations += run.last - run.first;
-        for (Vertex v = run.first; v < run.last; ++v) {
-            const double px = p_[v].x - e.origin.x, py = p_[v].y - e.origin.y;
-            const double side = -e.side(px, py);
-            const double error = e.side_error(px, py);
-            if (side < -error) continue;
-            if (!(side > error) && orient2d(e.origin, e.end, p_[v]) >= 0) continue;
-            const double dot = px * (px - e.x) + py * (py - e.y);
-            if (best && dot * best_side >= best_dot * side) continue;
-            best = v;
-            best_dot = dot;
-            best_side = side;
+    Growth growth(e, grid_);
+    std::optional<Candidate> candidate;
+    Box scanned = growth.next();
+    while (scan(e, scanned, candidate)) {
+        if (candidate) {
+            const Box needed = common(candidate->region(e, guard_), grid_.bounds());
+            if (covers(scanned, needed)) return candidate->p;
+            scanned = needed;
+        } else {
+            if (covers(scanned, grid_.bounds())) return std::nullopt;
+            scanned = growth.next();
         }
-        return box;
-    });
-    return best;
+    }
+    return std::nullopt;
 }
 
-Vertex LfResIndexed::turn(const Edge& e, Vertex first) {
-    Candidate c(e, first, p_, guard_);
-    ++counts_.candidate_planes;
-    Box box = common(c.box, grid_.bounds());
+// Looks at every point of the box to the right of e, or so many of them that the region of the
+// candidate needs no more. False where the run is to end.
+bool LfResIndexed::scan(const Edge& e, const Box& box, std::optional<Candidate>& candidate) {
     const double vx = farthest(e.origin.x, box.min_x, box.max_x) + grid_.columns().width();
     const double vy = farthest(e.origin.y, box.min_y, box.max_y) + grid_.lines().width();
-    double error = c.error_within(1.01 * vx, 1.01 * vy) + guard_.margin();
-    for_each_run(e, box, [&](Grid::Run run) {
+    const bool large = box.max_y - box.min_y > 8 * grid_.lines().width();
+    return for_each_run(e, box, [&](Grid::Run run, Box& rest) {
         counts_.evaluations += run.last - run.first;
-        for (Vertex v = run.first; v < run.last; ++v) {
-            const double px = p_[v].x - e.origin.x, py = p_[v].y - e.origin.y;
-            const double below = c.nx * px + c.ny * py + c.nz * (px * px + py * py);
-            if (below < -error) continue;
-            if (!(below > error)) {
-                if (v == e.a || v == e.b || v == c.p) continue;
-                ++counts_.undecided;
-                if (!incircle_canonical(e.end, e.origin, p_[c.p], p_[v], guard_)) continue;
-            }
-            c = Candidate(e, v, p_, guard_);
-            ++counts_.candidate_planes;
-            error = c.error_within(1.01 * vx, 1.01 * vy) + guard_.margin();
-            box = common(box, c.box);
-        }
-        return box;
+        const std::uint64_t planes = counts_.candidate_planes;
+        turn(e, run, 1.01 * vx, 1.01 * vy, candidate);
+        if (large && counts_.candidate_planes != planes)
+            rest = common(rest, candidate->region(e, guard_));
     });
-    return c.p;
 }
 
-// Visits the runs of cells that can hold points in the box and to the right of e. What a visit
-// returns is the box from then on; it never grows.
+// Turns the plane about e until no point of the run is below it.
+void LfResIndexed::turn(const Edge& e, Grid::Run run, double vx, double vy,
+                        std::optional<Candidate>& candidate) {
+    Vertex v = run.first;
+    while (!candidate) {
+        if (v == run.last) return;
+        if (is_right(e, v)) {
+            candidate.emplace(e, v, p_);
+            ++counts_.candidate_planes;
+        }
+        ++v;
+    }
+    Candidate c = *candidate;
+    double error = c.error_within(vx, vy) + guard_.margin();
+    for (; v < run.last; ++v) {
+        const double side = c.side(p_[v].x - e.origin.x, p_[v].y - e.origin.y);
+        if (side < -error) continue;
+        if (!(side > error)) {
+            if (v == e.a || v == e.b || v == c.p) continue;
+            ++counts_.undecided;
+            if (!incircle_canonical(e.end, e.origin, p_[c.p], p_[v], guard_)) continue;
+        }
+        c = Candidate(e, v, p_);
+        ++counts_.candidate_planes;
+        error = c.error_within(vx, vy) + guard_.margin();
+    }
+    candidate = c;
+}
+
+bool LfResIndexed::is_right(const Edge& e, Vertex v) const {
+    return v != e.a && v != e.b && orient2d(e.origin, e.end, p_[v]) < 0;
+}
+
+// Visits the runs of cells that can hold points in the box and to the right of e. A visit may make
+// the box smaller.
 template <class Visit>
-void LfResIndexed::for_each_run(const Edge& e, const Box& whole, Visit visit) {
+bool LfResIndexed::for_each_run(const Edge& e, Box box, Visit visit) {
     const Cells& columns = grid_.columns();
     const Cells& lines = grid_.lines();
-    Box box = whole;
     if (e.y == 0) (e.x > 0 ? box.max_y : box.min_y) = e.origin.y;
-    // The slope of the line through e, x against y; it may underflow where nothing vouches for it.
+    // Where the line through e, of slope x against y, passes the foot of a line of cells, and how
+    // much it gains up to the next. Rising, it has its right side at larger x. The slope may
+    // underflow where nothing vouches for it.
     const double slope = e.x / e.y;
+    const double gain = lines.width() * slope;
+    const double foot = (lines.low() - e.origin.y) * slope;
+    const double tallest = farthest(e.origin.y, box.min_y, box.max_y) + lines.width();
+    const double slack =
+        0.01 * std::fabs(gain) +
+        16 * u * (std::fabs(e.origin.x) + std::fabs(foot) + 2 * std::fabs(tallest * slope));
     const bool rises = e.y > 0 && guard_.vouches(), falls = e.y < 0 && guard_.vouches();
-    const double below = e.origin.y - lines.low();
+    const double least = e.origin.x + foot + std::min(gain, 0.0) - slack;
+    const double most = e.origin.x + foot + std::max(gain, 0.0) + slack;
     for (std::size_t line = lines.cell(box.min_y); line <= lines.cell(box.max_y); ++line) {
         double from = box.min_x, to = box.max_x;
-        // The line through e, where it enters and leaves this line of cells. Rising, it has its
-        // right side at larger x.
-        const double height = static_cast<double>(line) * lines.width() - below;
-        const double enters = height * slope, leaves = (height + lines.width()) * slope;
-        const double slack =
-            16 * u * (std::fabs(e.origin.x) + std::fabs(enters) + std::fabs(leaves)) +
-            0.01 * std::fabs(lines.width() * slope);
-        if (rises) {
-            const double least = e.origin.x + (std::min(enters, leaves) - slack);
-            if (least > to) continue;
-            if (least > from) from = least;
-        } else if (falls) {
-            const double most = e.origin.x + (std::max(enters, leaves) + slack);
-            if (most < from) continue;
-            if (most < to) to = most;
-        }
+        const double gained = static_cast<double>(line) * gain;
+        if (rises) from = std::max(from, least + gained);
+        if (falls) to = std::min(to, most + gained);
+        if (from > to) continue;
         const Grid::Run run = grid_.run(line, columns.cell(from), columns.cell(to));
-        if (run.first == run.last) continue;
-        if (patience_.ends(std::size_t{run.last} - run.first + 1)) return;
-        box = visit(run);
+        if (patience_.ends(std::size_t{run.last} - run.first + 1)) return false;
+        if (run.first != run.last) visit(run, box);
     }
+    return true;
 }
 
 }  // namespace liftmesh::paper

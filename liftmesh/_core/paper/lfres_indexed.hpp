@@ -3,11 +3,12 @@
 // Only points inside the box of the circle (C), on the open side of e, can be below a plane through
 // e. So a grid hands out the points of that box and no others. A point that is found below becomes
 // the next candidate: the plane turns about e, and since the circles through a and b are nested on
-// the open side, the region shrinks and no point need be looked at twice. Nothing is left below the
-// last candidate. Before there is a candidate the region is a circle that grows step by step.
+// the open side, the region shrinks with it and no point need be looked at twice. Nothing is left
+// below the last candidate. Before there is one, the region is a circle that grows step by step.
 //
-// Everything is computed as seen from a: a paraboloid with its vertex q at a. That is the paper's
-// freedom of choice, and the best one: d = 0, gamma = 0, r = L_cq, and coordinates are small.
+// Everything is computed as seen from a: on a paraboloid with its vertex q at a. That is the
+// paper's freedom of choice, and the best one: d = 0, gamma = 0, r = L_cq, and coordinates are
+// small.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,7 @@ class LfResIndexed {
     LfResIndexed(const Grid& grid, const Point* points, Guard guard, Interrupt& interrupt)
         : grid_(grid), p_(points), guard_(guard), patience_(interrupt) {}
 
+    // As LF(e, P): the third vertex of the facet to the right of e, or none.
     std::optional<Vertex> operator()(Vertex a, Vertex b);
 
     const Counts& counts() const { return counts_; }
@@ -34,12 +36,14 @@ class LfResIndexed {
  private:
     struct Edge;
     struct Candidate;
+    class Growth;
 
-    std::optional<Vertex> first_candidate(const Edge& e);
-    std::optional<Vertex> best_in(const Edge& e, const Box& box);
-    Vertex turn(const Edge& e, Vertex candidate);
+    bool scan(const Edge& e, const Box& box, std::optional<Candidate>& candidate);
+    void turn(const Edge& e, Grid::Run run, double vx, double vy,
+              std::optional<Candidate>& candidate);
+    bool is_right(const Edge& e, Vertex v) const;
     template <class Visit>
-    void for_each_run(const Edge& e, const Box& box, Visit visit);
+    bool for_each_run(const Edge& e, Box box, Visit visit);
 
     const Grid& grid_;
     const Point* p_;

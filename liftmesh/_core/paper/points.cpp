@@ -61,9 +61,9 @@ int LiftedPoints::turn_in_oyz(Vertex a, Vertex b, Vertex c) const {
     const double by = p_[b].y - p_[a].y, bz = p_[b].z - p_[a].z;
     const double cy = p_[c].y - p_[a].y, cz = p_[c].z - p_[a].z;
     const double det = by * cz - cy * bz;
-    const double error = (std::fabs(by) + std::fabs(cy)) *
-                             (3 * error_of_z() + 8 * u * extent_.greatest.z) +
-                         guard().margin() + 1e-300;
+    const double error =
+        (std::fabs(by) + std::fabs(cy)) * (3 * error_of_z() + 8 * u * extent_.greatest.z) +
+        guard().margin() + 1e-300;
     if (std::fabs(det) > error) return det > 0 ? 1 : -1;
     return liftmesh::turn_in_oyz(planar(a), planar(b), planar(c), q_);
 }

@@ -35,6 +35,7 @@ struct Extent {
 class Points {
  public:
     std::size_t size() const { return p_.size(); }
+    const SpacePoint* data() const { return p_.data(); }
     const SpacePoint& operator[](Vertex v) const { return p_[v]; }
     Point planar(Vertex v) const { return p_[v].planar(); }
     const Extent& extent() const { return extent_; }

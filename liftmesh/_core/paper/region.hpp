@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "paper/plane.hpp"
@@ -24,19 +25,21 @@ struct Region {
 
     Region(const Plane& plane, const PlaneErrors& errors, Point q, double error_of_z) {
         constexpr double u = 0x1p-53;
-        const double alpha = -plane.nx / plane.nz;
-        const double beta = -plane.ny / plane.nz;
-        const double gamma = plane.d / plane.nz;
+        const double per_nz = 1 / plane.nz;
+        const double alpha = -plane.nx * per_nz;
+        const double beta = -plane.ny * per_nz;
+        const double gamma = plane.d * per_nz;
         const double l_cq2 = 0.25 * (alpha * alpha + beta * beta);
         const double l_cq = std::sqrt(l_cq2);
         const double r2 = gamma + alpha * q.x + beta * q.y + l_cq2;
 
         const double rest = std::fabs(plane.nz) - errors.nz;
         if (!(rest > errors.nz)) return;
+        const double per_rest = 1 / rest;
         const double a = std::fabs(alpha), b = std::fabs(beta), g = std::fabs(gamma);
-        const double e_alpha = (errors.nx + a * errors.nz) / rest + 4 * u * a;
-        const double e_beta = (errors.ny + b * errors.nz) / rest + 4 * u * b;
-        const double e_gamma = (errors.d + g * errors.nz) / rest + 4 * u * g;
+        const double e_alpha = (errors.nx + a * errors.nz) * per_rest + 4 * u * a;
+        const double e_beta = (errors.ny + b * errors.nz) * per_rest + 4 * u * b;
+        const double e_gamma = (errors.d + g * errors.nz) * per_rest + 4 * u * g;
         const double e_c = 0.5 * (e_alpha + e_beta);  // of c_x, of c_y, and of L_cq
         const double qx = std::fabs(q.x), qy = std::fabs(q.y);
         const double e_r2 = e_gamma + qx * e_alpha + qy * e_beta + e_c * (2 * l_cq + e_c) +
@@ -52,9 +55,45 @@ struct Region {
         min_y = c_y - reach;
         max_y = c_y + reach;
         max_z = (l + r) * (l + r) * (1 + 8 * u) + 2 * error_of_z;
-        const double inner = std::sqrt(std::max(r2 - e_r2, 0.0)) * (1 - 4 * u);
+        if (!(l * l < r2 - e_r2)) return;
+        const double inner = std::sqrt(r2 - e_r2) * (1 - 4 * u);
         if (l < inner) min_z = (inner - l) * (inner - l) * (1 - 8 * u) - 2 * error_of_z;
     }
 };
+
+// The first point from `k` on that Propositions 4.3 and 4.4 leave open, or that 4.4 finds below the
+// plane; `count` where there is none. What is rejected is counted for the first proposition, in the
+// printed order, that does so.
+inline Vertex next_in_region(const SpacePoint* p, Vertex k, Vertex count, const Region& region,
+                             std::uint64_t (&rejected)[6]) {
+    const Region bounds = region;
+    std::uint64_t i = 0, ii = 0, iii = 0, iv = 0, v = 0;
+    for (; k < count; ++k) {
+        const auto [x, y, z] = p[k];
+        if (z < bounds.min_z) {
+            ++rejected[5];
+            break;
+        }
+        if (x < bounds.min_x) {
+            ++i;
+        } else if (x > bounds.max_x) {
+            ++ii;
+        } else if (y < bounds.min_y) {
+            ++iii;
+        } else if (y > bounds.max_y) {
+            ++iv;
+        } else if (z > bounds.max_z) {
+            ++v;
+        } else {
+            break;
+        }
+    }
+    rejected[0] += i;
+    rejected[1] += ii;
+    rejected[2] += iii;
+    rejected[3] += iv;
+    rejected[4] += v;
+    return k;
+}
 
 }  // namespace liftmesh::paper

@@ -61,8 +61,7 @@ class Lattice {
 
     template <int N>
     Wide<N> at(int i) const {
-        return shifted<N>(part_[i].mantissa,
-                          part_[i].mantissa == 0 ? 0 : part_[i].exponent - low_);
+        return shifted<N>(part_[i].mantissa, part_[i].mantissa == 0 ? 0 : part_[i].exponent - low_);
     }
 
  private:
@@ -74,8 +73,7 @@ class Lattice {
 template <int K>
 class PlanarLattice : public Lattice<2 * K> {
  public:
-    explicit PlanarLattice(const Point (&points)[K])
-        : Lattice<2 * K>(flat(points)) {}
+    explicit PlanarLattice(const Point (&points)[K]) : Lattice<2 * K>(flat(points)) {}
 
     template <int N>
     Wide<N> x(int i) const {

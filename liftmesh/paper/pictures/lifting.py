@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh.hulls import delaunay
+from liftmesh.lifting import resolve_q
 from liftmesh.paper.geometry import Plane
 from liftmesh.paper.pictures.space import Space, View
 from liftmesh.paper.pictures.style import (
@@ -156,6 +157,7 @@ def figure_2_2() -> Figure:
         space = Space(axes, VIEWS[q])
         _triangulation(space, triangulation.points, triangulation.simplices)
         _hull(space, triangulation.lifted(q), triangulation.convex_hull[:, 0])
+        _vertex(space, resolve_q(q, triangulation.points))
         axes.set(xlim=(-2.2, 2.6), ylim=(-2.05, 2.35))
         figure.text(0.25 + 0.5 * column, 0.04, text, ha="center")
     return figure
@@ -180,9 +182,12 @@ def _hull(space: Space, hull: LowerHull, border: NDArray[np.int32]) -> None:
     behind = covered(hull, space.view)
     space.dots(hull.vertices[behind], color=BLUE, ms=2.8, zorder=3.9)
     space.dots(hull.vertices[~behind], color=BLUE, ms=2.8)
-    space.dots([(*hull.q, 0)], color=ORANGE, mec=INK, mew=0.6, ms=5.5, zorder=7)
-    if hull.q != (0.0, 0.0):
-        space.name((*hull.q, 0), "$q$", (0, -11))
+
+
+def _vertex(space: Space, q: tuple[float, float]) -> None:
+    space.dots([(*q, 0)], color=ORANGE, mec=INK, mew=0.6, ms=5.5, zorder=7)
+    if q != (0.0, 0.0):
+        space.name((*q, 0), "$q$", (0, -11))
 
 
 def covered(hull: LowerHull, view: View) -> NDArray[np.bool_]:

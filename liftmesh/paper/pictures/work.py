@@ -87,7 +87,9 @@ def _shares(axes: Axes, rows: Sequence[Row]) -> None:
         shares = np.array([100 * row.rejected[name] for row in rows])
         axes.bar(places, shares, bottom=base, color=COLORS[name], label=name, width=0.78, gid=name)
         base += shares
-    axes.bar(places, 100 - base, bottom=base, color=FAINT, label="dot product: % above", width=0.78)
+    axes.bar(
+        places, 100 - base, bottom=base, color=FAINT, label="dot product (share above)", width=0.78
+    )
     for place, share in zip(places, base, strict=True):
         label(axes, (place, 100), f"{100 - share:.0f}%", (0, 8), fontsize=9)
     slant: dict[str, Any] = {"rotation": 35, "ha": "right"} if len(rows) > 5 else {}
