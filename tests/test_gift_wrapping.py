@@ -36,6 +36,7 @@ VERTICES: list[Any] = [
     (5e-324, 0.0),
     (-np.finfo(np.float64).max, 1.0),
 ]
+CIRCLE = "np.exp(1j * rng.uniform(0, 7, 200_000)).view(float).reshape(-1, 2)"
 HILL = ROOT / "data" / "hill.csv"
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
@@ -46,7 +47,7 @@ ULPS = st.integers(-4, 4).map(lambda steps: 1 + steps * 2.0**-52)
 MAGNITUDES = st.builds(np.ldexp, SMALL, st.sampled_from([-1074, -540, -52, 0, 52, 500, 1020]))
 OFFSETS = st.sampled_from([0.0, 0.1, 450000.0, -1e8, 1e15])
 SCALES = st.sampled_from([2.0**-1070, 2.0**-200, 0.1, 1.0, 1 / 3, 2.0**300, 2.0**1020])
-CIRCLE = [(5, 0), (4, 3), (3, 4), (0, 5), (-3, 4), (-4, 3), (-5, 0), (-4, -3), (0, -5), (3, -4)]
+ON_CIRCLE = [(5, 0), (4, 3), (3, 4), (0, 5), (-3, 4), (-4, 3), (-5, 0), (-4, -3), (0, -5), (3, -4)]
 QS = st.sampled_from(VERTICES)
 
 
@@ -110,7 +111,9 @@ def test_runs_on_lines_and_zeros_of_both_signs(points: Points, q: Any, turned: b
 
 
 @settings(max_examples=250)
-@given(st.lists(st.sampled_from([*CIRCLE, (0, 0), (1, 0)]), min_size=3, max_size=14), QS, OFFSETS)
+@given(
+    st.lists(st.sampled_from([*ON_CIRCLE, (0, 0), (1, 0)]), min_size=3, max_size=14), QS, OFFSETS
+)
 def test_cocircular_points(points: list[tuple[int, int]], q: Any, offset: float) -> None:
     check(np.array(points) * 1.0 + offset, q)
 
@@ -328,14 +331,18 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
 # Long runs
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_ctrl_c_stops_a_long_run_within_a_second(method: str) -> None:
-    points = {
-        "lf": "rng.random((100_000, 2))",
-        "lfres": "rng.random((100_000, 2))",
-        "lfres-indexed": "np.exp(1j * rng.uniform(0, 7, 100_000)).view(float).reshape(-1, 2)",
-    }[method]
-    call = f"liftmesh.delaunay(points, method={method!r}, q='median')"
+@pytest.mark.parametrize(
+    ("method", "points", "q"),
+    [
+        ("lf", "rng.random((100_000, 2))", "median"),
+        ("lfres", "rng.random((100_000, 2))", "median"),
+        ("lfres-indexed", CIRCLE, "median"),
+        ("lfres-indexed", "rng.random((1_000_000, 2))", (1e300, -1e300)),
+    ],
+    ids=["lf", "lfres", "lfres-indexed", "first edge"],
+)
+def test_ctrl_c_stops_a_long_run_within_a_second(method: str, points: str, q: Any) -> None:
+    call = f"liftmesh.delaunay(points, method={method!r}, q={q!r})"
     assert seconds_to_stop(LONG_RUN.format(points=points, prepare="", call=call), 0.4) < 1.0
 
 

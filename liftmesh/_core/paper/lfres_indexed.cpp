@@ -45,14 +45,21 @@ struct LfResIndexed::Edge {
           z(x * x + y * y) {}
 };
 
-// The plane (a, b, p). Differences are off by u and heights by 4 u, so the parts of the normal are
-// off by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
-struct LfResIndexed::Candidate {
+// A plane through e. Differences are off by u and heights by 4 u, so the parts of a normal are off
+// by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
+struct LfResIndexed::Plane {
+    static constexpr Vertex vertical = ~Vertex{0};
+
     Vertex p;
     double nx, ny, nz;
     double ax, ay, az;  // what the parts of the normal would be if nothing cancelled
 
-    Candidate(const Edge& e, Vertex vertex, const Point* points) : p(vertex) {
+    // The vertical one: what is to the right of e is below it.
+    explicit Plane(const Edge& e)
+        : p(vertical), nx(e.y), ny(-e.x), nz(0), ax(std::fabs(e.y)), ay(std::fabs(e.x)), az(0) {}
+
+    // (a, b, p).
+    Plane(const Edge& e, Vertex vertex, const Point* points) : p(vertex) {
         const double px = points[p].x - e.origin.x, py = points[p].y - e.origin.y;
         const double pz = px * px + py * py;
         nx = e.y * pz - e.z * py;
@@ -128,104 +135,126 @@ class LfResIndexed::Growth {
     double length_, r_;
 };
 
+// The cells of a box that can hold points to the right of e, line by line.
+class LfResIndexed::Runs {
+ public:
+    Runs(const Grid& grid, const Edge& e, Box box, Guard guard) : grid_(grid) {
+        const Cells& lines = grid.lines();
+        if (e.y == 0) (e.x > 0 ? box.max_y : box.min_y) = e.origin.y;
+        line_ = lines.cell(box.min_y);
+        shrink(box);
+        // Where the line through e, of slope x against y, passes the foot of line 0, and how much
+        // it gains up to the next. Rising, it has its right side at larger x. Where nothing vouches
+        // for it the slope may underflow.
+        if (e.y == 0 || !guard.vouches()) return;
+        const double slope = e.x / e.y;
+        gain_ = lines.width() * slope;
+        const double foot = (lines.low() - e.origin.y) * slope;
+        const double tallest = farthest(e.origin.y, box.min_y, box.max_y) + lines.width();
+        const double slack = 0.01 * std::fabs(gain_) +
+                             16 * u * (std::fabs(e.origin.x) + std::fabs(foot)) +
+                             32 * u * std::fabs(tallest * slope);
+        if (e.y > 0) {
+            least_ = e.origin.x + foot + std::min(gain_, 0.0) - slack;
+        } else {
+            most_ = e.origin.x + foot + std::max(gain_, 0.0) + slack;
+        }
+    }
+
+    // From now on only what is in this box, too.
+    void shrink(const Box& box) {
+        min_x_ = box.min_x;
+        max_x_ = box.max_x;
+        last_line_ = grid_.lines().cell(box.max_y);
+    }
+
+    // False where there is no further line; the run may be empty.
+    bool next(Grid::Run& run) {
+        if (line_ > last_line_) return false;
+        const double gained = static_cast<double>(line_) * gain_;
+        const double from = std::max(min_x_, least_ + gained);
+        const double to = std::min(max_x_, most_ + gained);
+        run = {0, 0};
+        if (!(from > to))
+            run = grid_.run(line_, grid_.columns().cell(from), grid_.columns().cell(to));
+        ++line_;
+        return true;
+    }
+
+ private:
+    const Grid& grid_;
+    std::size_t line_, last_line_;
+    double min_x_, max_x_;
+    double least_ = -inf, most_ = inf, gain_ = 0;
+};
+
 std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
     ++counts_.calls;
     const Edge e(a, b, p_);
     Growth growth(e, grid_);
-    std::optional<Candidate> candidate;
+    Plane plane(e);
     Box scanned = growth.next();
-    while (scan(e, scanned, candidate)) {
-        if (candidate) {
-            const Box needed = common(candidate->region(e, guard_), grid_.bounds());
-            if (covers(scanned, needed)) return candidate->p;
-            scanned = needed;
-        } else {
+    while (turn(e, scanned, plane)) {
+        if (plane.p == Plane::vertical) {
             if (covers(scanned, grid_.bounds())) return std::nullopt;
             scanned = growth.next();
+        } else {
+            const Box needed = common(plane.region(e, guard_), grid_.bounds());
+            if (covers(scanned, needed)) return plane.p;
+            scanned = needed;
         }
     }
     return std::nullopt;
 }
 
-// Looks at every point of the box to the right of e, or so many of them that the region of the
-// candidate needs no more. False where the run is to end.
-bool LfResIndexed::scan(const Edge& e, const Box& box, std::optional<Candidate>& candidate) {
+// Turns the plane about e until no point of the box is below it, passing over what the region
+// excludes by then. False where the run is to end.
+bool LfResIndexed::turn(const Edge& e, const Box& box, Plane& plane) {
     const double vx = farthest(e.origin.x, box.min_x, box.max_x) + grid_.columns().width();
     const double vy = farthest(e.origin.y, box.min_y, box.max_y) + grid_.lines().width();
-    const bool large = box.max_y - box.min_y > 8 * grid_.lines().width();
-    return for_each_run(e, box, [&](Grid::Run run, Box& rest) {
+    const bool tall = box.max_y - box.min_y > 8 * grid_.lines().width();
+    Runs runs(grid_, e, box, guard_);
+    for (Grid::Run run; runs.next(run);) {
+        const Vertex before = plane.p;
+        if (turn_by_doubles(e, run, 1.01 * vx, 1.01 * vy, plane) != 0) turn_exactly(e, run, plane);
         counts_.evaluations += run.last - run.first;
-        const std::uint64_t planes = counts_.candidate_planes;
-        turn(e, run, 1.01 * vx, 1.01 * vy, candidate);
-        if (large && counts_.candidate_planes != planes)
-            rest = common(rest, candidate->region(e, guard_));
-    });
-}
-
-// Turns the plane about e until no point of the run is below it.
-void LfResIndexed::turn(const Edge& e, Grid::Run run, double vx, double vy,
-                        std::optional<Candidate>& candidate) {
-    Vertex v = run.first;
-    while (!candidate) {
-        if (v == run.last) return;
-        if (is_right(e, v)) {
-            candidate.emplace(e, v, p_);
-            ++counts_.candidate_planes;
-        }
-        ++v;
-    }
-    Candidate c = *candidate;
-    double error = c.error_within(vx, vy) + guard_.margin();
-    for (; v < run.last; ++v) {
-        const double side = c.side(p_[v].x - e.origin.x, p_[v].y - e.origin.y);
-        if (side < -error) continue;
-        if (!(side > error)) {
-            if (v == e.a || v == e.b || v == c.p) continue;
-            ++counts_.undecided;
-            if (!incircle_canonical(e.end, e.origin, p_[c.p], p_[v], guard_)) continue;
-        }
-        c = Candidate(e, v, p_);
-        ++counts_.candidate_planes;
-        error = c.error_within(vx, vy) + guard_.margin();
-    }
-    candidate = c;
-}
-
-bool LfResIndexed::is_right(const Edge& e, Vertex v) const {
-    return v != e.a && v != e.b && orient2d(e.origin, e.end, p_[v]) < 0;
-}
-
-// Visits the runs of cells that can hold points in the box and to the right of e. A visit may make
-// the box smaller.
-template <class Visit>
-bool LfResIndexed::for_each_run(const Edge& e, Box box, Visit visit) {
-    const Cells& columns = grid_.columns();
-    const Cells& lines = grid_.lines();
-    if (e.y == 0) (e.x > 0 ? box.max_y : box.min_y) = e.origin.y;
-    // Where the line through e, of slope x against y, passes the foot of a line of cells, and how
-    // much it gains up to the next. Rising, it has its right side at larger x. The slope may
-    // underflow where nothing vouches for it.
-    const double slope = e.x / e.y;
-    const double gain = lines.width() * slope;
-    const double foot = (lines.low() - e.origin.y) * slope;
-    const double tallest = farthest(e.origin.y, box.min_y, box.max_y) + lines.width();
-    const double slack =
-        0.01 * std::fabs(gain) +
-        16 * u * (std::fabs(e.origin.x) + std::fabs(foot) + 2 * std::fabs(tallest * slope));
-    const bool rises = e.y > 0 && guard_.vouches(), falls = e.y < 0 && guard_.vouches();
-    const double least = e.origin.x + foot + std::min(gain, 0.0) - slack;
-    const double most = e.origin.x + foot + std::max(gain, 0.0) + slack;
-    for (std::size_t line = lines.cell(box.min_y); line <= lines.cell(box.max_y); ++line) {
-        double from = box.min_x, to = box.max_x;
-        const double gained = static_cast<double>(line) * gain;
-        if (rises) from = std::max(from, least + gained);
-        if (falls) to = std::min(to, most + gained);
-        if (from > to) continue;
-        const Grid::Run run = grid_.run(line, columns.cell(from), columns.cell(to));
+        if (tall && plane.p != before) runs.shrink(common(box, plane.region(e, guard_)));
         if (patience_.ends(std::size_t{run.last} - run.first + 1)) return false;
-        if (run.first != run.last) visit(run, box);
     }
     return true;
+}
+
+// How many points of the run rounding leaves open: those that are certainly below are dealt with.
+// Open points are counted without a jump, as a and b would always take it.
+std::uint64_t LfResIndexed::turn_by_doubles(const Edge& e, Grid::Run run, double vx, double vy,
+                                            Plane& plane) {
+    std::uint64_t open = 0;
+    double error = plane.error_within(vx, vy) + guard_.margin();
+    for (Vertex v = run.first; v < run.last; ++v) {
+        const double side = plane.side(p_[v].x - e.origin.x, p_[v].y - e.origin.y);
+        if (side > error) {
+            plane = Plane(e, v, p_);
+            error = plane.error_within(vx, vy) + guard_.margin();
+            ++counts_.candidate_planes;
+        } else {
+            open += !(side < -error) & (v != e.a) & (v != e.b) & (v != plane.p);
+        }
+    }
+    counts_.undecided += open;
+    return open;
+}
+
+void LfResIndexed::turn_exactly(const Edge& e, Grid::Run run, Plane& plane) {
+    for (Vertex v = run.first; v < run.last; ++v) {
+        if (v == e.a || v == e.b || v == plane.p || !is_below(e, plane, v)) continue;
+        plane = Plane(e, v, p_);
+        ++counts_.candidate_planes;
+    }
+}
+
+bool LfResIndexed::is_below(const Edge& e, const Plane& plane, Vertex v) const {
+    if (plane.p == Plane::vertical) return orient2d(e.origin, e.end, p_[v]) < 0;
+    return incircle_canonical(e.end, e.origin, p_[plane.p], p_[v], guard_);
 }
 
 }  // namespace liftmesh::paper

@@ -4,7 +4,8 @@
 // e. So a grid hands out the points of that box and no others. A point that is found below becomes
 // the next candidate: the plane turns about e, and since the circles through a and b are nested on
 // the open side, the region shrinks with it and no point need be looked at twice. Nothing is left
-// below the last candidate. Before there is one, the region is a circle that grows step by step.
+// below the last candidate. The plane is vertical at first, where all points to the right of e are
+// below it and the region has no bounds; it is looked through circle by circle of doubling size.
 //
 // Everything is computed as seen from a: on a paraboloid with its vertex q at a. That is the
 // paper's freedom of choice, and the best one: d = 0, gamma = 0, r = L_cq, and coordinates are
@@ -35,15 +36,14 @@ class LfResIndexed {
 
  private:
     struct Edge;
-    struct Candidate;
+    struct Plane;
     class Growth;
+    class Runs;
 
-    bool scan(const Edge& e, const Box& box, std::optional<Candidate>& candidate);
-    void turn(const Edge& e, Grid::Run run, double vx, double vy,
-              std::optional<Candidate>& candidate);
-    bool is_right(const Edge& e, Vertex v) const;
-    template <class Visit>
-    bool for_each_run(const Edge& e, Box box, Visit visit);
+    bool turn(const Edge& e, const Box& box, Plane& plane);
+    std::uint64_t turn_by_doubles(const Edge& e, Grid::Run run, double vx, double vy, Plane& plane);
+    void turn_exactly(const Edge& e, Grid::Run run, Plane& plane);
+    bool is_below(const Edge& e, const Plane& plane, Vertex v) const;
 
     const Grid& grid_;
     const Point* p_;
