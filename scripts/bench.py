@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from bench_peers import OURS, PEERS
+from bench_peers import OURS, PEERS, RIVALS
 from bench_report import Measurement, flaws_of, table_of, write_json
 from bench_rounds import Timing, import_seconds, time_rounds
 from bench_trial import run_trial
@@ -62,7 +62,7 @@ def read_options() -> Namespace:
     add = parser.add_argument
     add("--n", nargs="+", type=int, default=[1_000_000], metavar="ROWS")
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=[*DISTRIBUTIONS], metavar="D")
-    add("--peers", nargs="+", choices=PEERS, default=[*PEERS], metavar="P", help=", ".join(PEERS))
+    add("--peers", nargs="+", choices=PEERS, default=[*RIVALS], metavar="P", help=", ".join(PEERS))
     add("--repeat", type=int, default=5, help="rounds")
     add("--patience", type=float, default=20.0, help="seconds for a trial, and for all rounds")
     add("--quick", action="store_true", help="few rows, few inputs, three rounds")

@@ -23,6 +23,7 @@ PAGE = 512
 class Peer:
     """A program and its way from points to triangles."""
 
+    name: str
     package: str
     triangulate: Callable[[Points], Triangles]
 
@@ -43,6 +44,11 @@ def liftmesh(points: Points) -> Triangles:
     return touched(triangulation.simplices, triangulation.neighbors)
 
 
+def lfres_indexed(points: Points) -> Triangles:
+    triangulation = import_module("liftmesh").delaunay(points, method="lfres-indexed")
+    return touched(triangulation.simplices, triangulation.neighbors)
+
+
 def shull(points: Points) -> Triangles:
     triangulation = import_module("shull").Delaunay(points)
     return touched(triangulation.simplices, triangulation.neighbors)
@@ -58,12 +64,14 @@ def scipy(points: Points) -> Triangles:
 
 
 OURS = "liftmesh"
+RIVALS = ("shull", "triangle", "scipy")
 PEERS = {
-    peer.package: peer
+    peer.name: peer
     for peer in (
-        Peer(OURS, liftmesh),
-        Peer("shull", shull),
-        Peer("triangle", triangle),
-        Peer("scipy", scipy),
+        Peer(OURS, OURS, liftmesh),
+        Peer("lfres-indexed", OURS, lfres_indexed),
+        Peer("shull", "shull", shull),
+        Peer("triangle", "triangle", triangle),
+        Peer("scipy", "scipy", scipy),
     )
 }

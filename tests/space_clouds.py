@@ -115,6 +115,13 @@ def one_magnitude_in_z(n: int, rng: Generator) -> Points:
     return with_heights(rng.random((n, 2)), z)
 
 
+def steps_beside_a_tower(n: int, rng: Generator) -> Points:
+    """Heights of a few denormal steps, but one: the others have no room for a rounded product."""
+    z = rng.integers(-3, 4, n) * LEAST
+    z[rng.integers(0, n)] = 2.0**1000
+    return with_heights(rng.random((n, 2)), z)
+
+
 SPACE: dict[str, Generate] = {
     generate.__name__: generate
     for generate in (
@@ -135,6 +142,7 @@ SPACE: dict[str, Generate] = {
         scaled_integers,
         extremes,
         one_magnitude_in_z,
+        steps_beside_a_tower,
     )
 }
 

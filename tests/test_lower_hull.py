@@ -28,6 +28,7 @@ SIZES = {
     "any_magnitude": 60,
     "extremes": 200,
     "one_magnitude_in_z": 150,
+    "steps_beside_a_tower": 150,
     "cap": 400,
     "flat strip": 500,
     "flat raster": 900,
