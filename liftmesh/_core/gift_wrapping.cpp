@@ -8,7 +8,6 @@
 #include "floating_point.hpp"
 #include "order.hpp"
 #include "paper/algorithm2.hpp"
-#include "paper/first_edge.hpp"
 #include "paper/grid.hpp"
 #include "paper/lf.hpp"
 #include "paper/lfres.hpp"
@@ -46,11 +45,10 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
         const paper::LiftedPoints p(points, scaled(q, order.scale), order.scale.guard);
         auto facet_through = make_procedure(p);
         std::vector<Facet> facets;
-        if (const auto e1 = paper::FirstEdgeSearch(p).find())
-            facets = paper::LowerConvexHull(facet_through, p.size()).wrap(e1->v1, e1->end);
+        outcome.status = paper::lower_convex_hull(p, facet_through, interrupt, facets);
         counts = facet_through.counts();
-        outcome.status = facet_through.interrupted() ? Status::interrupted
-                                                     : emit(facets, points, rows, outcome.result);
+        if (outcome.status == Status::ok)
+            outcome.status = emit(facets, points, rows, outcome.result);
     };
     using paper::LiftedPoints;
     if (procedure == Procedure::lf) {

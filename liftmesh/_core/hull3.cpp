@@ -175,7 +175,10 @@ class LowerHullBuilder {
         find_cavity(v);
         collect_waiting(v);
         fill_cavity(v);
-        for (Vertex w : moving_) settle(w, fresh_);
+        for (Vertex w : moving_) {
+            if (patience_.ends()) return;
+            settle(w, fresh_);
+        }
     }
 
     // The facets in conflict are connected; the rim is where they meet those that stay.

@@ -10,7 +10,6 @@
 #include "hull3.hpp"
 #include "order.hpp"
 #include "paper/algorithm2.hpp"
-#include "paper/first_edge.hpp"
 #include "paper/lf.hpp"
 #include "paper/points.hpp"
 #include "scale.hpp"
@@ -20,11 +19,11 @@ namespace liftmesh {
 namespace {
 
 // Puts the lowest row of each planar position in place of the first.
-void take_lowest(const Input& input, Order& order) {
-    if (order.duplicates.empty()) return;
+void take_lowest(const Input& input, const std::vector<Duplicate>& duplicates, Order& order) {
+    if (duplicates.empty()) return;
     std::vector<Row> lowest(input.rows);
     for (std::size_t i = 0; i < order.count; ++i) lowest[order.rows[i]] = order.rows[i];
-    for (const Duplicate& pair : order.duplicates)
+    for (const Duplicate& pair : duplicates)
         if (input.height(pair.row) < input.height(lowest[pair.kept])) lowest[pair.kept] = pair.row;
     for (std::size_t i = 0; i < order.count; ++i) order.rows[i] = lowest[order.rows[i]];
 }
@@ -59,10 +58,9 @@ std::vector<SpacePoint> in_space(const Order& order, const std::vector<double>& 
 Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet>& facets,
             paper::Counts& counts) {
     paper::Lf facet_through(p, interrupt);
-    if (const auto e1 = paper::FirstEdgeSearch(p).find())
-        facets = paper::LowerConvexHull(facet_through, p.size()).wrap(e1->v1, e1->end);
+    const Status status = paper::lower_convex_hull(p, facet_through, interrupt, facets);
     counts = facet_through.counts();
-    return facet_through.interrupted() ? Status::interrupted : Status::ok;
+    return status;
 }
 
 }  // namespace
@@ -74,7 +72,7 @@ Delaunay lower_hull(const Input& input, HullMethod method, Interrupt& interrupt,
     Delaunay outcome = start(input, false, interrupt, order);
     if (outcome.status != Status::ok) return outcome;
     if (method == HullMethod::lf) sort_by_row(order);
-    take_lowest(input, order);
+    take_lowest(input, outcome.duplicates, order);
     const Heights z = heights_of(input, order);
     std::vector<SpacePoint> points = in_space(order, z.values);
     std::vector<Facet> facets;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -86,8 +87,8 @@ def parse_q(text: str) -> Any:
     if text in {"median", "origin"}:
         return text
     numbers = _numbers(text, 2)
-    if numbers is None:
-        raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or QX,QY")
+    if numbers is None or not all(map(math.isfinite, numbers)):
+        raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or a finite QX,QY")
     return numbers
 
 

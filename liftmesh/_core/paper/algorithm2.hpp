@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "facets.hpp"
+#include "paper/first_edge.hpp"
 #include "paper/open_edges.hpp"
 #include "point.hpp"
+#include "status.hpp"
 
 namespace liftmesh::paper {
 
@@ -75,5 +77,16 @@ class LowerConvexHull {
     std::vector<Facet> facets_;
     OpenEdges open_;
 };
+
+// All of it, from the first edge on. There are no facets where all points are on one line.
+template <class Points, class Procedure>
+Status lower_convex_hull(const Points& points, Procedure& facet_through, Interrupt& interrupt,
+                         std::vector<Facet>& facets) {
+    Patience patience(interrupt);
+    const std::optional<FirstEdge> e1 = FirstEdgeSearch(points, patience).find();
+    if (patience.ends(0)) return Status::interrupted;
+    if (e1) facets = LowerConvexHull(facet_through, points.size()).wrap(e1->v1, e1->end);
+    return facet_through.interrupted() ? Status::interrupted : Status::ok;
+}
 
 }  // namespace liftmesh::paper

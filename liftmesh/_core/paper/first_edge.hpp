@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "paper/points.hpp"
+#include "status.hpp"
 
 namespace liftmesh::paper {
 
@@ -20,16 +21,16 @@ struct FirstEdge {
 template <class Points>
 class FirstEdgeSearch {
  public:
-    explicit FirstEdgeSearch(const Points& points) : p_(points) {}
+    FirstEdgeSearch(const Points& points, Patience& patience) : p_(points), patience_(patience) {}
 
     // None where all points have one y: then CH_L(P) has no facet.
-    std::optional<FirstEdge> find() const {
+    std::optional<FirstEdge> find() {
         const auto n = static_cast<Vertex>(p_.size());
         Vertex v1 = 0;
-        for (Vertex v = 1; v < n; ++v)
+        for (Vertex v = 1; v < n && !patience_.ends(step); ++v)
             if (is_lower(v, v1)) v1 = v;
         Vertex v2 = v1 == 0 ? 1 : 0, vn = v2;
-        for (Vertex v = 0; v < n; ++v) {
+        for (Vertex v = 0; v < n && !patience_.ends(step); ++v) {
             if (v == v1) continue;
             if (v != v2 && is_to_the_right(v1, v2, v)) v2 = v;
             if (v != vn && is_to_the_right(v1, v, vn)) vn = v;
@@ -42,6 +43,9 @@ class FirstEdgeSearch {
     }
 
  private:
+    // A comparison weighs as much: where q is far it takes microseconds.
+    static constexpr std::size_t step = 16;
+
     // Of equally low points the lexicographically least is lifted least.
     bool is_lower(Vertex u, Vertex v) const {
         const int sign = p_.compare_z(u, v);
@@ -78,6 +82,7 @@ class FirstEdgeSearch {
     }
 
     const Points& p_;
+    Patience& patience_;
 };
 
 }  // namespace liftmesh::paper

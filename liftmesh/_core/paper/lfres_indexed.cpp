@@ -45,18 +45,15 @@ struct LfResIndexed::Edge {
           z(x * x + y * y) {}
 };
 
-// A plane through e. Differences are off by u and heights by 4 u, so the parts of a normal are off
-// by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
+// A plane through e.
 struct LfResIndexed::Plane {
     static constexpr Vertex vertical = ~Vertex{0};
 
     Vertex p;
     double nx, ny, nz;
-    double ax, ay, az;  // what the parts of the normal would be if nothing cancelled
 
     // The vertical one: what is to the right of e is below it.
-    explicit Plane(const Edge& e)
-        : p(vertical), nx(e.y), ny(-e.x), nz(0), ax(std::fabs(e.y)), ay(std::fabs(e.x)), az(0) {}
+    explicit Plane(const Edge& e) : p(vertical), nx(e.y), ny(-e.x), nz(0) {}
 
     // (a, b, p).
     Plane(const Edge& e, Vertex vertex, const Point* points) : p(vertex) {
@@ -65,50 +62,32 @@ struct LfResIndexed::Plane {
         nx = e.y * pz - e.z * py;
         ny = e.z * px - e.x * pz;
         nz = e.x * py - e.y * px;
-        ax = std::fabs(e.y) * pz + e.z * std::fabs(py);
-        ay = e.z * std::fabs(px) + std::fabs(e.x) * pz;
-        az = std::fabs(e.x * py) + std::fabs(e.y * px);
     }
 
-    // n . p - d for a point at (x, y) as seen from a, and its error where |x| <= vx and |y| <= vy.
+    // n . p - d for a point at (x, y) as seen from a.
     double side(double x, double y) const { return nx * x + ny * y + nz * (x * x + y * y); }
-    double error_within(double vx, double vy) const {
-        return 20 * u * (ax * vx + ay * vy + az * (vx * vx + vy * vy));
-    }
+};
 
-    // The box of what (C) has to the right of e, rounded outwards. (C) passes through a, so its
-    // radius is the distance of its centre c from there.
-    Box region(const Edge& e, Guard guard) const {
-        const Box everything{-inf, inf, -inf, inf};
-        const double error_of_nz = 5 * u * az;
-        const double rest = std::fabs(nz) - error_of_nz;
-        if (!(rest > error_of_nz) || !guard.vouches()) return everything;
-        const double scale = -0.5 / nz;
-        const double cx = nx * scale, cy = ny * scale;
-        const double size = std::fabs(cx) + std::fabs(cy);
-        const double error_of_c = (4 * u * (ax + ay) + error_of_nz * size) / rest + 6 * u * size;
-        const double r = std::sqrt(cx * cx + cy * cy);
-        const double reach = r * (1 + 8 * u) + 3 * error_of_c +
-                             4 * u * (std::fabs(e.origin.x) + std::fabs(e.origin.y));
-        if (!(reach < inf)) return everything;
-        // c is to the right of e, or to the left where (C) reaches less than a half-circle across;
-        // then an extreme of (C) to the left of e does not count.
-        const auto left = [&](double x, double y) {
-            return e.x * y - e.y * x > 8 * u * (std::fabs(e.x) + std::fabs(e.y)) * (size + reach) +
-                                           3 * error_of_c * (std::fabs(e.x) + std::fabs(e.y));
-        };
-        const double low_x = left(cx - r, cy) ? std::min(0.0, e.x) : cx - reach;
-        const double high_x = left(cx + r, cy) ? std::max(0.0, e.x) : cx + reach;
-        const double low_y = left(cx, cy - r) ? std::min(0.0, e.y) : cy - reach;
-        const double high_y = left(cx, cy + r) ? std::max(0.0, e.y) : cy + reach;
-        return {std::min(e.origin.x + low_x, std::min(e.origin.x, e.end.x)),
-                std::max(e.origin.x + high_x, std::max(e.origin.x, e.end.x)),
-                std::min(e.origin.y + low_y, std::min(e.origin.y, e.end.y)),
-                std::max(e.origin.y + high_y, std::max(e.origin.y, e.end.y))};
+// What bounds rounding for all planes (a, b, p) and all points with |x| and |y| below `width` and
+// `height` as seen from a. Differences are off by u and heights by 4 u, so the parts of a normal
+// are off by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
+struct LfResIndexed::Errors {
+    double nxy, nz;          // of nx and ny together, and of nz
+    double upright, turned;  // of a dot product with the vertical plane, and with any other
+
+    Errors(const Edge& e, double width, double height, Guard guard) {
+        const double x = std::fabs(e.x), y = std::fabs(e.y), z = width * width + height * height;
+        const double ax = y * z + e.z * height, ay = e.z * width + x * z;
+        const double az = x * height + y * width;
+        nxy = 8 * u * (ax + ay);
+        nz = 5 * u * az;
+        upright = 8 * u * (y * width + x * height) + guard.margin();
+        turned = 20 * u * (ax * width + ay * height + az * z) + guard.margin();
     }
 };
 
-// Before there is a candidate: circles through a and b, to the right of e, whose radius doubles.
+// Before there is a candidate: boxes of circles through a and b, to the right of e, whose
+// radius doubles.
 class LfResIndexed::Growth {
  public:
     Growth(const Edge& e, const Grid& grid) : e_(e), grid_(grid), length_(std::sqrt(e.z)) {
@@ -194,31 +173,64 @@ std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
     Growth growth(e, grid_);
     Plane plane(e);
     Box scanned = growth.next();
-    while (turn(e, scanned, plane)) {
+    for (;;) {
+        const Errors errors = errors_within(e, scanned);
+        if (!turn(e, scanned, errors, plane)) return std::nullopt;
         if (plane.p == Plane::vertical) {
             if (covers(scanned, grid_.bounds())) return std::nullopt;
             scanned = growth.next();
         } else {
-            const Box needed = common(plane.region(e, guard_), grid_.bounds());
+            const Box needed = common(region(e, plane, errors), grid_.bounds());
             if (covers(scanned, needed)) return plane.p;
             scanned = needed;
         }
     }
-    return std::nullopt;
+}
+
+// Every cell that meets the box is no farther from a than the box, give or take a cell.
+LfResIndexed::Errors LfResIndexed::errors_within(const Edge& e, const Box& box) const {
+    const double width = farthest(e.origin.x, box.min_x, box.max_x) + grid_.columns().width();
+    const double height = farthest(e.origin.y, box.min_y, box.max_y) + grid_.lines().width();
+    return Errors(e, 1.01 * width, 1.01 * height, guard_);
+}
+
+// The box of what (C) has to the right of e, rounded outwards. (C) passes through a, so its radius
+// is the distance of its centre c from there. An extreme of (C) to the left of e does not count: on
+// that side the arc to the right of e ends at a or at b.
+Box LfResIndexed::region(const Edge& e, const Plane& plane, const Errors& errors) const {
+    const Box everything{-inf, inf, -inf, inf};
+    if (!(std::fabs(plane.nz) > 2 * errors.nz) || !guard_.vouches()) return everything;
+    const double scale = -0.5 / plane.nz;
+    const double cx = plane.nx * scale, cy = plane.ny * scale;
+    const double size = std::fabs(cx) + std::fabs(cy);
+    // Dividing by |n_z| less its error, which is at least |n_z| / 2, multiplies by 4 |scale| at
+    // most.
+    const double error_of_c = 4 * std::fabs(scale) * (errors.nxy + errors.nz * size) + 6 * u * size;
+    const double r = std::sqrt(cx * cx + cy * cy);
+    const double reach =
+        r * (1 + 8 * u) + 3 * error_of_c + 4 * u * (std::fabs(e.origin.x) + std::fabs(e.origin.y));
+    if (!(reach < inf)) return everything;
+    const double doubt =
+        (std::fabs(e.x) + std::fabs(e.y)) * (8 * u * (size + reach) + 3 * error_of_c);
+    const auto left = [&](double x, double y) { return e.x * y - e.y * x > doubt; };
+    const Point& a = e.origin;
+    const Point& b = e.end;
+    return {left(cx - r, cy) ? std::min(a.x, b.x) : a.x + (cx - reach),
+            left(cx + r, cy) ? std::max(a.x, b.x) : a.x + (cx + reach),
+            left(cx, cy - r) ? std::min(a.y, b.y) : a.y + (cy - reach),
+            left(cx, cy + r) ? std::max(a.y, b.y) : a.y + (cy + reach)};
 }
 
 // Turns the plane about e until no point of the box is below it, passing over what the region
 // excludes by then. False where the run is to end.
-bool LfResIndexed::turn(const Edge& e, const Box& box, Plane& plane) {
-    const double vx = farthest(e.origin.x, box.min_x, box.max_x) + grid_.columns().width();
-    const double vy = farthest(e.origin.y, box.min_y, box.max_y) + grid_.lines().width();
+bool LfResIndexed::turn(const Edge& e, const Box& box, const Errors& errors, Plane& plane) {
     const bool tall = box.max_y - box.min_y > 8 * grid_.lines().width();
     Runs runs(grid_, e, box, guard_);
     for (Grid::Run run; runs.next(run);) {
         const Vertex before = plane.p;
-        if (turn_by_doubles(e, run, 1.01 * vx, 1.01 * vy, plane) != 0) turn_exactly(e, run, plane);
+        if (turn_by_doubles(e, run, errors, plane) != 0) turn_exactly(e, run, plane);
         counts_.evaluations += run.last - run.first;
-        if (tall && plane.p != before) runs.shrink(common(box, plane.region(e, guard_)));
+        if (tall && plane.p != before) runs.shrink(common(box, region(e, plane, errors)));
         if (patience_.ends(std::size_t{run.last} - run.first + 1)) return false;
     }
     return true;
@@ -226,15 +238,15 @@ bool LfResIndexed::turn(const Edge& e, const Box& box, Plane& plane) {
 
 // How many points of the run rounding leaves open: those that are certainly below are dealt with.
 // Open points are counted without a jump, as a and b would always take it.
-std::uint64_t LfResIndexed::turn_by_doubles(const Edge& e, Grid::Run run, double vx, double vy,
+std::uint64_t LfResIndexed::turn_by_doubles(const Edge& e, Grid::Run run, const Errors& errors,
                                             Plane& plane) {
     std::uint64_t open = 0;
-    double error = plane.error_within(vx, vy) + guard_.margin();
+    double error = plane.p == Plane::vertical ? errors.upright : errors.turned;
     for (Vertex v = run.first; v < run.last; ++v) {
         const double side = plane.side(p_[v].x - e.origin.x, p_[v].y - e.origin.y);
         if (side > error) {
             plane = Plane(e, v, p_);
-            error = plane.error_within(vx, vy) + guard_.margin();
+            error = errors.turned;
             ++counts_.candidate_planes;
         } else {
             open += !(side < -error) & (v != e.a) & (v != e.b) & (v != plane.p);
