@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh.arrays import as_coordinates, as_rows3
 from liftmesh.cloud import Cloud
-from liftmesh.counters import Counters
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     import trimesh
 
+    from liftmesh.counters import Counters
     from liftmesh.formats import Written
 
 ParaboloidVertex: TypeAlias = "Literal['origin', 'median'] | ArrayLike"

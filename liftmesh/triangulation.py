@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh.arrays import as_pairs
-from liftmesh.counters import Counters
 from liftmesh.lifting import LowerHull, ParaboloidVertex, lift, resolve_q
 
 if TYPE_CHECKING:
     import scipy.spatial
+
+    from liftmesh.counters import Counters
 
 
 class Triangulation:

@@ -23,6 +23,27 @@ bool covers(const Box& s, const Box& t) {
            (s.max_y >= t.max_y);
 }
 
+// How far a circle reaches to both sides of its centre c, between two coordinates on the other
+// axis. Rounding costs r^2 - d^2 no more than 8 u r^2, and moves c by no more than r was enlarged
+// for.
+double half_chord(double low, double high, double c, double r) {
+    const double d = std::max({low - c, c - high, 0.0}) * (1 - 4 * u);
+    return std::sqrt(std::max(r * r * (1 + 8 * u) - d * d, 0.0)) * (1 + 4 * u);
+}
+
+// What a circle leaves of a box that cuts it: where points fill a strip, circles are far larger.
+Box around_circle(Box box, double cx, double cy, double r) {
+    if (box.max_y - box.min_y < r) {
+        const double half = half_chord(box.min_y, box.max_y, cy, r);
+        box = common(box, {cx - half, cx + half, -inf, inf});
+    }
+    if (box.max_x - box.min_x < r) {
+        const double half = half_chord(box.min_x, box.max_x, cx, r);
+        box = common(box, {-inf, inf, cy - half, cy + half});
+    }
+    return box;
+}
+
 double farthest(double from, double low, double high) {
     return std::max(high - from, from - low);
 }
@@ -180,7 +201,7 @@ std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
             if (covers(scanned, grid_.bounds())) return std::nullopt;
             scanned = growth.next();
         } else {
-            const Box needed = common(region(e, plane, errors), grid_.bounds());
+            const Box needed = region(e, plane, errors);
             if (covers(scanned, needed)) return plane.p;
             scanned = needed;
         }
@@ -195,16 +216,15 @@ LfResIndexed::Errors LfResIndexed::errors_within(const Edge& e, const Box& box) 
 }
 
 // The box of what (C) has to the right of e, rounded outwards. (C) passes through a, so its radius
-// is the distance of its centre c from there. An extreme of (C) to the left of e does not count: on
-// that side the arc to the right of e ends at a or at b.
+// is the distance of its centre c from there. An extreme of (C)
+// to the left of e does not count: on that side the arc to the right of e ends at a or at b.
 Box LfResIndexed::region(const Edge& e, const Plane& plane, const Errors& errors) const {
-    const Box everything{-inf, inf, -inf, inf};
+    const Box everything = grid_.bounds();
     if (!(std::fabs(plane.nz) > 2 * errors.nz) || !guard_.vouches()) return everything;
     const double scale = -0.5 / plane.nz;
     const double cx = plane.nx * scale, cy = plane.ny * scale;
     const double size = std::fabs(cx) + std::fabs(cy);
-    // Dividing by |n_z| less its error, which is at least |n_z| / 2, multiplies by 4 |scale| at
-    // most.
+    // 1 / (|n_z| less its error), which is at least |n_z| / 2, is 4 |scale| at most.
     const double error_of_c = 4 * std::fabs(scale) * (errors.nxy + errors.nz * size) + 6 * u * size;
     const double r = std::sqrt(cx * cx + cy * cy);
     const double reach =
@@ -215,14 +235,15 @@ Box LfResIndexed::region(const Edge& e, const Plane& plane, const Errors& errors
     const auto left = [&](double x, double y) { return e.x * y - e.y * x > doubt; };
     const Point& a = e.origin;
     const Point& b = e.end;
-    return {left(cx - r, cy) ? std::min(a.x, b.x) : a.x + (cx - reach),
-            left(cx + r, cy) ? std::max(a.x, b.x) : a.x + (cx + reach),
-            left(cx, cy - r) ? std::min(a.y, b.y) : a.y + (cy - reach),
-            left(cx, cy + r) ? std::max(a.y, b.y) : a.y + (cy + reach)};
+    const Box box{left(cx - r, cy) ? std::min(a.x, b.x) : a.x + (cx - reach),
+                  left(cx + r, cy) ? std::max(a.x, b.x) : a.x + (cx + reach),
+                  left(cx, cy - r) ? std::min(a.y, b.y) : a.y + (cy - reach),
+                  left(cx, cy + r) ? std::max(a.y, b.y) : a.y + (cy + reach)};
+    return around_circle(common(box, grid_.bounds()), a.x + cx, a.y + cy, reach);
 }
 
-// Turns the plane about e until no point of the box is below it, passing over what the region
-// excludes by then. False where the run is to end.
+// Turns the plane about e until no point of the box is below it, passing over what the plane's
+// own region excludes by then. False where the run is to end.
 bool LfResIndexed::turn(const Edge& e, const Box& box, const Errors& errors, Plane& plane) {
     const bool tall = box.max_y - box.min_y > 8 * grid_.lines().width();
     Runs runs(grid_, e, box, guard_);
