@@ -132,12 +132,17 @@ nb::tuple tell(const liftmesh::paper::Counts& counts) {
                           nb::make_tuple(i, ii, iii, iv, v, below), counts.undecided);
 }
 
+liftmesh::Procedure procedure_named(std::string_view method) {
+    if (method == "lf") return liftmesh::Procedure::lf;
+    if (method == "lfres") return liftmesh::Procedure::lfres;
+    if (method == "lfres-indexed") return liftmesh::Procedure::lfres_indexed;
+    throw std::invalid_argument("unknown method");
+}
+
 nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, std::string_view method,
                     double qx, double qy) {
     const Input input = read(rows);
-    const liftmesh::Procedure procedure = method == "lf"      ? liftmesh::Procedure::lf
-                                          : method == "lfres" ? liftmesh::Procedure::lfres
-                                                              : liftmesh::Procedure::lfres_indexed;
+    const liftmesh::Procedure procedure = procedure_named(method);
     PythonInterrupt interrupt;
     liftmesh::Delaunay outcome;
     liftmesh::paper::Counts counts;

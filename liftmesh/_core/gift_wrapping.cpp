@@ -38,11 +38,16 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
     Delaunay outcome = start(input, skip_non_finite, interrupt, order);
     if (outcome.status != Status::ok) return outcome;
     // The work of LF and LFRes depends on the order of P: it is that of the caller's rows.
-    if (procedure != Procedure::lfres_indexed) sort_by_row(order);
+    const bool ordered =
+        procedure == Procedure::lfres_indexed || sort_by_row(input, interrupt, order);
+    if (!ordered) {
+        outcome.status = Status::interrupted;
+        return outcome;
+    }
     std::vector<Point> points(order.points.get(), order.points.get() + order.count);
     std::vector<Row> rows(order.rows.get(), order.rows.get() + order.count);
-    const auto wrap = [&](auto make_procedure) {
-        const paper::LiftedPoints p(points, scaled(q, order.scale), order.scale.guard);
+    const auto wrap = [&](Point vertex, auto make_procedure) {
+        const paper::LiftedPoints p(points, vertex, order.scale.guard);
         auto facet_through = make_procedure(p);
         std::vector<Facet> facets;
         outcome.status = paper::lower_convex_hull(p, facet_through, interrupt, facets);
@@ -52,12 +57,15 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
     };
     using paper::LiftedPoints;
     if (procedure == Procedure::lf) {
-        wrap([&](const LiftedPoints& p) { return paper::Lf(p, interrupt); });
+        wrap(scaled(q, order.scale),
+             [&](const LiftedPoints& p) { return paper::Lf(p, interrupt); });
     } else if (procedure == Procedure::lfres) {
-        wrap([&](const LiftedPoints& p) { return paper::LfRes(p, interrupt); });
+        wrap(scaled(q, order.scale),
+             [&](const LiftedPoints& p) { return paper::LfRes(p, interrupt); });
     } else {
+        // Here q matters for the first edge alone: the best is one in sight of the points.
         const paper::Grid grid(points, rows);
-        wrap([&](const LiftedPoints& p) {
+        wrap(points.front(), [&](const LiftedPoints& p) {
             return paper::LfResIndexed(grid, points.data(), p.guard(), interrupt);
         });
     }

@@ -50,7 +50,9 @@ class LowerHullBuilder {
         start(*seed);
         for (Vertex v : order) {
             if (patience_.ends()) return Status::interrupted;
-            if (std::find(seed->begin(), seed->end(), v) == seed->end()) settle(v, fresh_);
+            if (std::find(seed->begin(), seed->end(), v) == seed->end())
+                settle(v, *std::find_if(fresh_.begin(), fresh_.end(),
+                                        [&](TriangleId t) { return holds(t, planar(v)); }));
         }
         for (Vertex v : order)
             if (home_[v] != nowhere)
@@ -61,6 +63,7 @@ class LowerHullBuilder {
     std::vector<Facet> facets() const {
         std::vector<std::uint32_t> name(triangles_.size(), Facet::none);
         std::vector<Facet> result;
+        result.reserve(triangles_.size());
         for (TriangleId t = 0; t < triangles_.size(); ++t) {
             if (!is_live(t) || triangles_[t].is_ghost()) continue;
             name[t] = static_cast<std::uint32_t>(result.size());
@@ -140,15 +143,13 @@ class LowerHullBuilder {
                orient2d(planar(v[2]), planar(v[0]), p) >= 0;
     }
 
-    // Lets a point wait at the one of these facets that it belongs to, or leaves it out for good.
-    void settle(Vertex v, const std::vector<TriangleId>& facets) {
+    // Lets a point wait at the facet that it belongs to, or leaves it out for good.
+    void settle(Vertex v, TriangleId home) {
         home_[v] = nowhere;
-        const auto home = std::find_if(facets.begin(), facets.end(),
-                                       [&](TriangleId t) { return holds(t, planar(v)); });
-        if (home == facets.end() || !is_in_conflict(*home, v)) return;
-        home_[v] = *home;
-        next_waiting_[v] = waiting_[*home];
-        waiting_[*home] = v;
+        if (!is_in_conflict(home, v)) return;
+        home_[v] = home;
+        next_waiting_[v] = waiting_[home];
+        waiting_[home] = v;
     }
 
     // Whether a facet goes when v comes.
@@ -175,9 +176,10 @@ class LowerHullBuilder {
         find_cavity(v);
         collect_waiting(v);
         fill_cavity(v);
+        const Fan fan = fan_around(v);
         for (Vertex w : moving_) {
             if (patience_.ends()) return;
-            settle(w, fresh_);
+            settle(w, fan.find(*this, planar(w)));
         }
     }
 
@@ -229,6 +231,67 @@ class LowerHullBuilder {
             join(facing(fresh_[i], rim_[i].tail), spoke_[index(rim_[i].head)]);
     }
 
+    // The facets around a vertex, counter-clockwise, each with the spoke at which it begins. Angles
+    // are compared exactly: by the half of the turn, counted from the first spoke, and inside a
+    // half by the turn from one to the other. Ghosts stand apart.
+    class Fan {
+     public:
+        Fan(Point centre, std::vector<TriangleId>& facets, std::vector<Point>& spokes)
+            : centre_(centre), facets_(facets), spokes_(spokes) {}
+
+        TriangleId find(const LowerHullBuilder& hull, Point p) const {
+            for (TriangleId t : ghosts)
+                if (t != nowhere && hull.holds(t, p)) return t;
+            const auto after = std::partition_point(
+                spokes_.begin(), spokes_.end(), [&](Point spoke) { return !is_before(p, spoke); });
+            return facets_[static_cast<std::size_t>(after - spokes_.begin()) - 1];
+        }
+
+        std::array<TriangleId, 2> ghosts = {nowhere, nowhere};
+
+     private:
+        // Whether p is at a smaller angle than the spoke.
+        bool is_before(Point p, Point spoke) const {
+            const bool late = is_late(p), spoke_is_late = is_late(spoke);
+            if (late != spoke_is_late) return spoke_is_late;
+            return orient2d(centre_, spoke, p) < 0;
+        }
+        bool is_late(Point p) const {
+            const Point first = spokes_.front();
+            const int turn = orient2d(centre_, first, p);
+            if (turn != 0) return turn < 0;
+            return first.x != centre_.x ? (first.x > centre_.x) != (p.x > centre_.x)
+                                        : (first.y > centre_.y) != (p.y > centre_.y);
+        }
+
+        Point centre_;
+        std::vector<TriangleId>& facets_;
+        std::vector<Point>& spokes_;
+    };
+
+    // From facet to facet across the spokes, beginning behind a ghost where there is one.
+    Fan fan_around(Vertex v) {
+        fan_.clear();
+        spokes_.clear();
+        Fan fan(planar(v), fan_, spokes_);
+        const auto next_around = [&](TriangleId t) {
+            const Edge e = next(facing(t, v));
+            return triangle_of(triangles_[triangle_of(e)].twin[place(e)]);
+        };
+        TriangleId t = fresh_.front();
+        for (TriangleId g : fresh_)
+            if (triangles_[g].is_ghost()) t = g;
+        for (std::size_t i = 0, ghosts = 0; i < fresh_.size(); ++i, t = next_around(t)) {
+            if (triangles_[t].is_ghost()) {
+                fan.ghosts[ghosts++] = t;
+            } else {
+                fan_.push_back(t);
+                spokes_.push_back(planar(triangles_[t].vertex[place(next(facing(t, v)))]));
+            }
+        }
+        return fan;
+    }
+
     static std::array<Vertex, 3> ghost_last(std::array<Vertex, 3> v) {
         std::rotate(v.begin(), v.begin() + (v[0] == ghost ? 1 : v[1] == ghost ? 2 : 0), v.end());
         return v;
@@ -249,7 +312,8 @@ class LowerHullBuilder {
     std::vector<TriangleId> home_;      // of each point that waits
     std::vector<Edge> spoke_;
     std::vector<char> conflict_;
-    std::vector<TriangleId> cavity_, fresh_;
+    std::vector<TriangleId> cavity_, fresh_, fan_;
+    std::vector<Point> spokes_;
     std::vector<Side> rim_;
     std::vector<Vertex> moving_;
 };

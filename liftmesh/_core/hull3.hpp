@@ -1,12 +1,12 @@
 // The lower hull of points in space: randomised incremental construction with conflict lists.
 //
-// Every point that is not yet on the hull waits at the facet above which it hangs from below: the
-// one that holds its planar position, or a ghost beyond the planar hull. A point is inserted by
-// removing the facets that it is below of and joining it to the rim of the hole; points that waited
-// there move on to the new facets, and those that are above them are above the hull for good.
-// Rounds of doubling size, in kd order inside a round, keep the memory that is touched together
-// while the expected time stays O(n log n) on every input (N. Amenta, S. Choi and G. Rote,
-// "Incremental constructions con BRIO", 2003; K. L. Clarkson and P. W. Shor, 1989).
+// Every point below the hull so far waits at one facet that it is below of: the one that holds its
+// planar position, or a ghost beyond the planar hull. A point is inserted by removing the facets
+// that it is below of and joining it to the rim of the hole; points that waited there move on to
+// the new facets, found by their angle around it, and those that are above are so for good. Rounds
+// of doubling size, in kd order inside a round, keep the memory that is touched together while the
+// expected time stays O(n log n) on every input (N. Amenta, S. Choi and G. Rote, "Incremental
+// constructions con BRIO", 2003; K. L. Clarkson and P. W. Shor, 1989).
 #pragma once
 
 #include <span>

@@ -71,7 +71,10 @@ Delaunay lower_hull(const Input& input, HullMethod method, Interrupt& interrupt,
     Order order;
     Delaunay outcome = start(input, false, interrupt, order);
     if (outcome.status != Status::ok) return outcome;
-    if (method == HullMethod::lf) sort_by_row(order);
+    if (method == HullMethod::lf && !sort_by_row(input, interrupt, order)) {
+        outcome.status = Status::interrupted;
+        return outcome;
+    }
     take_lowest(input, outcome.duplicates, order);
     const Heights z = heights_of(input, order);
     std::vector<SpacePoint> points = in_space(order, z.values);

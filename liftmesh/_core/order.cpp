@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <tuple>
 #include <utility>
 
 #include "blocks.hpp"
@@ -153,15 +152,22 @@ OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interru
     return Arrangement(input, interrupt, order).run(skip_non_finite);
 }
 
-void sort_by_row(Order& order) {
-    std::vector<std::pair<Row, Point>> both(order.count);
-    for (std::size_t i = 0; i < order.count; ++i) both[i] = {order.rows[i], order.points[i]};
-    std::sort(both.begin(), both.end(),
-              [](const auto& a, const auto& b) { return a.first < b.first; });
+bool sort_by_row(const Input& input, Interrupt& interrupt, Order& order) {
+    constexpr std::uint32_t none = ~std::uint32_t{0};
+    std::vector<std::uint32_t> place(input.rows, none);
     for (std::size_t i = 0; i < order.count; ++i)
-        std::tie(order.rows[i], order.points[i]) = both[i];
+        place[order.rows[i]] = static_cast<std::uint32_t>(i);
+    auto points = std::make_unique_for_overwrite<Point[]>(order.count);
+    std::size_t next = 0;
+    const bool done = for_each_in_blocks(input.rows, interrupt, [&](std::size_t row) {
+        if (place[row] == none) return;
+        points[next] = order.points[place[row]];
+        order.rows[next++] = static_cast<Row>(row);
+    });
+    order.points = std::move(points);
     order.depth = 0;
     order.cell_starts = {0, order.count};
+    return done;
 }
 
 }  // namespace liftmesh

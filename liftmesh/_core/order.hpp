@@ -35,7 +35,8 @@ struct OrderResult {
 // Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
 OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
 
-// Puts the points in the order of their rows instead: cells mean nothing from then on.
-void sort_by_row(Order& order);
+// Puts the points in the order of their rows instead: cells mean nothing from then on. False where
+// the interrupt ended it early.
+bool sort_by_row(const Input& input, Interrupt& interrupt, Order& order);
 
 }  // namespace liftmesh

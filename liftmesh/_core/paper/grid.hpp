@@ -1,4 +1,4 @@
-// A grid of equal cells, about two points to each: the spatial index of the restricted region.
+// A grid of equal cells, about one point to each: the spatial index of the restricted region.
 //
 // Cells are numbered row by row, and points are stored cell by cell, so the points in a box are one
 // run of memory for each row of cells that it crosses.

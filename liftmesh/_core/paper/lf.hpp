@@ -3,17 +3,17 @@
 
 #include <optional>
 
-#include "paper/counts.hpp"
 #include "paper/plane.hpp"
-#include "paper/points.hpp"
-#include "status.hpp"
+#include "paper/procedure.hpp"
 
 namespace liftmesh::paper {
 
 template <class Points>
-class Lf {
+class Lf : public Procedure<Points> {
+    using Procedure<Points>::p_, Procedure<Points>::patience_, Procedure<Points>::counts_;
+
  public:
-    Lf(const Points& points, Interrupt& interrupt) : p_(points), patience_(interrupt) {}
+    Lf(const Points& points, Interrupt& interrupt) : Procedure<Points>(points, interrupt) {}
 
     // The third vertex p_l of the facet (a, b, p_l). None where e is a bound-edge, where the paper
     // returns e.
@@ -32,9 +32,6 @@ class Lf {
         return std::nullopt;  // line 11
     }
 
-    const Counts& counts() const { return counts_; }
-    bool interrupted() { return patience_.ends(0); }
-
  private:
     // n . p > d says that p is below. Within the error of the dot product the exact predicate
     // decides.
@@ -45,7 +42,7 @@ class Lf {
         for (; v < n; ++v) {
             const double side = plane.dot(p[v]) - plane.d;
             if (side < -error) continue;
-            if (side > error || is_below(a, b, l, v)) break;
+            if (side > error || this->is_below(a, b, l, v)) break;
         }
         const bool found = v < n;
         const Vertex evaluated = v + found;
@@ -53,17 +50,6 @@ class Lf {
         patience_.ends(evaluated);
         return found;
     }
-
-    // a, b and p_l are no candidates for p. They are on the plane, so they are met only here.
-    bool is_below(Vertex a, Vertex b, Vertex l, Vertex v) {
-        if (v == a || v == b || v == l) return false;
-        ++counts_.undecided;
-        return p_.is_below(a, b, l, v);
-    }
-
-    const Points& p_;
-    Patience patience_;
-    Counts counts_;
 };
 
 }  // namespace liftmesh::paper

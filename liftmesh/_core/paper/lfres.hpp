@@ -4,17 +4,15 @@
 #include <algorithm>
 #include <optional>
 
-#include "paper/counts.hpp"
 #include "paper/plane.hpp"
-#include "paper/points.hpp"
+#include "paper/procedure.hpp"
 #include "paper/region.hpp"
-#include "status.hpp"
 
 namespace liftmesh::paper {
 
-class LfRes {
+class LfRes : public Procedure<LiftedPoints> {
  public:
-    LfRes(const LiftedPoints& points, Interrupt& interrupt) : p_(points), patience_(interrupt) {}
+    using Procedure::Procedure;
 
     std::optional<Vertex> operator()(Vertex a, Vertex b) {
         ++counts_.calls;
@@ -31,9 +29,6 @@ class LfRes {
         }
         return std::nullopt;  // line 14
     }
-
-    const Counts& counts() const { return counts_; }
-    bool interrupted() { return patience_.ends(0); }
 
  private:
     bool any_below(const Plane& plane, const Region& region, double error, Vertex a, Vertex b,
@@ -53,16 +48,6 @@ class LfRes {
         patience_.ends(k);
         return k < n;
     }
-
-    bool is_below(Vertex a, Vertex b, Vertex l, Vertex v) {
-        if (v == a || v == b || v == l) return false;
-        ++counts_.undecided;
-        return p_.is_below(a, b, l, v);
-    }
-
-    const LiftedPoints& p_;
-    Patience patience_;
-    Counts counts_;
 };
 
 }  // namespace liftmesh::paper

@@ -196,10 +196,13 @@ std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
     Box scanned = growth.next();
     for (;;) {
         const Errors errors = errors_within(e, scanned);
+        const Vertex before = plane.p;
         if (!turn(e, scanned, errors, plane)) return std::nullopt;
         if (plane.p == Plane::vertical) {
             if (covers(scanned, grid_.bounds())) return std::nullopt;
             scanned = growth.next();
+        } else if (plane.p == before) {
+            return plane.p;  // what was scanned was this plane's own region
         } else {
             const Box needed = region(e, plane, errors);
             if (covers(scanned, needed)) return plane.p;
@@ -216,8 +219,8 @@ LfResIndexed::Errors LfResIndexed::errors_within(const Edge& e, const Box& box) 
 }
 
 // The box of what (C) has to the right of e, rounded outwards. (C) passes through a, so its radius
-// is the distance of its centre c from there. An extreme of (C)
-// to the left of e does not count: on that side the arc to the right of e ends at a or at b.
+// is the distance of its centre c from there. An extreme of (C) to the left of e does not count: on
+// that side the arc to the right of e ends at a or at b.
 Box LfResIndexed::region(const Edge& e, const Plane& plane, const Errors& errors) const {
     const Box everything = grid_.bounds();
     if (!(std::fabs(plane.nz) > 2 * errors.nz) || !guard_.vouches()) return everything;
@@ -249,7 +252,8 @@ bool LfResIndexed::turn(const Edge& e, const Box& box, const Errors& errors, Pla
     Runs runs(grid_, e, box, guard_);
     for (Grid::Run run; runs.next(run);) {
         const Vertex before = plane.p;
-        if (turn_by_doubles(e, run, errors, plane) != 0) turn_exactly(e, run, plane);
+        if (turn_by_doubles(e, run, errors, plane) != 0 && !turn_exactly(e, run, plane))
+            return false;
         counts_.evaluations += run.last - run.first;
         if (tall && plane.p != before) runs.shrink(common(box, region(e, plane, errors)));
         if (patience_.ends(std::size_t{run.last} - run.first + 1)) return false;
@@ -277,12 +281,15 @@ std::uint64_t LfResIndexed::turn_by_doubles(const Edge& e, Grid::Run run, const 
     return open;
 }
 
-void LfResIndexed::turn_exactly(const Edge& e, Grid::Run run, Plane& plane) {
+// An exact decision takes up to a hundred times as long as one in doubles.
+bool LfResIndexed::turn_exactly(const Edge& e, Grid::Run run, Plane& plane) {
     for (Vertex v = run.first; v < run.last; ++v) {
+        if (patience_.ends(64)) return false;
         if (v == e.a || v == e.b || v == plane.p || !is_below(e, plane, v)) continue;
         plane = Plane(e, v, p_);
         ++counts_.candidate_planes;
     }
+    return true;
 }
 
 bool LfResIndexed::is_below(const Edge& e, const Plane& plane, Vertex v) const {

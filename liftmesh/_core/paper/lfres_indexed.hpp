@@ -45,7 +45,7 @@ class LfResIndexed {
     Box region(const Edge& e, const Plane& plane, const Errors& errors) const;
     bool turn(const Edge& e, const Box& box, const Errors& errors, Plane& plane);
     std::uint64_t turn_by_doubles(const Edge& e, Grid::Run run, const Errors& errors, Plane& plane);
-    void turn_exactly(const Edge& e, Grid::Run run, Plane& plane);
+    bool turn_exactly(const Edge& e, Grid::Run run, Plane& plane);
     bool is_below(const Edge& e, const Plane& plane, Vertex v) const;
 
     const Grid& grid_;

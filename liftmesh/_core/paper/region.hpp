@@ -1,4 +1,4 @@
-// The restricted region of Section 4: line 6 and 7 of Procedure 3, rounded outwards.
+// The restricted region of Section 4: lines 6 and 7 of Procedure 3, rounded outwards.
 //
 // The printed formulas, each followed by what rounding can do to it: alpha = -n_x / n_z is off by
 // at most (E(n_x) + |alpha| E(n_z)) / (|n_z| - E(n_z)) for the errors E of a plane, and so on down

@@ -1,0 +1,35 @@
+// What Procedures 1 and 3 share: the points, the exact answer where doubles have none, and what is
+// counted.
+#pragma once
+
+#include "paper/counts.hpp"
+#include "paper/points.hpp"
+#include "status.hpp"
+
+namespace liftmesh::paper {
+
+template <class Points>
+class Procedure {
+ public:
+    Procedure(const Points& points, Interrupt& interrupt) : p_(points), patience_(interrupt) {}
+
+    const Counts& counts() const { return counts_; }
+    bool interrupted() { return patience_.ends(0); }
+
+ protected:
+    // For evaluations that rounding leaves open; one takes up to a hundred times as long as a dot
+    // product. a, b and p_l are no candidates for p: they are on the plane, so they are met only
+    // here.
+    bool is_below(Vertex a, Vertex b, Vertex l, Vertex v) {
+        if (v == a || v == b || v == l) return false;
+        ++counts_.undecided;
+        patience_.ends(64);
+        return p_.is_below(a, b, l, v);
+    }
+
+    const Points& p_;
+    Patience patience_;
+    Counts counts_;
+};
+
+}  // namespace liftmesh::paper
