@@ -55,7 +55,7 @@ def delaunay(
     q : {"origin", "median"} or (2,) array_like, default "origin"
         The vertex of the paraboloid on which gift wrapping lifts the points: the origin, the
         coordinate-wise median, or any finite point. It changes the work of "lf" and "lfres", and
-        never a triangle; divide and conquer does without.
+        never a triangle; the other methods do without.
     nonfinite : {"error", "skip"}, default "error"
         Rows with NaN or infinity raise, or stay unused and are listed in ``skipped``.
     order : {"engine", "canonical"}, default "engine"
