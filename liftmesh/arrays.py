@@ -112,13 +112,15 @@ def as_pairs(points: ArrayLike) -> NDArray[np.float64]:
     return np.ascontiguousarray(flat, dtype=np.float64).reshape(array.shape)
 
 
-def check_finite(points: NDArray[np.floating[Any]]) -> None:
+def check_finite(points: NDArray[np.floating[Any]], *, skippable: bool = True) -> None:
     """Raise if a row is not finite, naming the first.
 
     Parameters
     ----------
     points : (n, k) ndarray of float
         Rows of coordinates.
+    skippable : bool, default True
+        Whether the caller can leave such rows out, so that the message says how.
 
     Raises
     ------
@@ -134,10 +136,12 @@ def check_finite(points: NDArray[np.floating[Any]]) -> None:
     finite = np.isfinite(points).all(axis=1)
     if not finite.all():
         row = int(np.argmin(finite))
-        raise non_finite(row, points[row])
+        raise non_finite(row, points[row], skippable=skippable)
 
 
-def non_finite(row: int, values: NDArray[np.floating[Any]]) -> NonFiniteError:
+def non_finite(
+    row: int, values: NDArray[np.floating[Any]], *, skippable: bool = True
+) -> NonFiniteError:
     """Make the exception for a row that is not finite.
 
     Parameters
@@ -146,6 +150,8 @@ def non_finite(row: int, values: NDArray[np.floating[Any]]) -> NonFiniteError:
         The row.
     values : (k,) ndarray of float
         Its coordinates.
+    skippable : bool, default True
+        As for `check_finite`.
 
     Returns
     -------
@@ -158,9 +164,9 @@ def non_finite(row: int, values: NDArray[np.floating[Any]]) -> NonFiniteError:
     3
     """
     shown = ", ".join(repr(float(value)) for value in values)
+    advice = ", or pass nonfinite='skip' to delaunay or triangulate to leave them unused"
     return NonFiniteError(
-        f"row {row} is not finite: ({shown}); remove such rows, or pass nonfinite='skip' "
-        "to delaunay or triangulate to leave them unused",
+        f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,
     )
 

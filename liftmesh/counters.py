@@ -22,7 +22,8 @@ class Counters:
     candidate_planes : int
         Planes (a, b, p) with a downward normal that were tried.
     evaluations : int
-        Points held against a plane by a dot product.
+        Points held against a plane by a dot product: without a, b and p themselves, but for
+        "lfres-indexed" every point of the cells it looks through.
     rejected : dict of str to int
         Points decided by comparing coordinates alone, by the proposition that did it:
         ``"4.3 (i)"`` to ``"4.3 (v)"`` say above, ``"4.4"`` says below.

@@ -53,9 +53,9 @@ def delaunay(
         points of the restricted region, in linear expected time where points are evenly spread, and
         in quadratic time or worse where they crowd, as in clusters or on a circle.
     q : {"origin", "median"} or (2,) array_like, default "origin"
-        The vertex of the paraboloid on which gift wrapping lifts the points: the origin, the
-        coordinate-wise median, or any finite point. It changes the work of "lf" and "lfres", and
-        never a triangle; the other methods do without.
+        The vertex of the paraboloid on which "lf" and "lfres" lift the points: the origin, the
+        coordinate-wise median, or any finite point. It changes their work, and never a triangle;
+        the other methods do without.
     nonfinite : {"error", "skip"}, default "error"
         Rows with NaN or infinity raise, or stay unused and are listed in ``skipped``.
     order : {"engine", "canonical"}, default "engine"
@@ -153,11 +153,11 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
             "points have two columns: a lower hull needs z; for planar points use "
             "liftmesh.delaunay, or lift them first with liftmesh.lift"
         )
-    check_finite(rows)
+    check_finite(rows, skippable=False)
     outcome, counts = _kernel.lower_hull(rows, method)
-    status, _, distinct, faces, neighbors, rim, _, skipped = outcome
+    status, _, distinct, faces, neighbors, rim, *_ = outcome
     if status != "ok":
-        raise _degenerate(rows, distinct, rim, len(skipped))
+        raise _upright(distinct, rim)
     counters = Counters.from_kernel(counts) if method == "lf" else None
     return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
 
@@ -248,12 +248,14 @@ def _run(
 
 
 def _check_hull_method(method: str) -> None:
-    if method in METHODS and method not in ("auto", "lf"):
+    known = get_args(HullMethod)
+    if method in METHODS and method not in known:
         raise InputError(
-            f"method {method!r} is for planar points, on the paraboloid of which its vertex q is "
-            "known: use liftmesh.delaunay(points, method=..., q=...)"
+            f"method {method!r} is for planar points only, which it lifts itself: use "
+            f"liftmesh.delaunay(points, method={method!r}), or one of "
+            f"{', '.join(map(repr, known))} here"
         )
-    _check_option("method", method, ("auto", "lf"))
+    _check_option("method", method, known)
 
 
 def _check_option(name: str, value: object, known: tuple[str, ...]) -> None:
@@ -274,6 +276,17 @@ def _degenerate(
         f"all {distinct} distinct points lie on one line, from row {first} to row {last}: "
         "a triangle needs a point off it (for a cloud in a vertical plane: "
         "liftmesh.triangulate(cloud, plane='fit'))"
+    )
+
+
+def _upright(distinct: int, rim: NDArray[np.int32]) -> DegenerateInputError:
+    if distinct < 3:
+        return DegenerateInputError(
+            f"the points have {distinct} distinct planar positions: a lower facet needs three"
+        )
+    return DegenerateInputError(
+        f"all {distinct} planar positions lie on one line, from row {int(rim[0])} to row "
+        f"{int(rim[1])}: points in a vertical plane have no lower facet; turn them first"
     )
 
 

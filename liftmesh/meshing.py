@@ -67,7 +67,7 @@ def triangulate(
     method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
         The engine, as `delaunay` names it: the same triangles by any.
     q : {"origin", "median"} or (2,) array_like
-        The vertex of the paraboloid, in the coordinates of the plane; only gift wrapping uses it.
+        The vertex of the paraboloid, in the coordinates of the plane; only "lf" and "lfres" use it.
 
     Returns
     -------

@@ -29,8 +29,6 @@ mkdir -p out
 if (($# == 0)); then
     show liftmesh paper --out out/paper
     replace_committed
-elif [[ $* == --quick ]]; then
-    show liftmesh paper --quick --out out/paper-quick
 else
     show liftmesh paper "$@"
 fi

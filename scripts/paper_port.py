@@ -70,6 +70,8 @@ def read_options() -> Namespace:
     add("--simulate", action="store_true", help="run a few variants under cachegrind")
     add("--csv", type=Path, default=Path("out/paper_port.csv"))
     options = parser.parse_args()
+    if options.largest < 1000:
+        parser.error("--largest is at least 1000, the least n of the tables")
     if options.quick:
         options.groups, options.seeds = QUICK, options.seeds[:1]
     return options

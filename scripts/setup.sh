@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What demo.sh and test.sh share: a machine that can build liftmesh, and an environment that holds it.
+# What demo.sh, test.sh and paper.sh share: a machine that can build liftmesh, and an environment that holds it.
 # Sourced by them, never run. PYTHON names another interpreter than python3: PYTHON=python3.12 scripts/demo.sh
 
 say() { printf '%s\n' "$*"; }

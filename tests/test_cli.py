@@ -83,7 +83,7 @@ def test_without_a_command_comes_the_help():
         (["info", "a.ply", "--colour"], ["--colour"]),
         (["triangulate", "a.ply", "b.ply", "--duplicates", "some"], ["some", "first", "mean"]),
         (["triangulate", "a.ply", "b.ply", "--plane", "up"], ["'up'", "xy, fit, NX,NY,NZ"]),
-        (["compare", "a.ply", "--q", "1,2,3"], ["'1,2,3'", "median, origin or QX,QY"]),
+        (["compare", "a.ply", "--q", "1,2,3"], ["'1,2,3'", "median, origin or a finite QX,QY"]),
         (["compare", "a.ply", "--proofs", "-1"], ["--proofs"]),
         (["info", "-"], ["stdin", "--from"]),
     ],

@@ -19,7 +19,7 @@ from liftmesh import errors
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "liftmesh"
 LONGEST_FILE = 450
-SUFFIXES = {".py", ".pyi", ".cpp", ".hpp", ".txt", ".md", ".toml", ".yaml", ".sh"}
+SUFFIXES = {".py", ".pyi", ".c", ".h", ".cpp", ".hpp", ".txt", ".md", ".toml", ".yaml", ".sh"}
 MADE_HERE = ("build", "out", "dist")
 
 EXCEPTIONS = {
@@ -114,7 +114,7 @@ def test_no_doctest_is_left_out() -> None:
 
 
 def test_files_stay_small() -> None:
-    sources = [p for p in project_files() if p.suffix in {".py", ".cpp", ".hpp"}]
+    sources = [p for p in project_files() if p.suffix in {".py", ".c", ".h", ".cpp", ".hpp"}]
     assert len(sources) > 50
     lengths = {p: len(p.read_text("utf-8").splitlines()) for p in sources}
     assert {p: n for p, n in lengths.items() if n > LONGEST_FILE} == {}

@@ -11,7 +11,7 @@ import pytest
 import liftmesh
 
 DATA = Path(__file__).resolve().parent.parent / "data"
-CLOUDS = sorted(p.name for p in DATA.iterdir() if p.suffix not in {".md", ".png"})
+CLOUDS = sorted(p.name for p in DATA.iterdir() if p.is_file() and p.suffix not in {".md", ".png"})
 
 
 @pytest.fixture(scope="module")

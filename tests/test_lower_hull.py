@@ -291,8 +291,14 @@ DEGENERATE = {
     "two points": ([[0, 0, 0], [1, 1, 1]], "2 distinct"),
     "two positions": ([[0, 0, 0], [1, 1, 1], [0, 0, 5], [1, 1, 9]], "2 distinct"),
     "one vertical line": (np.column_stack((np.zeros((9, 2)), np.arange(9.0))), "1 distinct"),
-    "vertical wall": (np.repeat(LINE, 3, axis=0) + [[0, 0, 1], [0, 0, 2], [0, 0, 3]] * 9, "line"),
-    "collinear in the plane": (LINE, "all 9 distinct points lie on one line"),
+    "vertical wall": (
+        np.repeat(LINE, 3, axis=0) + [[0, 0, 1], [0, 0, 2], [0, 0, 3]] * 9,
+        "all 9 planar positions lie on one line",
+    ),
+    "collinear in the plane": (
+        LINE,
+        "on one line, from row 0 to row 8: points in a vertical plane have no lower facet",
+    ),
     "along x": (LINE * (1, 0, 1), "line"),
     "along y": (LINE * (0, 1, 1), "line"),
     "denormal": (LINE * (LEAST, LEAST, 1), "line"),
@@ -314,7 +320,7 @@ def test_rows_that_are_not_finite_are_named(column: int, value: float, method: s
     points = np.random.default_rng(15).random((9, 3))
     points[6, column] = value
     points[8] = np.nan
-    with pytest.raises(liftmesh.NonFiniteError, match=rf"row 6\b.*{value}") as caught:
+    with pytest.raises(liftmesh.NonFiniteError, match=rf"row 6\b.*{value}.*first$") as caught:
         liftmesh.lower_hull(points, method=method)
     assert caught.value.row == 6
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -33,7 +34,7 @@ EXAMPLES = [
     "liftmesh paper --table 5.2 --n 1000 --n 4000 --no-figures",
 ]
 
-SECONDS_HEADER = (
+TERMINAL_SECONDS_HEADER = (
     *("n", "paper: LF", "LFRes", "ratio", "ours: LF", "LFRes", "ratio"),
     *("indexed", "engine", "LF/indexed"),
 )
@@ -63,11 +64,11 @@ class _Choice:
         seeds = self.seeds or (1 if self.quick else 3)
         return Settings(sizes, seeds, self.machine or describe_machine())
 
-    def command(self) -> str:
-        """The command that does the same, wherever its files go."""
+    def command(self, made: Collection[TableName]) -> str:
+        """The command that makes these tables, wherever its files go."""
         words = ["liftmesh", "paper", *(["--quick"] if self.quick else [])]
         words += ["--seeds", str(self.seeds)] if self.seeds else []
-        words += ["--table", self.table] if self.table != "both" else []
+        words += ["--table", *made] if len(made) == 1 else []
         words += [word for n in self.sizes for word in ("--n", str(n))]
         words += ["--machine", self.machine] if self.machine else []
         return shlex.join(words)
@@ -75,8 +76,13 @@ class _Choice:
 
 def run(
     out: Annotated[
-        Path, typer.Option(metavar="DIR", help="Folder for all files; made if it does not exist.")
-    ] = Path("out/paper"),
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Folder for all files, made if it does not exist: out/paper, or out/paper-quick "
+            "with --quick.",
+        ),
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="1,000 to 3,000 points, one seed: under a minute.")
     ] = False,
@@ -103,7 +109,7 @@ def run(
 
     Parameters
     ----------
-    out : Path
+    out : Path, optional
         DIR.
     quick : bool
         Small sizes, one seed.
@@ -122,6 +128,7 @@ def run(
 
     if figures:
         _check_drawing()
+    out = out or Path("out/paper-quick" if quick else "out/paper")
     choice = _Choice(quick, seeds, table, tuple(sizes or ()), machine)
     settings = choice.settings()
     out.mkdir(parents=True, exist_ok=True)
@@ -132,9 +139,13 @@ def run(
 
 def _check_drawing() -> None:
     """Say that the figures cannot be drawn before the long run, not after it."""
-    from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
+    from liftmesh.errors import MissingDependencyError  # noqa: PLC0415 - not for --help
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
 
-    load("matplotlib", extra="plot")
+    try:
+        load("matplotlib", extra="plot")
+    except MissingDependencyError as error:
+        raise MissingDependencyError(f"{error}, or pass --no-figures") from error
 
 
 def _measure(results: Results, trials: Sequence[Trial]) -> None:
@@ -196,8 +207,8 @@ def _finish(
 ) -> None:
     from liftmesh.paper.tables import complete_tables, write_all  # noqa: PLC0415 - not for --help
 
-    files = write_all(out, results, settings, choice.command())
     tables = complete_tables(results, settings)
+    files = write_all(out, results, settings, choice.command(tables))
     for name in choice.tables:
         _show(tables[name])
     if figures:
@@ -205,16 +216,19 @@ def _finish(
     terminal.blank()
     terminal.sentence(f"Measured on: {settings.machine}.")
     terminal.sentence(
-        f"{out} holds {len(files) + 1} files, {results.path.name} among them.", "good"
+        f"{out}: {len(files)} files written beside {results.path.name}.", "good"
     )
 
 
 def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:
-    from liftmesh.paper.figures import draw_all  # noqa: PLC0415 - help and --version do without
+    from liftmesh.paper import figures  # noqa: PLC0415 - help and --version do without
 
-    folder.mkdir(exist_ok=True)
-    with terminal.stage("drawing the figures"):
-        return draw_all(folder, results=rows)
+    count = len(figures.FIXED) + len(figures.TIMED) + len(figures.MEASURED)
+    drawn = chain([0.0], repeat(1.0))
+    with terminal.bar(count) as bar:
+        return figures.draw_all(
+            folder, results=rows, progress=lambda name: bar(f"drawing {name}", next(drawn))
+        )
 
 
 def _show(rows: Sequence[Row]) -> None:
@@ -224,7 +238,7 @@ def _show(rows: Sequence[Row]) -> None:
     title = f"Table {rows[0].table}, q = {rows[0].q}"
     terminal.blank()
     terminal.sentence(f"{title}: seconds, the paper's and ours ({_seeds(rows)})", "name")
-    terminal.table([tables.seconds_cells(row) for row in rows], header=SECONDS_HEADER)
+    terminal.table([tables.seconds_cells(row) for row in rows], header=TERMINAL_SECONDS_HEADER)
     terminal.blank()
     terminal.sentence(f"{title}: dot products a facet, and points rejected by LFRes", "name")
     terminal.table([tables.work_cells(row) for row in rows], header=tables.WORK_HEADER)

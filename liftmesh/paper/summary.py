@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from liftmesh.counters import REJECTIONS
-from liftmesh.paper.experiments import METHODS, Measurement
+from liftmesh.lifting import resolve_q
+from liftmesh.paper.experiments import METHODS, Measurement, Trial
 from liftmesh.paper.printed import TABLES, TableName, Vertex
 
 LF, LFRES, INDEXED, ENGINE = METHODS
@@ -30,8 +31,12 @@ class Row:
         The vertex of the paraboloid.
     n, seeds : int
         Points, and random sets of that many points.
+    printed_median : tuple of float, optional
+        The median point of the paper's set; None where it prints none.
     printed_lf, printed_lfres, printed_ratio : float, optional
         As the paper prints them; None where it has no such line.
+    median : tuple of float, optional
+        The median point of our set of the least seed; None where q is the origin.
     seconds : mapping of str to float
         For each method, the median over the seeds.
     spread : mapping of str to (float, float)
@@ -57,9 +62,11 @@ class Row:
     q: Vertex
     n: int
     seeds: int
+    printed_median: tuple[float, float] | None
     printed_lf: float | None
     printed_lfres: float | None
     printed_ratio: float | None
+    median: tuple[float, float] | None
     seconds: Mapping[str, float]
     spread: Mapping[str, tuple[float, float]]
     facets: float
@@ -81,11 +88,6 @@ class Row:
     def indexed_ratio(self) -> float:
         """Our seconds of LF over those of the indexed region."""
         return self.seconds[LF] / self.seconds[INDEXED]
-
-    @property
-    def share_rejected(self) -> float:
-        """The share of the points looked at by LFRes that no dot product was needed for."""
-        return sum(self.rejected.values())
 
 
 def summarise(measurements: Iterable[Measurement]) -> list[Row]:
@@ -124,9 +126,11 @@ def _row(table: TableName, n: int, group: Sequence[Measurement]) -> Row:
         q=TABLES[table].q,
         n=n,
         seeds=len(by_method[LF]),
+        printed_median=printed.median if printed else None,
         printed_lf=printed.lf if printed else None,
         printed_lfres=printed.lfres if printed else None,
         printed_ratio=printed.ratio if printed else None,
+        median=_median_point(min(m.trial for m in group)),
         seconds={method: median(values) for method, values in seconds.items()},
         spread={method: (min(values), max(values)) for method, values in seconds.items()},
         facets=median(m.facets for m in by_method[ENGINE]),
@@ -134,6 +138,10 @@ def _row(table: TableName, n: int, group: Sequence[Measurement]) -> Row:
         planes=_per_facet(by_method, lambda m: m.planes),
         rejected=_shares(by_method[LFRES]),
     )
+
+
+def _median_point(trial: Trial) -> tuple[float, float] | None:
+    return resolve_q(trial.q, trial.points()) if trial.q == "median" else None
 
 
 def _per_facet(

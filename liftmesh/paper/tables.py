@@ -28,9 +28,13 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
     {
         "n": "points, uniform in [0, 200] x [0, 200]",
         "seeds": "random sets of n points that were measured",
+        "printed_median_x": "median point of the paper's set, as the paper prints it",
+        "printed_median_y": "the same point",
         "printed_lf": "seconds of Algorithm 2 using LF, as the paper prints them",
         "printed_lfres": "seconds using LFRes, as the paper prints them",
         "printed_ratio": "LF over LFRes, as the paper prints it",
+        "median_x": "coordinate-wise median of our n points, seed 1; empty where q is the origin",
+        "median_y": "the same point",
         "lf": "our seconds of LF: median over the seeds",
         "lf_min": "the quickest seed",
         "lf_max": "the slowest seed",
@@ -38,10 +42,10 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "lfres_min": "the quickest seed",
         "lfres_max": "the slowest seed",
         "ratio": "our seconds: LF over LFRes",
-        "indexed": "our seconds of LFRes by a spatial index",
+        "indexed": "our seconds of LFRes by a spatial index, which does not depend on q",
         "indexed_min": "the quickest seed",
         "indexed_max": "the slowest seed",
-        "engine": "our seconds of the default engine, divide and conquer",
+        "engine": "our seconds of the default engine, divide and conquer; q plays no part",
         "engine_min": "the quickest seed",
         "engine_max": "the slowest seed",
         "lf_over_indexed": "our seconds: LF over LFRes by a spatial index",
@@ -99,6 +103,8 @@ def values(row: Row) -> dict[str, float | int | None]:
         if method in row.planes:
             found[f"{name}_dot_products"] = row.dot_products[method]
             found[f"{name}_planes"] = row.planes[method]
+    for name, point in (("printed_median", row.printed_median), ("median", row.median)):
+        found[f"{name}_x"], found[f"{name}_y"] = point or (None, None)
     found.update({f"rejected {name}": share for name, share in row.rejected.items()})
     return {name: found[name] for name in COLUMNS}
 
@@ -134,7 +140,7 @@ _ABOVE_WORK = (
     "Dot products a facet, and of the points that LFRes looks at the share that each proposition "
     "rejects:"
 )
-SECONDS_HEADER = (
+MARKDOWN_SECONDS_HEADER = (
     *("n", "printed LF", "printed LFRes", "printed ratio", "LF", "LFRes", "ratio"),
     *("indexed", "default engine", "LF / indexed"),
 )
@@ -152,7 +158,7 @@ def seconds_cells(row: Row) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Under `SECONDS_HEADER`.
+        Under `MARKDOWN_SECONDS_HEADER`.
 
     Examples
     --------
@@ -223,7 +229,7 @@ def to_markdown(rows: Sequence[Row]) -> str:
     >>> to_markdown([]).splitlines()[0]
     'Seconds, as printed and as measured (median over the seeds; half the spread between them):'
     """
-    seconds = _markdown(SECONDS_HEADER, [seconds_cells(row) for row in rows])
+    seconds = _markdown(MARKDOWN_SECONDS_HEADER, [seconds_cells(row) for row in rows])
     work = _markdown(WORK_HEADER, [work_cells(row) for row in rows])
     return "\n".join([_ABOVE_SECONDS, "", *seconds, "", _ABOVE_WORK, "", *work, ""])
 

@@ -49,7 +49,10 @@ def build(target: Path, flags: tuple[str, ...]) -> str:
     """Compile and link; return what the compiler said where it refused, else the empty string."""
     sources = [str(path) for path in sorted(FOLDER.glob("*.c"))]
     command = [*compiler(), "-std=c99", *flags, *sources, "-o", str(target), *LIBRARIES]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except FileNotFoundError as error:
+        raise SystemExit(f"{command[0]} is missing: install gcc, or name one in CC") from error
     return done.stderr if done.returncode else ""
 
 

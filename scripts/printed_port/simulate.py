@@ -53,6 +53,9 @@ def simulate(
 
 def events(command: list[str]) -> dict[str, int]:
     """Run a command under cachegrind and read the events it reports."""
-    done = subprocess.run([*TOOL, *command], capture_output=True, text=True, check=True)
+    try:
+        done = subprocess.run([*TOOL, *command], capture_output=True, text=True, check=True)
+    except FileNotFoundError as error:
+        raise SystemExit("valgrind is missing: install it (Debian: valgrind)") from error
     matches = {key: re.search(pattern, done.stderr) for key, pattern in PATTERNS.items()}
     return {key: int(found[1].replace(",", "")) for key, found in matches.items() if found}

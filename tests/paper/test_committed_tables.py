@@ -34,7 +34,7 @@ def test_a_table_is_whole_and_stands_beside_the_printed_one(table: TableName) ->
         assert float(row["lf_dot_products"]) > float(row["lfres_dot_products"])
         shares = sum(float(row[name]) for name in COLUMNS if name.startswith("rejected "))
         evaluated = float(row["lfres_dot_products"]) / float(row["lf_dot_products"])
-            assert shares + evaluated == pytest.approx(1, abs=2e-3)  # of medians, not of one set
+        assert shares + evaluated == pytest.approx(1, abs=2e-3)  # medians of several sets
 
 
 def test_the_page_shows_the_committed_tables() -> None:

@@ -1,11 +1,13 @@
-// LFRes with the restricted region taken at its word: what it excludes is never touched.
+// LFRes with the restricted region taken at its word: what it excludes is not touched, but for the
+// cells at its edge.
 //
 // Only points inside the box of the circle (C), on the open side of e, can be below a plane through
-// e. So a grid hands out the points of that box and no others. A point that is found below becomes
-// the next candidate: the plane turns about e, and since the circles through a and b are nested on
-// the open side, the region shrinks with it and no point need be looked at twice. Nothing is left
-// below the last candidate. The plane is vertical at first, where all points to the right of e are
-// below it and the region has no bounds; it is looked through circle by circle of doubling size.
+// e. So a grid hands out the points of the cells that meet that box. A point that is found below
+// becomes the next candidate: the plane turns about e, and since the circles through a and b are
+// nested on the open side, the region shrinks with it and no point need be looked at twice. Nothing
+// is left below the last candidate. The plane is vertical at first, where all points to the right
+// of e are below it and the region has no bounds; it is looked through circle by circle of doubling
+// size.
 //
 // Everything is computed as seen from a: on a paraboloid with its vertex q at a. That is the
 // paper's freedom of choice, and the best one: d = 0, gamma = 0, r = L_cq, and coordinates are

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.paper.experiments import METHODS
 from liftmesh.paper.pictures.style import (
     BLUE,
     GREEN,
@@ -15,6 +14,7 @@ from liftmesh.paper.pictures.style import (
     styled,
 )
 from liftmesh.paper.printed import TABLES, TableName
+from liftmesh.paper.summary import ENGINE, INDEXED, LF, LFRES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,14 +22,13 @@ if TYPE_CHECKING:
 
     from liftmesh.paper.summary import Row
 
-LF, LFRES, INDEXED, ENGINE = METHODS
 LOOKS: Mapping[str, Mapping[str, Any]] = {
     LF: {"label": "LF", "color": BLUE, "marker": "o"},
     LFRES: {"label": "LFRes", "color": VERMILION, "marker": "s"},
     INDEXED: {"label": "LFRes, indexed", "color": GREEN, "marker": "D"},
     ENGINE: {"label": "default engine", "color": PURPLE, "marker": "v"},
 }
-TICKS = (100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 1_000_000)
+TICKS = (100, 200, 500, 1_000, 2_000, 3_000, 5_000, 10_000, 20_000, 50_000, 100_000, 1_000_000)
 
 
 @styled
@@ -137,7 +136,7 @@ def log_axes(axes: Axes) -> None:
     >>> _ = axes.plot([900, 6000], [1, 2])
     >>> log_axes(axes)
     >>> axes.get_xticks().tolist()
-    [1000, 2000, 5000]
+    [1000, 2000, 3000, 5000]
     """
     axes.set(xscale="log", yscale="log")
     _grid(axes)

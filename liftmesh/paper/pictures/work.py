@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh.counters import REJECTIONS
-from liftmesh.paper.pictures.running_times import INDEXED, LF, LFRES, LOOKS, log_axes
+from liftmesh.paper.pictures.running_times import LOOKS, log_axes
 from liftmesh.paper.pictures.style import (
     BLUE,
     FAINT,
