@@ -30,8 +30,8 @@ HELP = (
 )
 EXAMPLES = [
     "liftmesh paper --quick",
-    "liftmesh paper --out out/paper --seeds 5",
-    "liftmesh paper --table 5.2 --n 1000 --n 4000 --no-figures",
+    "liftmesh paper --seeds 5 --out out/five-seeds",
+    "liftmesh paper --table 5.2 --n 1000 --n 4000 --no-figures --out out/case-2",
 ]
 
 TERMINAL_SECONDS_HEADER = (
@@ -215,9 +215,7 @@ def _finish(
         files += _draw(out / "figures", [row for rows in tables.values() for row in rows])
     terminal.blank()
     terminal.sentence(f"Measured on: {settings.machine}.")
-    terminal.sentence(
-        f"{out}: {len(files)} files written beside {results.path.name}.", "good"
-    )
+    terminal.sentence(f"{out}: {len(files)} files written beside {results.path.name}.", "good")
 
 
 def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:

@@ -5,11 +5,17 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from liftmesh.paper.printed import SIZES, TABLES, TableName
+from liftmesh.paper.records import from_lines
+from liftmesh.paper.results import Settings
 from liftmesh.paper.tables import COLUMNS
+
+if TYPE_CHECKING:
+    from liftmesh.paper.experiments import Measurement, Trial
 
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "data" / "paper"
@@ -32,9 +38,35 @@ def test_a_table_is_whole_and_stands_beside_the_printed_one(table: TableName) ->
         assert float(row["printed_lf"]) == printed.lf
         assert float(row["printed_lfres"]) == printed.lfres
         assert float(row["lf_dot_products"]) > float(row["lfres_dot_products"])
-        shares = sum(float(row[name]) for name in COLUMNS if name.startswith("rejected "))
-        evaluated = float(row["lfres_dot_products"]) / float(row["lf_dot_products"])
-        assert shares + evaluated == pytest.approx(1, abs=2e-3)  # medians of several sets
+        median = printed.median or ("", "")
+        assert [row["printed_median_x"], row["printed_median_y"]] == [f"{x:.6}" for x in median]
+
+
+def test_lfres_looks_at_exactly_the_points_lf_looks_at() -> None:
+    _, _, *lines = (COMMITTED / "measurements.csv").read_text("utf-8").splitlines()
+    by_trial: dict[Trial, list[Measurement]] = {}
+    for measurement in from_lines(lines, first=3):
+        by_trial.setdefault(measurement.trial, []).append(measurement)
+    assert by_trial.keys() == {*Settings(SIZES, 3, "any").trials(["5.1", "5.2"])}
+    for lf, lfres, indexed, engine in by_trial.values():
+        assert lf.evaluations == lfres.evaluations + sum(lfres.rejected.values())
+        assert lf.facets == lfres.facets == indexed.facets == engine.facets
+
+
+def test_lf_is_faster_than_printed_and_lfres_in_all_rows_but_two() -> None:
+    slower: dict[str, list[tuple[str, int]]] = {"lf": [], "lfres": []}
+    for table in TABLES:
+        for row in rows(table):
+            for method, found in slower.items():
+                if float(row[method]) >= float(row[f"printed_{method}"]):
+                    found.append((table, int(row["n"])))
+    assert slower == {"lf": [], "lfres": [("5.1", 7_000), ("5.2", 3_000)]}
+
+
+def test_the_index_gains_a_factor_of_twenty_at_a_thousand_points() -> None:
+    firsts = [rows(table)[0] for table in TABLES]
+    assert [row["n"] for row in firsts] == ["1000", "1000"]
+    assert min(float(row["lf_over_indexed"]) for row in firsts) >= 20
 
 
 def test_the_page_shows_the_committed_tables() -> None:

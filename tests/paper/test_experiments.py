@@ -277,7 +277,9 @@ def test_the_median_point_stands_beside_the_printed_one(measured):
     assert row.median == tuple(np.median(Trial("5.1", 7_000, seed=1).points(), axis=0))
     told = tables.values(row)
     assert (told["median_x"], told["median_y"]) == row.median
-    assert (told["printed_median_x"], told["printed_median_y"]) == printed.TABLES["5.2"].row(7_000).median
+    assert (told["printed_median_x"], told["printed_median_y"]) == printed.TABLES["5.2"].row(
+        7_000
+    ).median
     (other,) = summary.summarise(measured[0])
     assert (other.table, other.median, other.printed_median) == ("5.1", None, None)
 

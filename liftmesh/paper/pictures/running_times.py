@@ -28,7 +28,7 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
     INDEXED: {"label": "LFRes, indexed", "color": GREEN, "marker": "D"},
     ENGINE: {"label": "default engine", "color": PURPLE, "marker": "v"},
 }
-TICKS = (100, 200, 500, 1_000, 2_000, 3_000, 5_000, 10_000, 20_000, 50_000, 100_000, 1_000_000)
+TICKS = (100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 1_000_000)
 
 
 @styled
@@ -141,7 +141,8 @@ def log_axes(axes: Axes) -> None:
     axes.set(xscale="log", yscale="log")
     _grid(axes)
     least, greatest = axes.get_xlim()
-    ticks = [tick for tick in TICKS if least <= tick <= greatest]
+    room = (3_000,) if greatest < 10 * least else ()  # in longer axes it touches its neighbours
+    ticks = [tick for tick in sorted((*TICKS, *room)) if least <= tick <= greatest]
     axes.set_xticks(ticks, labels=[f"{tick:,}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.tick_params(which="minor", labelleft=False)

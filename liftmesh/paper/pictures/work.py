@@ -22,6 +22,7 @@ from liftmesh.paper.pictures.style import (
     styled,
 )
 from liftmesh.paper.printed import TABLES
+from liftmesh.paper.summary import INDEXED, LF, LFRES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
