@@ -113,7 +113,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
         be on the lower hull, and of several equal ones the first row is.
     method : {"auto", "lf"}, default "auto"
         The engine; both find the same facets. "auto" is randomised incremental construction, in
-        O(n log n) expected time on every input; "lf" is gift wrapping by the paper's procedure LF,
+        O(n log n) expected steps on every input; "lf" is gift wrapping by the paper's procedure LF,
         in quadratic to cubic time.
 
     Returns

@@ -155,6 +155,14 @@ def random_heights(family: str) -> Generate:
     return generate
 
 
+def apex(n: int, rng: Generator) -> Points:
+    """A tip below all others, joined to most that come before it: a vertex of many spokes."""
+    radius, angle = 1 + rng.random(n), rng.random(n) * 2 * np.pi
+    points = with_heights(np.column_stack((radius * np.cos(angle), radius * np.sin(angle))), radius)
+    points[rng.integers(0, n)] = 0
+    return points
+
+
 LARGER = {
     **SPACE,
     "lattice on few levels": random_heights("lattice"),
@@ -166,6 +174,7 @@ LARGER = {
     "far lattice": random_heights("far-lattice"),
     "flat raster": lambda n, rng: FAMILIES["lattice"](n, rng) @ np.eye(2, 3),
     "flat strip": lambda n, rng: with_heights(rng.random((n, 2)) * (1e6, 1), np.zeros(n)),
+    "apex": apex,
     "dome": lambda n, rng: cap_of(FAMILIES["uniform"](n, rng)),
     "bowl": lambda n, rng: liftmesh.lift(FAMILIES["uniform"](n, rng), q="median"),
 }

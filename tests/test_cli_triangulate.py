@@ -13,6 +13,7 @@ from commands import ROOT, TERRAIN, failed, liftmesh, on_terminal, process, with
 
 import liftmesh as lm
 from liftmesh.cli import exit_codes
+from liftmesh.hulls import METHODS
 
 HILL = ROOT / "data" / "hill.csv"
 OVERHANG = ROOT / "data" / "overhang.ply"
@@ -34,6 +35,14 @@ def test_a_file_becomes_a_mesh(name, tmp_path):
     dropped = "; off does not keep colors" if name.endswith(".off") else ""
     assert out.startswith(f"{name}: 80 vertices, 147 triangles, {size / 1000:.3g} kB{dropped}\n")
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_of_the_library_is_one_of_the_command(method, tmp_path):
+    succeeded(liftmesh("triangulate", HILL, "mesh.ply", "--method", method, cwd=tmp_path))
+    faces = lm.read(tmp_path / "mesh.ply").faces
+    expected = lm.triangulate(HILL).faces
+    assert set(map(frozenset, faces.tolist())) == set(map(frozenset, expected.tolist()))
 
 
 def test_the_terrain(tmp_path):

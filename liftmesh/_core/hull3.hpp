@@ -5,8 +5,8 @@
 // that it is below of and joining it to the rim of the hole; points that waited there move on to
 // the new facets, found by their angle around it, and those that are above are so for good. Rounds
 // of doubling size, in kd order inside a round, keep the memory that is touched together while the
-// expected time stays O(n log n) on every input (N. Amenta, S. Choi and G. Rote, "Incremental
-// constructions con BRIO", 2003; K. L. Clarkson and P. W. Shor, 1989).
+// expected number of moves stays O(n log n) on every input (N. Amenta, S. Choi and G. Rote,
+// "Incremental constructions con BRIO", 2003; K. L. Clarkson and P. W. Shor, 1989).
 #pragma once
 
 #include <span>

@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from liftmesh.counters import REJECTIONS
+
 FOLDER = Path(__file__).parent
 LIBRARIES = ("-lm",)
-PROPOSITIONS = ("4.3 (i)", "4.3 (ii)", "4.3 (iii)", "4.3 (iv)", "4.3 (v)", "4.4")
 PROCEDURES = ("LF", "LFRes")
 
 
@@ -82,7 +83,7 @@ def parse(line: str) -> Run:
     """Read one line of the program's output."""
     procedure, seconds, facets, complete, *numbers = line.split()
     counts = [int(number) for number in numbers]
-    rejected = dict(zip(PROPOSITIONS, counts[5:], strict=True))
+    rejected = dict(zip(REJECTIONS, counts[5:], strict=True))
     named = Counts(*counts[:5], rejected=rejected)
     return Run(procedure, float(seconds), int(facets), complete == "1", named)
 

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-SIDE = 200.0
+from liftmesh.lifting import resolve_q
+from liftmesh.paper.printed import SQUARE
+
 BITS = 10
 Points = NDArray[np.float64]
 Vertex = tuple[float, float]
@@ -16,16 +18,12 @@ Vertex = tuple[float, float]
 
 def uniform(n: int, seed: int) -> Points:
     """Spread n points over the square [0, 200] x [0, 200]."""
-    return np.random.default_rng(seed).random((n, 2)) * SIDE
+    return np.random.default_rng(seed).random((n, 2)) * SQUARE
 
 
 def vertex(case: int, points: Points) -> Vertex:
     """Give q: the origin in case 1, the median point in case 2."""
-    return (
-        (0.0, 0.0)
-        if case == 1
-        else (float(np.median(points[:, 0])), float(np.median(points[:, 1])))
-    )
+    return resolve_q("origin" if case == 1 else "median", points)
 
 
 def generated(points: Points, _q: Vertex) -> Points:
@@ -50,7 +48,7 @@ def by_z(points: Points, q: Vertex) -> Points:
 
 def by_cells(points: Points, _q: Vertex) -> Points:
     """Sort along the Z-shaped curve through the cells of a fine grid."""
-    column, row = (points / SIDE * (1 << BITS)).astype(np.int64).T
+    column, row = (points / SQUARE * (1 << BITS)).astype(np.int64).T
     bits = np.arange(BITS)
     key = (column[:, None] >> bits & 1) << 2 * bits | (row[:, None] >> bits & 1) << 2 * bits + 1
     return points[np.argsort(key.sum(axis=1))]

@@ -1,8 +1,8 @@
 // Algorithm 2: the lower convex hull, wrapped facet by facet.
 //
-// Facets are appended as they are found, and those before `front`
-// are done: one array is the queue Q' and the result Q. An edge is in E_L while its neighbour is
-// `unknown`, and in E'_L from then on.
+// Facets are appended as they are found, and those before `front` are done: one array is the queue
+// Q' and the result Q. An edge is in E_L while its neighbour is `unknown`, and in E'_L from then
+// on.
 #pragma once
 
 #include <cstdint>

@@ -3,8 +3,6 @@
 
 #include <cstdint>
 
-#include "point.hpp"
-
 namespace liftmesh::paper {
 
 struct Counts {
@@ -14,10 +12,5 @@ struct Counts {
     std::uint64_t rejected[6] = {};      // by Propositions 4.3 (i)-(v), and 4.4
     std::uint64_t undecided = 0;         // evaluations that rounding left to the exact predicate
 };
-
-// How many of a, b and p_l are among the first `count` points: they are in no P \ {a, b, p_l}.
-inline std::uint64_t members_of_plane(Vertex a, Vertex b, Vertex l, Vertex count) {
-    return std::uint64_t{a < count} + (b < count) + (l < count);
-}
 
 }  // namespace liftmesh::paper

@@ -3,17 +3,17 @@
 
 #include <optional>
 
+#include "paper/facet_search.hpp"
 #include "paper/plane.hpp"
-#include "paper/procedure.hpp"
 
 namespace liftmesh::paper {
 
 template <class Points>
-class Lf : public Procedure<Points> {
-    using Procedure<Points>::p_, Procedure<Points>::patience_, Procedure<Points>::counts_;
+class Lf : public FacetSearch<Points> {
+    using FacetSearch<Points>::p_, FacetSearch<Points>::patience_, FacetSearch<Points>::counts_;
 
  public:
-    Lf(const Points& points, Interrupt& interrupt) : Procedure<Points>(points, interrupt) {}
+    Lf(const Points& points, Interrupt& interrupt) : FacetSearch<Points>(points, interrupt) {}
 
     // The third vertex p_l of the facet (a, b, p_l). None where e is a bound-edge, where the paper
     // returns e.
@@ -46,7 +46,7 @@ class Lf : public Procedure<Points> {
         }
         const bool found = v < n;
         const Vertex evaluated = v + found;
-        counts_.evaluations += evaluated - members_of_plane(a, b, l, evaluated);
+        counts_.evaluations += evaluated - this->members_of_plane(a, b, l, evaluated);
         patience_.ends(evaluated);
         return found;
     }

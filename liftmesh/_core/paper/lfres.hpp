@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <optional>
 
+#include "paper/facet_search.hpp"
 #include "paper/plane.hpp"
-#include "paper/procedure.hpp"
 #include "paper/region.hpp"
 
 namespace liftmesh::paper {
 
-class LfRes : public Procedure<LiftedPoints> {
+class LfRes : public FacetSearch<LiftedPoints> {
  public:
-    using Procedure::Procedure;
+    using FacetSearch::FacetSearch;
 
     std::optional<Vertex> operator()(Vertex a, Vertex b) {
         ++counts_.calls;

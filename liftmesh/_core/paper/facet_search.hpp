@@ -2,6 +2,8 @@
 // counted.
 #pragma once
 
+#include <cstdint>
+
 #include "paper/counts.hpp"
 #include "paper/points.hpp"
 #include "status.hpp"
@@ -9,9 +11,9 @@
 namespace liftmesh::paper {
 
 template <class Points>
-class Procedure {
+class FacetSearch {
  public:
-    Procedure(const Points& points, Interrupt& interrupt) : p_(points), patience_(interrupt) {}
+    FacetSearch(const Points& points, Interrupt& interrupt) : p_(points), patience_(interrupt) {}
 
     const Counts& counts() const { return counts_; }
     bool interrupted() { return patience_.ends(0); }
@@ -25,6 +27,11 @@ class Procedure {
         ++counts_.undecided;
         patience_.ends(64);
         return p_.is_below(a, b, l, v);
+    }
+
+    // How many of a, b and p_l are among the first `count` points: they are in no P \ {a, b, p_l}.
+    static std::uint64_t members_of_plane(Vertex a, Vertex b, Vertex l, Vertex count) {
+        return std::uint64_t{a < count} + (b < count) + (l < count);
     }
 
     const Points& p_;
