@@ -1,9 +1,11 @@
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 MOST_ROWS: int
+ROWS_PER_THREAD: int
 
 Outcome: TypeAlias = tuple[
     str,
@@ -15,11 +17,27 @@ Outcome: TypeAlias = tuple[
     NDArray[np.int32],
     NDArray[np.int32],
 ]
+Run: TypeAlias = tuple[
+    NDArray[np.floating[Any]], bool, int, bool, Callable[[float], None] | None
+]
 Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]
 
-def delaunay(rows: NDArray[np.floating[Any]], skip_non_finite: bool) -> Outcome: ...
+def delaunay(
+    rows: NDArray[np.floating[Any]],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> Outcome: ...
 def gift_wrap(
-    rows: NDArray[np.floating[Any]], skip_non_finite: bool, method: str, qx: float, qy: float
+    rows: NDArray[np.floating[Any]],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+    method: str,
+    qx: float,
+    qy: float,
 ) -> tuple[Outcome, Counts]: ...
 def lower_hull(rows: NDArray[np.floating[Any]], method: str) -> tuple[Outcome, Counts]: ...
 def orient2d(

@@ -42,13 +42,10 @@ def as_coordinates(points: ArrayLike) -> NDArray[np.floating[Any]]:
     >>> as_coordinates([[0, 1], [2, 3]]).dtype
     dtype('float64')
     """
-    if isinstance(points, np.ndarray):
-        _check_shape(points.shape)  # before anything is copied
     array = _as_array(points)
-    _check_shape(array.shape)
-    array = _as_floating(array)
-    whole = all(stride % array.itemsize == 0 for stride in array.strides)
-    return array if whole and array.flags.aligned else array.copy()
+    _check_shape(array.shape)  # before anything is copied
+    array = _as_floating(_plain(array))
+    return array if _is_readable(array) else array.copy()
 
 
 def as_rows3(points: ArrayLike) -> NDArray[np.float64]:
@@ -105,7 +102,7 @@ def as_pairs(points: ArrayLike) -> NDArray[np.float64]:
     >>> as_pairs((1, 2)).shape
     (2,)
     """
-    array = _as_array(points)
+    array = _plain(_as_array(points))
     if array.ndim == 0 or array.shape[-1] != 2:
         raise InputError(f"planar points need the shape (..., 2), not {array.shape}")
     flat = _as_floating(array.reshape(-1, 2))
@@ -133,9 +130,9 @@ def check_finite(points: NDArray[np.floating[Any]], *, skippable: bool = True) -
     Traceback (most recent call last):
     liftmesh.errors.NonFiniteError: row 1 is not finite: (2.0, inf); ...
     """
-    finite = np.isfinite(points).all(axis=1)
+    finite = np.isfinite(points)
     if not finite.all():
-        row = int(np.argmin(finite))
+        row = int(np.argmin(finite.all(axis=1)))
         raise non_finite(row, points[row], skippable=skippable)
 
 
@@ -172,12 +169,25 @@ def non_finite(
 
 
 def _as_array(points: ArrayLike) -> NDArray[Any]:
-    if isinstance(points, np.ma.MaskedArray):
-        return _fill_masked(points)
+    """Make an array of anything; one that is an array already, masked ones too, stays as it is."""
     try:
-        return np.asarray(points)
+        return np.asanyarray(points)
     except ValueError as error:
         raise InputError(_describe_ragged(points, error)) from error
+
+
+def _plain(array: NDArray[Any]) -> NDArray[Any]:
+    if isinstance(array, np.ma.MaskedArray):
+        return _fill_masked(array)
+    return np.asarray(array)
+
+
+def _is_readable(array: NDArray[Any]) -> bool:
+    """Say whether the kernel can read the rows in place: it counts strides in whole numbers."""
+    flags = array.flags
+    if not flags.aligned:
+        return False
+    return flags.c_contiguous or all(stride % array.itemsize == 0 for stride in array.strides)
 
 
 def _fill_masked(points: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
@@ -232,7 +242,8 @@ def _as_floating(array: NDArray[Any]) -> NDArray[np.floating[Any]]:
 
 def _as_double(array: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
     if array.itemsize in (4, 8):
-        return array.astype(array.dtype.newbyteorder("="), copy=False)
+        native = array.dtype.isnative
+        return array if native else array.astype(array.dtype.newbyteorder("="))
     doubles = array.astype(np.float64)
     inexact = (doubles != array) & ~np.isnan(array)
     _refuse_inexact(array, inexact)

@@ -167,11 +167,10 @@ class _Groups:
 
     @classmethod
     def of(cls, duplicates: Rows, heights: Heights) -> _Groups:
-        kept = np.unique(duplicates[:, 1])
-        keys, rows = _sorted_pairs(
-            np.concatenate([kept, duplicates[:, 1]]), np.concatenate([kept, duplicates[:, 0]])
-        )
-        return cls(rows, heights[rows], np.flatnonzero(np.diff(keys, prepend=-1)))
+        kept, others = _sorted_pairs(duplicates[:, 1], duplicates[:, 0])
+        begins = np.flatnonzero(np.diff(kept, prepend=-1))
+        rows = np.insert(others, begins, kept[begins])
+        return cls(rows, heights[rows], begins + np.arange(len(begins)))
 
     def firsts(self) -> Rows:
         return self.rows[self.starts]

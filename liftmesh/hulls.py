@@ -5,6 +5,7 @@ Each set of points has one canonical result, and every method finds it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -15,12 +16,14 @@ from liftmesh.arrays import as_coordinates, as_rows3, check_finite, non_finite
 from liftmesh.counters import Counters
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.lifting import LowerHull, ParaboloidVertex, resolve_q
+from liftmesh.threads import as_threads
 from liftmesh.triangulation import Triangulation
 
 Method = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
 HullMethod = Literal["auto", "lf"]
 NonFinite = Literal["error", "skip"]
 RowOrder = Literal["engine", "canonical"]
+Progress = Callable[[float], None]
 
 METHODS = get_args(Method)
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
@@ -33,6 +36,8 @@ def delaunay(
     q: ParaboloidVertex = "origin",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
+    threads: int | None = None,
+    progress: Progress | None = None,
 ) -> Triangulation:
     """Triangulate planar points: exact for every finite double, and one result for one set.
 
@@ -61,6 +66,14 @@ def delaunay(
     order : {"engine", "canonical"}, default "engine"
         With "canonical" the order of the triangles, and the first vertex of each, are functions of
         the coordinates alone too, at the price of a sort.
+    threads : int, optional
+        How many threads divide and conquer may take; the result is bit for bit the same for any
+        number. By default the environment variable ``LIFTMESH_NUM_THREADS`` says it, or else one
+        for each core is taken, and runs from several Python threads share them. Gift wrapping
+        itself runs on one.
+    progress : callable, optional
+        Called now and then, some twenty times a second at most, with the share of the work that is
+        done, and at last with 1.0. What it raises ends the run.
 
     Returns
     -------
@@ -95,7 +108,7 @@ def delaunay(
     array([[0, 1, 3],
            [3, 1, 2]], dtype=int32)
     """
-    return Triangulation(**_solve(points, method, q, nonfinite, order))
+    return Triangulation(**_solve(points, method, q, nonfinite, order, threads, progress))
 
 
 def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
@@ -209,17 +222,25 @@ class Delaunay(Triangulation):
                 "points have three columns: liftmesh.delaunay(points) triangulates their x and y; "
                 "for tetrahedra use scipy.spatial.Delaunay"
             )
-        super().__init__(**_solve(rows, "auto", "origin", "error", "engine"))
+        super().__init__(**_solve(rows))
 
 
 def _solve(
-    points: ArrayLike, method: Method, q: ParaboloidVertex, nonfinite: NonFinite, order: RowOrder
+    points: ArrayLike,
+    method: Method = "auto",
+    q: ParaboloidVertex = "origin",
+    nonfinite: NonFinite = "error",
+    order: RowOrder = "engine",
+    threads: int | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
     _check_option("method", method, METHODS)
     _check_option("nonfinite", nonfinite, ("error", "skip"))
     _check_option("order", order, ("engine", "canonical"))
     rows = as_coordinates(points)
-    outcome, counters = _run(rows, nonfinite == "skip", method, resolve_q(q, rows[:, :2]))
+    planar = rows[:, :2]
+    run = (rows, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
+    outcome, counters = _run(run, method, resolve_q(q, planar))
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
     if status == "non-finite":
         raise non_finite(row, rows[row])
@@ -227,8 +248,10 @@ def _solve(
         raise _degenerate(rows, distinct, hull, len(skipped))
     if order == "canonical":
         simplices, neighbors = _canonical_order(rows, simplices, neighbors)
+    if progress is not None:
+        progress(1.0)
     return {
-        "points": rows[:, :2],
+        "points": planar,
         "simplices": simplices,
         "neighbors": neighbors,
         "hull": hull,
@@ -239,11 +262,11 @@ def _solve(
 
 
 def _run(
-    rows: NDArray[Any], skip: bool, method: Method, q: tuple[float, float]
+    run: _kernel.Run, method: Method, q: tuple[float, float]
 ) -> tuple[_kernel.Outcome, Counters | None]:
     if method not in _WRAPPING:
-        return _kernel.delaunay(rows, skip), None
-    outcome, counts = _kernel.gift_wrap(rows, skip, method, *q)
+        return _kernel.delaunay(*run), None
+    outcome, counts = _kernel.gift_wrap(*run, method, *q)
     return outcome, Counters.from_kernel(counts)
 
 

@@ -166,12 +166,11 @@ def _solve(
     The engine looks at planar coordinates itself, so only the heights take a pass here, and only
     where one is not finite is the array of planar coordinates copied, to mark that row.
     """
-    finite = np.isfinite(heights)
-    if not finite.all():
+    if not np.isfinite(heights).all():
         if nonfinite == "error":
             raise _nonfinite_error(points, planar, heights)
         planar = planar.copy()
-        planar[~finite] = np.nan
+        planar[~np.isfinite(heights)] = np.nan
     try:
         solution = delaunay(planar, method=method, q=q, nonfinite=nonfinite)
     except NonFiniteError:

@@ -23,6 +23,7 @@ from liftmesh.errors import DegenerateInputError, InputError
 
 Vector = NDArray[np.float64]
 
+_ROWS = 1 << 14  # measured at a time: what is computed on the way stays in the cache
 _RIGID = 1e-9
 _NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding, not tilt
 
@@ -85,7 +86,10 @@ class Frame:
         """
         if self.name == "xy":
             return points[:, :2]
-        return np.column_stack([self._along(points, 0), self._along(points, 1)])
+        planar = np.empty((len(points), 2))
+        self._measure(points, 0, planar[:, 0])
+        self._measure(points, 1, planar[:, 1])
+        return planar
 
     def heights(self, points: Vector) -> Vector:
         """Heights of rows above the plane.
@@ -105,7 +109,11 @@ class Frame:
         >>> resolve_plane("xy", np.zeros((0, 3))).heights(np.array([[1.0, 2.0, 3.0]]))
         array([3.])
         """
-        return points[:, 2] if self.name == "xy" else self._along(points, 2)
+        if self.name == "xy":
+            return points[:, 2]
+        heights = np.empty(len(points))
+        self._measure(points, 2, heights)
+        return heights
 
     def raised(self, points: Vector, old: Vector, new: Vector) -> Vector:
         """Rows moved along the normal from one height to another.
@@ -132,13 +140,18 @@ class Frame:
             return np.column_stack([points[:, :2], new])
         return points + (new - old)[:, None] * self.normal
 
-    def _along(self, points: Vector, axis: int) -> Vector:
+    def _measure(self, points: Vector, axis: int, along: Vector) -> None:
         """Measure the rows along one axis, rounding; NaN and infinity pass silently."""
-        total: Any = None
         with np.errstate(invalid="ignore", over="ignore"):
-            for column in np.flatnonzero(self.axes[axis]):
-                part = (points[:, column] - self.origin[column]) * self.axes[axis, column]
-                total = part if total is None else total + part
+            for start in range(0, len(points), _ROWS):
+                rows = slice(start, start + _ROWS)
+                along[rows] = self._along(points[rows], axis)
+
+    def _along(self, points: Vector, axis: int) -> Vector:
+        total: Any = None
+        for column in np.flatnonzero(self.axes[axis]):
+            part = (points[:, column] - self.origin[column]) * self.axes[axis, column]
+            total = part if total is None else total + part
         result: Vector = total
         return result
 
@@ -245,8 +258,8 @@ def _axes(normal: Vector) -> Vector:
 
 def _finite(points: Vector) -> Vector:
     """Select the finite rows; the array itself where all are."""
-    finite = np.isfinite(points).all(axis=1)
-    return points if finite.all() else points[finite]
+    finite = np.isfinite(points)
+    return points if finite.all() else points[finite.all(axis=1)]
 
 
 def _centre(points: Vector) -> Vector:
@@ -254,8 +267,8 @@ def _centre(points: Vector) -> Vector:
     rows = _finite(points)
     if len(rows) == 0:
         return np.zeros(3)
-    centre: Vector = rows.min(axis=0) / 2 + rows.max(axis=0) / 2
-    return centre
+    # Column by column: along axis 0 NumPy takes ten times as long.
+    return np.array([column.min() / 2 + column.max() / 2 for column in rows.T])
 
 
 def _fit(points: Vector) -> tuple[Vector, Vector]:
@@ -272,7 +285,8 @@ def _fit(points: Vector) -> tuple[Vector, Vector]:
         )
     exponent = int(np.frexp(np.abs(rows).max())[1])
     base = np.ldexp(rows[0], -exponent)
-    centred = np.ldexp(rows, -exponent) - base
+    centred = np.ldexp(rows, -exponent)
+    centred -= base
     shift = centred.mean(axis=0)
     centred -= shift
     _, spread, directions = np.linalg.svd(np.linalg.qr(centred, mode="r"))

@@ -87,7 +87,8 @@ class Triangulation:
     ) -> None:
         # What point location rests on must not change under it.
         for array in (simplices, neighbors, hull, duplicates, skipped):
-            array.setflags(write=False)
+            if array.flags.writeable:
+                array.setflags(write=False)
         self._rows = points
         self._hull = hull
         self.simplices = simplices

@@ -4,6 +4,8 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <stdexcept>
 
@@ -42,36 +44,68 @@ Input read(const PlanarRows& rows) {
             rows.stride(1) * size, single};
 }
 
-// Looks for a pending signal some twenty times a second. Python hands signals to its main thread
-// only; in any other this never answers yes.
+// Looks for a pending signal some twenty times a second, and tells how far the run has come. Python
+// hands signals to its main thread only; in any other it is an exception of `progress` that ends a
+// run, or nothing.
 class PythonInterrupt final : public liftmesh::Interrupt {
  public:
+    explicit PythonInterrupt(nb::handle progress = nb::none()) : progress_(progress) {}
+
     bool requested() override {
         const Clock::time_point now = Clock::now();
         if (requested_ || now < due_) return requested_;
         due_ = now + std::chrono::milliseconds(50);
         const nb::gil_scoped_acquire gil;
-        requested_ = PyErr_CheckSignals() != 0;
+        requested_ = PyErr_CheckSignals() != 0 || !told();
         return requested_;
     }
+    void expect(std::size_t work) override { expected_ = work; }
+    void advance(std::size_t work) override { done_ += work; }
 
  private:
     using Clock = std::chrono::steady_clock;
+
+    bool told() const {
+        if (progress_.is_none() || expected_ == 0) return true;
+        const double share = static_cast<double>(done_) / static_cast<double>(expected_);
+        try {
+            progress_(std::min(share, 1.0));
+        } catch (nb::python_error& error) {
+            error.restore();
+            return false;
+        }
+        return true;
+    }
+
+    nb::handle progress_;
     Clock::time_point due_ = Clock::now() + std::chrono::milliseconds(50);
     bool requested_ = false;
+    std::size_t expected_ = 0;
+    std::atomic<std::size_t> done_ = 0;
 };
 
 template <class T>
-nb::object adopt(std::unique_ptr<T[]> values, std::size_t rows, std::size_t columns) {
+nb::object adopt(liftmesh::Buffer<T> values, std::size_t rows, std::size_t columns) {
     T* data = values.release();
-    const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
+    const nb::capsule owner(data, [](void* p) noexcept { liftmesh::Free()(p); });
     const std::size_t shape[2] = {rows, columns};
-    return nb::cast(nb::ndarray<nb::numpy, T>(data, columns == 1 ? 1 : 2, shape, owner));
+    return nb::cast(nb::ndarray<nb::numpy, const T>(data, columns == 1 ? 1 : 2, shape, owner));
+}
+
+// Most input leaves no rows out: one array without rows, read-only as all are, serves for that. It
+// is made when the module is, before there are threads to meet over it.
+nb::object nothing(std::size_t columns) {
+    const auto make = [](std::size_t of) {
+        return adopt(liftmesh::allocate<std::int32_t>(0), 0, of).release().ptr();
+    };
+    static PyObject* const none[2] = {make(1), make(2)};
+    return nb::borrow(none[columns - 1]);
 }
 
 template <class Source, class Write>
 nb::object table(const std::vector<Source>& source, std::size_t columns, Write write) {
-    auto values = std::make_unique<std::int32_t[]>(columns * source.size());
+    if (source.empty()) return nothing(columns);
+    auto values = liftmesh::allocate<std::int32_t>(columns * source.size());
     for (std::size_t i = 0; i < source.size(); ++i) write(source[i], &values[columns * i]);
     return adopt(std::move(values), source.size(), columns);
 }
@@ -114,13 +148,14 @@ nb::tuple hand_over(liftmesh::Delaunay& outcome) {
                           duplicates(outcome.duplicates), skipped(outcome.skipped));
 }
 
-nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite) {
+nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned threads, bool shared,
+                   nb::handle progress) {
     const Input input = read(rows);
-    PythonInterrupt interrupt;
+    PythonInterrupt interrupt(progress);
     liftmesh::Delaunay outcome;
     {
         const nb::gil_scoped_release unlocked;
-        outcome = liftmesh::delaunay(input, skip_non_finite, interrupt);
+        outcome = liftmesh::delaunay(input, skip_non_finite, {threads, shared}, interrupt);
     }
     return hand_over(outcome);
 }
@@ -139,17 +174,17 @@ liftmesh::Procedure procedure_named(std::string_view method) {
     throw std::invalid_argument("unknown method");
 }
 
-nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, std::string_view method,
-                    double qx, double qy) {
+nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, unsigned threads, bool shared,
+                    nb::handle progress, std::string_view method, double qx, double qy) {
     const Input input = read(rows);
     const liftmesh::Procedure procedure = procedure_named(method);
-    PythonInterrupt interrupt;
+    PythonInterrupt interrupt(progress);
     liftmesh::Delaunay outcome;
     liftmesh::paper::Counts counts;
     {
         const nb::gil_scoped_release unlocked;
-        outcome =
-            liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy}, interrupt, counts);
+        outcome = liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy},
+                                          {threads, shared}, interrupt, counts);
     }
     return nb::make_tuple(hand_over(outcome), tell(counts));
 }
@@ -164,7 +199,7 @@ nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
     liftmesh::paper::Counts counts;
     {
         const nb::gil_scoped_release unlocked;
-        outcome = liftmesh::lower_hull(input, engine, interrupt, counts);
+        outcome = liftmesh::lower_hull(input, engine, {}, interrupt, counts);
     }
     return nb::make_tuple(hand_over(outcome), tell(counts));
 }
@@ -250,9 +285,13 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
 
 NB_MODULE(_kernel, m) {
     m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
+    nothing(1);
     m.attr("MOST_ROWS") = liftmesh::most_rows;
-    m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a);
-    m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "method"_a, "qx"_a, "qy"_a);
+    m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
+    m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
+          "progress"_a.none());
+    m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
+          "progress"_a.none(), "method"_a, "qx"_a, "qy"_a);
     m.def("lower_hull", &lower_hull, "rows"_a, "method"_a);
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);

@@ -1,15 +1,17 @@
 #include "delaunay.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "divide_conquer.hpp"
+#include "emit.hpp"
 #include "floating_point.hpp"
 
 namespace liftmesh {
 
-Delaunay start(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order) {
+Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order) {
     Delaunay outcome;
-    const OrderResult arranged = arrange(input, skip_non_finite, interrupt, order);
+    const OrderResult arranged = arrange(input, skip_non_finite, team, order);
     outcome.status = arranged.status;
     outcome.row = arranged.row;
     if (outcome.status != Status::ok) return outcome;
@@ -20,16 +22,18 @@ Delaunay start(const Input& input, bool skip_non_finite, Interrupt& interrupt, O
     return outcome;
 }
 
-Delaunay delaunay(const Input& input, bool skip_non_finite, Interrupt& interrupt) {
+Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
+    threads.limit = static_cast<unsigned>(
+        std::clamp<std::size_t>(input.rows / rows_per_thread, 1, threads.limit));
+    Team team(threads, interrupt);
+    interrupt.expect(input.rows * (work::arranging + work::triangulating + work::emitting));
     Order order;
-    Delaunay outcome = start(input, skip_non_finite, interrupt, order);
+    Delaunay outcome = start(input, skip_non_finite, team, order);
     if (outcome.status != Status::ok) return outcome;
-    const auto triangles = std::make_unique_for_overwrite<Triangle[]>(2 * order.count - 2);
-    outcome.status = divide_and_conquer(order, triangles.get(), interrupt);
-    if (outcome.status != Status::ok) return outcome;
-    const Mesh mesh(order.points.get(), triangles.get());
-    outcome.status = emit(mesh, order.rows.get(), order.count, interrupt, outcome.result);
+    Construction construction;
+    outcome.status = divide_and_conquer(order, team, construction);
+    if (outcome.status == Status::ok) outcome.status = emit(construction, team, outcome.result);
     return outcome;
 }
 

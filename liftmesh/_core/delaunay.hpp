@@ -4,15 +4,19 @@
 #include <vector>
 
 #include "distinct.hpp"
-#include "emit.hpp"
 #include "input.hpp"
 #include "order.hpp"
+#include "result.hpp"
 #include "status.hpp"
+#include "team.hpp"
 
 namespace liftmesh {
 
 // Edges are named by 32 bits: 4 * triangle + place, with fewer than 2 n triangles.
 inline constexpr std::size_t most_rows = std::size_t{1} << 29;
+
+// A thread for fewer would cost more than it saves.
+inline constexpr std::size_t rows_per_thread = std::size_t{1} << 12;
 
 struct Delaunay {
     Status status = Status::ok;
@@ -25,9 +29,9 @@ struct Delaunay {
 
 // What every engine begins with: the distinct points are arranged, and what is known of them by
 // then is in the outcome. There is work left where its status is ok.
-Delaunay start(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
+Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order);
 
 // By divide and conquer.
-Delaunay delaunay(const Input& input, bool skip_non_finite, Interrupt& interrupt);
+Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "point.hpp"
+#include "site.hpp"
 
 namespace liftmesh {
 
@@ -13,9 +13,8 @@ struct Duplicate {
 };
 
 // Moves the first of each position to the front, in order, and returns how many there are; the
-// others are appended to `duplicates`. `rows` must ascend among equal points, as it does when
-// points come in the order of their rows.
-std::size_t keep_distinct(Point* points, Row* rows, std::size_t count,
-                          std::vector<Duplicate>& duplicates);
+// others are appended to `duplicates`. Rows must ascend among equal points, as they do when sites
+// come in the order of their rows.
+std::size_t keep_distinct(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates);
 
 }  // namespace liftmesh

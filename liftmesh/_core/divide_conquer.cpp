@@ -1,104 +1,128 @@
 // Preparata and Hong (1977) find the lower hull of two halves and merge them; Dwyer (1987) cuts
 // alternately across x and y, which keeps the seams short. The upper cuts are those of the sampled
-// kd tree, already made by the ordering; below a cell the points are halved exactly.
+// kd tree, already made by the ordering; below a cell the points are halved where they lie, down to
+// two or three, which move to their final places.
 //
-// Nothing is allocated: the triangle slots of a cell are the scratch space for its selection.
+// Subtrees are shared out among the threads, and then the joins above them, level by level. A
+// subtree owns its points and its triangle slots, so nothing needs a lock, and nothing that is
+// written depends on who writes it.
 
 #include "divide_conquer.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
-#include <memory>
 #include <utility>
+#include <vector>
 
+#include "cuts.hpp"
+#include "halving.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-struct Item {
-    Point point;
-    Row row;
-};
-static_assert(sizeof(Item) <= sizeof(Triangle), "a cell's slots must hold its points");
-
 class Engine {
  public:
-    Engine(Order& order, Triangle* triangles, Interrupt& interrupt)
+    Engine(Order& order, Team& team, Construction& result)
         : order_(order),
-          mesh_(order.points.get(), triangles),
-          seam_{mesh_, order.scale.guard, interrupt},
-          interrupt_(interrupt) {}
+          team_(team),
+          interrupt_(team.interrupt()),
+          points_(result.points.get()),
+          rows_(result.rows.get()),
+          mesh_(points_, result.triangles.get()),
+          seam_{mesh_, order.scale.guard, interrupt_} {}
 
-    Status run() {
-        node(0, 0);
-        return interrupt_.requested() ? Status::interrupted : Status::ok;
+    // Gives a ghost of the whole.
+    TriangleId run() {
+        const int shared = team_.size() == 1 ? 0 : std::bit_width(8 * team_.size());
+        parts_.resize(std::size_t{2} << shared);
+        joins_.resize(static_cast<std::size_t>(shared));
+        share_out(1, shared);
+        team_.run(subtrees_.size(), [&](Index i) { parts_[subtrees_[i]] = node(subtrees_[i]); });
+        for (; !joins_.empty(); joins_.pop_back()) {
+            const std::vector<Index>& level = joins_.back();
+            team_.run(level.size(), [&](Index i) { parts_[level[i]] = join_children(level[i]); });
+        }
+        return parts_[1].lower;
     }
 
  private:
     using Index = std::size_t;
 
-    // The node'th subtree at a level of the kd tree. A subtree with a child too small to stand
-    // alone is treated as one cell.
-    Part node(int level, Index index) {
-        if (interrupted_) return {};
-        const Index span = Index{1} << (order_.depth - level);
-        const Index first = order_.cell_starts[index * span];
-        const Index last = order_.cell_starts[(index + 1) * span];
-        if (level == order_.depth) return cell(first, last, Cuts::axis(level));
-        const Index middle = order_.cell_starts[index * span + span / 2];
-        if (middle - first < 2 || last - middle < 2) return cell(first, last, Cuts::axis(level));
-        const Part left = node(level + 1, 2 * index);
-        const Part right = node(level + 1, 2 * index + 1);
-        return join(left, right, Cuts::axis(level), last - first, middle);
+    // Nodes of the kd tree are numbered as in a heap: the root is 1, the children of h are 2 h and
+    // 2 h + 1.
+    static int level_of(Index h) { return std::bit_width(h) - 1; }
+
+    // The points of a node, and where its cut divides them.
+    struct Extent {
+        Index first, middle, last;
+    };
+    Extent extent(Index h) const {
+        const Index span = Index{1} << (order_.depth - level_of(h));
+        const Index* start = &order_.cell_starts[(h - (Index{1} << level_of(h))) * span];
+        return {start[0], start[span / 2], start[span]};
+    }
+    // A node with a child too small to stand alone is treated as one cell.
+    bool is_cell(Index h) const {
+        if (level_of(h) == order_.depth) return true;
+        const Extent at = extent(h);
+        return at.middle - at.first < 2 || at.last - at.middle < 2;
     }
 
-    Part cell(Index first, Index last, Axis axis) {
-        Item* items = reinterpret_cast<Item*>(&mesh_[slot(first)]);
-        const Index count = last - first;
-        for (Index i = 0; i < count; ++i)
-            std::construct_at(items + i, Item{order_.points[first + i], order_.rows[first + i]});
-        halve(items, count, axis);
-        for (Index i = 0; i < count; ++i) {
-            order_.points[first + i] = items[i].point;
-            order_.rows[first + i] = items[i].row;
+    void share_out(Index h, int levels) {
+        if (levels == 0 || is_cell(h)) {
+            subtrees_.push_back(h);
+            return;
         }
-        return interrupted_ ? Part{} : build(first, last, axis);
+        share_out(2 * h, levels - 1);
+        share_out(2 * h + 1, levels - 1);
+        joins_[static_cast<Index>(level_of(h))].push_back(h);
     }
 
-    void halve(Item* items, Index count, Axis axis) {
-        constexpr Index worth_asking = Index{1} << 16;
-        if (count >= worth_asking) interrupted_ = interrupted_ || interrupt_.requested();
-        if (count <= 3 || interrupted_) return;
-        Item* middle = items + count / 2;
-        const auto select = [&](auto precedes) {
-            std::nth_element(items, middle, items + count, [&](const Item& a, const Item& b) {
-                return precedes(a.point, b.point);
-            });
-        };
-        axis == Axis::x ? select([](Point p, Point q) { return before_xy(p, q); })
-                        : select([](Point p, Point q) { return before_yx(p, q); });
-        halve(items, count / 2, other(axis));
-        halve(middle, count - count / 2, other(axis));
+    Part node(Index h) {
+        if (is_cell(h)) return cell(extent(h), Cuts::axis(level_of(h)));
+        const Part left = node(2 * h);
+        const Part right = node(2 * h + 1);
+        return join_node(h, left, right);
     }
 
-    Part build(Index first, Index last, Axis axis) {
-        const Index count = last - first;
-        if (count == 2) return segment(vertex(first), vertex(first + 1), slot(first));
-        if (count == 3) return three(vertex(first), slot(first));
-        const Index middle = first + count / 2;
-        const Part left = build(first, middle, other(axis));
-        const Part right = build(middle, last, other(axis));
-        return join(left, right, axis, count, middle);
+    Part join_children(Index h) { return join_node(h, parts_[2 * h], parts_[2 * h + 1]); }
+
+    Part join_node(Index h, Part left, Part right) {
+        const Extent at = extent(h);
+        return join(left, right, Cuts::axis(level_of(h)), at.last - at.first, at.middle);
     }
 
+    Part cell(Extent at, Axis axis) {
+        const Index count = at.last - at.first;
+        if (interrupt_.requested()) return {};
+        interrupt_.advance(work::triangulating * count);
+        return build(&order_.sites[at.first], at.first, count, axis);
+    }
+
+    Part build(Site* sites, Index first, Index count, Axis axis) {
+        if (count <= 3) return leaf(sites, first, count);
+        const Index half = halve(sites, count, axis);
+        const Part left = build(sites, first, half, other(axis));
+        const Part right = build(sites + half, first + half, count - half, other(axis));
+        return join(left, right, axis, count, first + half);
+    }
+
+    Part leaf(const Site* sites, Index first, Index count) {
+        for (Index i = 0; i < count; ++i) {
+            points_[first + i] = sites[i].point;
+            rows_[first + i] = sites[i].row;
+        }
+        return count == 2 ? segment(vertex(first), vertex(first + 1), slot(first))
+                          : three(vertex(first), slot(first));
+    }
+
+    // An interrupt stays, and a part that it left unfinished is large: no join touches it.
     Part join(Part left, Part right, Axis axis, Index count, Index middle) {
         constexpr Index worth_asking = 4096;
-        if (interrupted_ || (count >= worth_asking && interrupt_.requested())) {
-            interrupted_ = true;
-            return left;
-        }
+        if (count >= worth_asking && interrupt_.requested()) return {};
         return merge(seam_, left, right, axis, slot(middle) - 2);
     }
 
@@ -156,16 +180,27 @@ class Engine {
     static TriangleId slot(Index position) { return static_cast<TriangleId>(2 * position); }
 
     Order& order_;
+    Team& team_;
+    Interrupt& interrupt_;
+    Point* points_;
+    Row* rows_;
     Mesh mesh_;
     Seam seam_;
-    Interrupt& interrupt_;
-    bool interrupted_ = false;
+    std::vector<Index> subtrees_;            // shared out, and
+    std::vector<std::vector<Index>> joins_;  // the nodes above them, by level
+    std::vector<Part> parts_;                // of both
 };
 
 }  // namespace
 
-Status divide_and_conquer(Order& order, Triangle* triangles, Interrupt& interrupt) {
-    return Engine(order, triangles, interrupt).run();
+Status divide_and_conquer(Order& order, Team& team, Construction& result) {
+    result.count = order.count;
+    result.points = allocate<Point>(order.count);
+    result.rows = allocate<Row>(order.count);
+    result.triangles = allocate<Triangle>(2 * order.count - 2);
+    result.some_ghost = Engine(order, team, result).run();
+    order.sites.reset();
+    return team.interrupt().requested() ? Status::interrupted : Status::ok;
 }
 
 }  // namespace liftmesh

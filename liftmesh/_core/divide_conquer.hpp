@@ -1,13 +1,23 @@
 // The default engine: divide and conquer on the lifted lower hull.
 #pragma once
 
+#include "buffer.hpp"
 #include "merge.hpp"
 #include "order.hpp"
+#include "team.hpp"
 
 namespace liftmesh {
 
-// Triangulates the distinct points of `order` (two at least), which reach their final order on the
-// way, into `triangles`: 2 * count - 2 of them, ghosts included.
-Status divide_and_conquer(Order& order, Triangle* triangles, Interrupt& interrupt);
+// A triangulation under way or complete: the points in their final order, and the triangles' slots.
+struct Construction {
+    Buffer<Point> points;
+    Buffer<Row> rows;
+    Buffer<Triangle> triangles;  // 2 * count - 2, ghosts included
+    std::size_t count = 0;
+    TriangleId some_ghost = 0;
+};
+
+// Triangulates the distinct points of `order` (two at least), whose sites are gone afterwards.
+Status divide_and_conquer(Order& order, Team& team, Construction& result);
 
 }  // namespace liftmesh

@@ -1,6 +1,6 @@
-// A triangle's place in the result is the number of real triangles in the slots before its own. A
-// bit for each real slot, with a running count for each 64 of them, answers that in two loads; most
-// words have no ghost at all, and then nothing needs counting.
+// A triangle's row in the output is its rank among the slots that hold no ghost. The ghosts are
+// found along the hull. A bit for each other slot, with a running count for each 64 of them,
+// answers in two loads; most words have no ghost at all, and then nothing needs counting.
 
 #include "emit.hpp"
 
@@ -8,7 +8,7 @@
 #include <bit>
 #include <vector>
 
-#include "blocks.hpp"
+#include "mesh.hpp"
 
 namespace liftmesh {
 
@@ -16,75 +16,101 @@ namespace {
 
 class Ranks {
  public:
-    Ranks(const Mesh& mesh, std::size_t slots) : bits_((slots + 63) / 64), before_(bits_.size()) {
+    explicit Ranks(std::size_t slots)
+        : bits_((slots + 63) / 64, ~std::uint64_t{0}), before_(bits_.size()) {
+        if (slots % 64 != 0) bits_.back() = bit(slots) - 1;
+    }
+
+    void leave_out(TriangleId t) { bits_[t / 64] &= ~bit(t); }
+
+    void count() {
         std::uint32_t count = 0;
         for (std::size_t word = 0; word < bits_.size(); ++word) {
             before_[word] = count;
-            const std::size_t end = std::min(slots, 64 * (word + 1));
-            for (std::size_t t = 64 * word; t < end; ++t)
-                bits_[word] |= std::uint64_t{!mesh[static_cast<TriangleId>(t)].is_ghost()}
-                               << (t % 64);
             count += static_cast<std::uint32_t>(std::popcount(bits_[word]));
         }
-        total_ = count;
     }
 
-    std::size_t total() const { return total_; }
+    // The rank of the first slot of a word.
+    std::size_t before(std::size_t word) const { return before_[word]; }
+
+    bool has(TriangleId t) const { return bits_[t / 64] & bit(t); }
+
+    // -1 for a ghost.
     std::int32_t operator[](TriangleId t) const {
         const std::uint64_t word = bits_[t / 64];
         if (word == ~std::uint64_t{0}) return static_cast<std::int32_t>(before_[t / 64] + t % 64);
-        if ((word >> (t % 64) & 1) == 0) return -1;
-        const std::uint64_t lower = word & ((std::uint64_t{1} << (t % 64)) - 1);
-        return static_cast<std::int32_t>(before_[t / 64] +
-                                         static_cast<std::uint32_t>(std::popcount(lower)));
+        if ((word & bit(t)) == 0) return -1;
+        return static_cast<std::int32_t>(
+            before_[t / 64] + static_cast<std::uint32_t>(std::popcount(word & (bit(t) - 1))));
     }
 
  private:
+    static std::uint64_t bit(std::size_t t) { return std::uint64_t{1} << (t % 64); }
+
     std::vector<std::uint64_t> bits_;
     std::vector<std::uint32_t> before_;
-    std::size_t total_ = 0;
 };
 
-// Starts at the lexicographically least point, which is on the hull.
-void emit_hull(const Mesh& mesh, TriangleId any, const Row* rows, std::int32_t* hull) {
-    TriangleId start = any;
-    for (TriangleId g = mesh.successor(any); g != any; g = mesh.successor(g))
-        if (before_xy(mesh.point(mesh.tail(g)), mesh.point(mesh.tail(start)))) start = g;
-    TriangleId g = start;
-    do {
-        *hull++ = static_cast<std::int32_t>(rows[mesh.tail(g)]);
-        g = mesh.successor(g);
-    } while (g != start);
+// The ghosts along the hull, counter-clockwise from the lexicographically least point.
+std::vector<TriangleId> ghosts_of(const Mesh& mesh, TriangleId any) {
+    std::vector<TriangleId> ghosts{any};
+    std::size_t least = 0;
+    for (TriangleId g = mesh.successor(any); g != any; g = mesh.successor(g)) {
+        if (before_xy(mesh.point(mesh.tail(g)), mesh.point(mesh.tail(ghosts[least]))))
+            least = ghosts.size();
+        ghosts.push_back(g);
+    }
+    std::rotate(ghosts.begin(), ghosts.begin() + static_cast<std::ptrdiff_t>(least), ghosts.end());
+    return ghosts;
 }
+
+class Emission {
+ public:
+    Emission(const Construction& from, const Ranks& ranks, Result& result)
+        : from_(from), ranks_(ranks), result_(result) {}
+
+    // Slots from `first` on, a multiple of 64.
+    void slots(std::size_t first, std::size_t last) const {
+        const std::size_t rank = ranks_.before(first / 64);
+        std::int32_t* simplex = &result_.simplices[3 * rank];
+        std::int32_t* neighbor = &result_.neighbors[3 * rank];
+        for (std::size_t slot = first; slot < last; ++slot) {
+            if (!ranks_.has(static_cast<TriangleId>(slot))) continue;
+            const Triangle& triangle = from_.triangles[slot];
+            for (int k = 0; k < 3; ++k) {
+                *simplex++ = static_cast<std::int32_t>(from_.rows[triangle.vertex[k]]);
+                *neighbor++ = ranks_[triangle_of(triangle.twin[k])];
+            }
+        }
+    }
+
+ private:
+    const Construction& from_;
+    const Ranks& ranks_;
+    Result& result_;
+};
 
 }  // namespace
 
-Status emit(const Mesh& mesh, const Row* rows, std::size_t points, Interrupt& interrupt,
-            Result& result) {
-    const std::size_t slots = 2 * points - 2;
-    const Ranks ranks(mesh, slots);
-    result.triangle_count = ranks.total();
-    result.hull_count = slots - ranks.total();
-    result.simplices = std::make_unique_for_overwrite<std::int32_t[]>(3 * result.triangle_count);
-    result.neighbors = std::make_unique_for_overwrite<std::int32_t[]>(3 * result.triangle_count);
-    result.hull = std::make_unique_for_overwrite<std::int32_t[]>(result.hull_count);
-
-    std::int32_t* simplex = result.simplices.get();
-    std::int32_t* neighbor = result.neighbors.get();
-    TriangleId some_ghost = 0;
-    const bool done = for_each_in_blocks(slots, interrupt, [&](std::size_t slot) {
-        const Triangle& triangle = mesh[static_cast<TriangleId>(slot)];
-        if (triangle.is_ghost()) {
-            some_ghost = static_cast<TriangleId>(slot);
-            return;
-        }
-        for (int k = 0; k < 3; ++k) {
-            *simplex++ = static_cast<std::int32_t>(rows[triangle.vertex[k]]);
-            *neighbor++ = ranks[triangle_of(triangle.twin[k])];
-        }
+Status emit(const Construction& from, Team& team, Result& result) {
+    constexpr std::size_t block = std::size_t{1} << 16;
+    const Mesh mesh(from.points.get(), from.triangles.get());
+    const std::size_t slots = 2 * from.count - 2;
+    const std::vector<TriangleId> ghosts = ghosts_of(mesh, from.some_ghost);
+    Ranks ranks(slots);
+    for (const TriangleId g : ghosts) ranks.leave_out(g);
+    ranks.count();
+    result.make_room(slots - ghosts.size(), ghosts.size());
+    std::transform(ghosts.begin(), ghosts.end(), result.hull.get(), [&](TriangleId g) {
+        return static_cast<std::int32_t>(from.rows[mesh.tail(g)]);
+    });
+    const Emission emission(from, ranks, result);
+    const bool done = team.run((slots + block - 1) / block, [&](std::size_t i) {
+        emission.slots(i * block, std::min(slots, (i + 1) * block));
+        team.interrupt().advance(work::emitting * block / 2);
     });
     if (!done) return Status::interrupted;
-    emit_hull(mesh, some_ghost, rows, result.hull.get());
     return result.triangle_count == 0 ? Status::collinear : Status::ok;
 }
 

@@ -3,21 +3,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 
-#include "mesh.hpp"
+#include "buffer.hpp"
+#include "divide_conquer.hpp"
+#include "result.hpp"
 #include "status.hpp"
+#include "team.hpp"
 
 namespace liftmesh {
 
-struct Result {
-    std::unique_ptr<std::int32_t[]> simplices, neighbors;  // triangle_count x 3
-    std::unique_ptr<std::int32_t[]> hull;                  // hull_count rows, counter-clockwise
-    std::size_t triangle_count = 0;
-    std::size_t hull_count = 0;
-};
-
-Status emit(const Mesh& mesh, const Row* rows, std::size_t points, Interrupt& interrupt,
-            Result& result);
+Status emit(const Construction& from, Team& team, Result& result);
 
 }  // namespace liftmesh

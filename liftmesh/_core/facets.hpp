@@ -6,8 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "emit.hpp"
 #include "point.hpp"
+#include "result.hpp"
+#include "site.hpp"
 #include "status.hpp"
 
 namespace liftmesh {
@@ -25,9 +26,8 @@ struct Facet {
     Vertex head(unsigned k) const { return vertex[k == 0 ? 2 : k - 1]; }
 };
 
-// `points` and `rows` tell the position and the row of each vertex. Without facets all points are
-// on one line, and the hull is its two ends.
-Status emit(const std::vector<Facet>& facets, std::span<const Point> points,
-            std::span<const Row> rows, Result& result);
+// `sites` tells the position and the row of each vertex. Without facets all points are on one line,
+// and the hull is its two ends.
+Status emit(const std::vector<Facet>& facets, std::span<const Site> sites, Result& result);
 
 }  // namespace liftmesh

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "facets.hpp"
@@ -32,28 +34,30 @@ Point scaled(Point q, const Scale& scale) {
 }  // namespace
 
 Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure procedure, Point q,
-                       Interrupt& interrupt, paper::Counts& counts) {
+                       Threads threads, Interrupt& interrupt, paper::Counts& counts) {
     const IeeeArithmetic ieee;
+    Team team(threads, interrupt);
     Order order;
-    Delaunay outcome = start(input, skip_non_finite, interrupt, order);
+    Delaunay outcome = start(input, skip_non_finite, team, order);
     if (outcome.status != Status::ok) return outcome;
+    const std::span<Site> sites(order.sites.get(), order.count);
+    std::optional<paper::Grid> grid;
     // The work of LF and LFRes depends on the order of P: it is that of the caller's rows.
-    const bool ordered =
-        procedure == Procedure::lfres_indexed || sort_by_row(input, interrupt, order);
-    if (!ordered) {
-        outcome.status = Status::interrupted;
-        return outcome;
+    if (procedure == Procedure::lfres_indexed) {
+        grid.emplace(sites);
+    } else {
+        sort_by_row(order);
     }
-    std::vector<Point> points(order.points.get(), order.points.get() + order.count);
-    std::vector<Row> rows(order.rows.get(), order.rows.get() + order.count);
+    std::vector<Point> points(sites.size());
+    std::transform(sites.begin(), sites.end(), points.begin(),
+                   [](const Site& site) { return site.point; });
     const auto wrap = [&](Point vertex, auto make_procedure) {
         const paper::LiftedPoints p(points, vertex, order.scale.guard);
         auto facet_through = make_procedure(p);
         std::vector<Facet> facets;
         outcome.status = paper::lower_convex_hull(p, facet_through, interrupt, facets);
         counts = facet_through.counts();
-        if (outcome.status == Status::ok)
-            outcome.status = emit(facets, points, rows, outcome.result);
+        if (outcome.status == Status::ok) outcome.status = emit(facets, sites, outcome.result);
     };
     using paper::LiftedPoints;
     if (procedure == Procedure::lf) {
@@ -64,9 +68,8 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
              [&](const LiftedPoints& p) { return paper::LfRes(p, interrupt); });
     } else {
         // Here q matters for the first edge alone: the best is one in sight of the points.
-        const paper::Grid grid(points, rows);
         wrap(points.front(), [&](const LiftedPoints& p) {
-            return paper::LfResIndexed(grid, points.data(), p.guard(), interrupt);
+            return paper::LfResIndexed(*grid, points.data(), p.guard(), interrupt);
         });
     }
     return outcome;

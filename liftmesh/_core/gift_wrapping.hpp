@@ -14,6 +14,6 @@ enum class Procedure : std::uint8_t { lf, lfres, lfres_indexed };
 
 // The Delaunay triangulation by Algorithm 2. `q` is the vertex of the paraboloid.
 Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure procedure, Point q,
-                       Interrupt& interrupt, paper::Counts& counts);
+                       Threads threads, Interrupt& interrupt, paper::Counts& counts);
 
 }  // namespace liftmesh

@@ -1,7 +1,6 @@
 #include "lower_hull.hpp"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -22,10 +21,10 @@ namespace {
 void take_lowest(const Input& input, const std::vector<Duplicate>& duplicates, Order& order) {
     if (duplicates.empty()) return;
     std::vector<Row> lowest(input.rows);
-    for (std::size_t i = 0; i < order.count; ++i) lowest[order.rows[i]] = order.rows[i];
+    for (std::size_t i = 0; i < order.count; ++i) lowest[order.sites[i].row] = order.sites[i].row;
     for (const Duplicate& pair : duplicates)
         if (input.height(pair.row) < input.height(lowest[pair.kept])) lowest[pair.kept] = pair.row;
-    for (std::size_t i = 0; i < order.count; ++i) order.rows[i] = lowest[order.rows[i]];
+    for (std::size_t i = 0; i < order.count; ++i) order.sites[i].row = lowest[order.sites[i].row];
 }
 
 struct Heights {
@@ -38,7 +37,7 @@ Heights heights_of(const Input& input, const Order& order) {
     Range range;
     Heights z{std::vector<double>(order.count), order.scale.guard};
     for (std::size_t i = 0; i < order.count; ++i) {
-        z.values[i] = input.height(order.rows[i]);
+        z.values[i] = input.height(order.sites[i].row);
         range.add({z.values[i], 0});
     }
     const Scale scale(range);
@@ -51,7 +50,7 @@ Heights heights_of(const Input& input, const Order& order) {
 std::vector<SpacePoint> in_space(const Order& order, const std::vector<double>& z) {
     std::vector<SpacePoint> points(order.count);
     for (std::size_t i = 0; i < order.count; ++i)
-        points[i] = {order.points[i].x, order.points[i].y, z[i]};
+        points[i] = {order.sites[i].point.x, order.sites[i].point.y, z[i]};
     return points;
 }
 
@@ -65,16 +64,14 @@ Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet
 
 }  // namespace
 
-Delaunay lower_hull(const Input& input, HullMethod method, Interrupt& interrupt,
+Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
                     paper::Counts& counts) {
     const IeeeArithmetic ieee;
+    Team team(threads, interrupt);
     Order order;
-    Delaunay outcome = start(input, false, interrupt, order);
+    Delaunay outcome = start(input, false, team, order);
     if (outcome.status != Status::ok) return outcome;
-    if (method == HullMethod::lf && !sort_by_row(input, interrupt, order)) {
-        outcome.status = Status::interrupted;
-        return outcome;
-    }
+    if (method == HullMethod::lf) sort_by_row(order);
     take_lowest(input, outcome.duplicates, order);
     const Heights z = heights_of(input, order);
     std::vector<SpacePoint> points = in_space(order, z.values);
@@ -83,9 +80,7 @@ Delaunay lower_hull(const Input& input, HullMethod method, Interrupt& interrupt,
                          ? wrap({std::move(points), z.guard}, interrupt, facets, counts)
                          : lower_hull(points, z.guard, interrupt, facets);
     if (outcome.status != Status::ok) return outcome;
-    const std::span<const Row> rows(order.rows.get(), order.count);
-    const std::span<const Point> planar(order.points.get(), order.count);
-    outcome.status = emit(facets, planar, rows, outcome.result);
+    outcome.status = emit(facets, {order.sites.get(), order.count}, outcome.result);
     return outcome;
 }
 

@@ -12,7 +12,7 @@ enum class HullMethod : std::uint8_t { incremental, lf };
 
 // Rows have three columns, all finite. Of rows at one planar position only the lowest can be on the
 // lower hull: it stands for them, the first where several are lowest. `counts` is of `lf`.
-Delaunay lower_hull(const Input& input, HullMethod method, Interrupt& interrupt,
+Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
                     paper::Counts& counts);
 
 }  // namespace liftmesh

@@ -12,6 +12,7 @@
 #include <cstddef>
 
 #include "predicates/orient2d.hpp"
+#include "predicates/sighting.hpp"
 
 namespace liftmesh {
 
@@ -55,7 +56,6 @@ class Merge {
     Point at(Vertex v) const { return mesh_.point(v); }
     bool below(Point p) const { return orient2d(pa_, pb_, p) < 0; }
     bool above(Point p) const { return orient2d(pa_, pb_, p) > 0; }
-    bool in_circle(Point c, Point d) const { return incircle_canonical(pa_, pb_, c, d, guard_); }
 
     void set_a(Vertex v) {
         a_ = v;
@@ -97,12 +97,16 @@ class Merge {
 
     void rise() {
         for (Patience patience(interrupt_); !patience.ends();) {
-            const bool left = above(at(mesh_.head(left_)));
-            const bool right = above(at(mesh_.tail(right_)));
+            const Base base(pa_, pb_);
+            const Vertex c = mesh_.head(left_), d = mesh_.tail(right_);
+            Candidate l{c, at(c), base.sight(at(c))};
+            Candidate r{d, at(d), base.sight(at(d))};
+            const bool left = is_above(l);
+            const bool right = is_above(r);
             if (!left && !right) return;
-            if (left) open_left();
-            if (right) open_right();
-            if (left && !(right && in_circle(at(mesh_.head(left_)), at(mesh_.tail(right_))))) {
+            if (left) open_left(base, l);
+            if (right) open_right(base, r);
+            if (left && !(right && in_circle(l, r))) {
                 advance_left();
             } else {
                 advance_right();
@@ -110,43 +114,69 @@ class Merge {
         }
     }
 
+    struct Candidate {
+        Vertex vertex;
+        Point point;
+        Sighting sighting;
+    };
+    Candidate candidate(const Base& base, Vertex v) const {
+        const Point p = at(v);
+        return {v, p, base.sight(p)};
+    }
+
+    bool is_above(const Candidate& c) const {
+        const Margin margin = distance(c.sighting);
+        if (margin.value > margin.error + guard_.margin()) return true;
+        if (-margin.value > margin.error + guard_.margin()) return false;
+        return above(c.point);
+    }
+
+    bool in_circle(const Candidate& c, const Candidate& d) const {
+        const Margin margin = liftmesh::below(c.sighting, d.sighting);
+        if (margin.value > margin.error + guard_.margin()) return true;
+        if (-margin.value > margin.error + guard_.margin()) return false;
+        return incircle_canonical_exact(pa_, pb_, c.point, d.point, guard_) > 0;
+    }
+
     // While the next point inward lies in the circle of the base and the candidate, the hull edge
     // to the candidate goes: a ghost each for the two other edges of the triangle behind it.
-    void open_left() {
+    void open_left(const Base& base, Candidate& c) {
         for (;;) {
             const Edge wall = mesh_.twin(mesh_.hull_edge(left_));
-            const Vertex d = mesh_.apex(wall);
-            if (d == ghost) return;
-            const Vertex c = mesh_.head(left_);
-            if (!in_circle(at(c), at(d))) return;
+            const Vertex inward = mesh_.apex(wall);
+            if (inward == ghost) return;
+            const Candidate d = candidate(base, inward);
+            if (!in_circle(c, d)) return;
             const TriangleId far = triangle_of(wall);
             const Edge near_side = mesh_.twin(previous(wall));
             const Edge far_side = mesh_.twin(next(wall));
-            mesh_.place_ghost(far, d, c);
+            mesh_.place_ghost(far, d.vertex, c.vertex);
             mesh_.chain(far, mesh_.successor(left_));
             mesh_.join(mesh_.hull_edge(far), far_side);
-            mesh_.place_ghost(left_, a_, d);
+            mesh_.place_ghost(left_, a_, d.vertex);
             mesh_.chain(left_, far);
             mesh_.join(mesh_.hull_edge(left_), near_side);
+            c = d;
         }
     }
 
-    void open_right() {
+    void open_right(const Base& base, Candidate& c) {
         for (;;) {
             const Edge wall = mesh_.twin(mesh_.hull_edge(right_));
-            const Vertex d = mesh_.apex(wall);
-            if (d == ghost) return;
-            const Vertex c = mesh_.tail(right_);
-            if (!in_circle(at(c), at(d))) return;
+            const Vertex inward = mesh_.apex(wall);
+            if (inward == ghost) return;
+            const Candidate d = candidate(base, inward);
+            if (!in_circle(c, d)) return;
             const TriangleId far = triangle_of(wall);
             const Edge near_side = mesh_.twin(next(wall));
             const Edge far_side = mesh_.twin(previous(wall));
-            mesh_.place_ghost(far, c, d);
+            mesh_.place_ghost(far, c.vertex, d.vertex);
             mesh_.chain(mesh_.predecessor(right_), far);
             mesh_.join(mesh_.hull_edge(far), far_side);
-            mesh_.place_ghost(right_, d, b_);
+            mesh_.place_ghost(right_, d.vertex, b_);
             mesh_.chain(far, right_);
             mesh_.join(mesh_.hull_edge(right_), near_side);
+            c = d;
         }
     }
 

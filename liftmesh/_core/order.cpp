@@ -1,16 +1,19 @@
-// One pass learns the range of the coordinates and finds what is not finite; a sample of the rows
-// gives the cuts of a kd tree; a second pass counts the points of each cell and a third drops every
-// point into its cell (a stable counting sort). Then each cell, which fits the cache, is freed of
+// A sample of the rows gives the cuts of a kd tree. One pass over the rows finds the cell of each,
+// the range of the coordinates, and what is not finite; a second drops every point into its cell: a
+// counting sort, which is stable however the rows are shared out, as each share counts for itself
+// and the shares of a cell follow one another. Then each cell, which fits the cache, is freed of
 // duplicates.
 
 #include "order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <utility>
 
 #include "blocks.hpp"
+#include "cuts.hpp"
 
 namespace liftmesh {
 
@@ -19,155 +22,197 @@ namespace {
 constexpr std::size_t cell_population = 96;
 constexpr int deepest = 13;
 constexpr std::size_t sample_per_cell = 8;
+constexpr std::size_t abreast = 8;
 constexpr std::uint16_t no_cell = 0xffff;
+
+// What one share of the rows comes to.
+struct Share {
+    std::size_t first, last;
+    Range range;
+    std::vector<Row> skipped;
+    std::vector<std::uint32_t> population;  // of each cell; then where its next point goes
+};
 
 class Arrangement {
  public:
-    Arrangement(const Input& input, Interrupt& interrupt, Order& order)
-        : input_(input), interrupt_(interrupt), order_(order) {}
+    Arrangement(const Input& input, Team& team, Order& order)
+        : input_(input), team_(team), order_(order), cuts_(learn_cuts()) {}
 
     OrderResult run(bool skip_non_finite) {
-        if (!survey()) return {Status::interrupted, 0};
+        divide();
+        if (!find_cells()) return {Status::interrupted, 0};
         if (!order_.skipped.empty() && !skip_non_finite)
             return {Status::non_finite, order_.skipped.front()};
-        const Scale scale(range_);
-        order_.scale = scale;
-        const bool done = scale.moves
-                              ? distribute([&](std::size_t row) { return scale(input_[row]); })
-                              : distribute([&](std::size_t row) { return input_[row]; });
-        return {done && keep_distinct_in_cells() ? Status::ok : Status::interrupted, 0};
+        place_cells();
+        const bool done = scatter() && keep_distinct_in_cells();
+        return {done ? Status::ok : Status::interrupted, 0};
     }
 
  private:
-    bool survey() {
-        return for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
-            const Point p = input_[row];
-            if (is_finite(p)) {
-                range_.add(p);
-            } else {
-                order_.skipped.push_back(static_cast<Row>(row));
-            }
-        });
-    }
-
-    template <class Read>
-    bool distribute(Read read) {
-        const std::size_t finite = input_.rows - order_.skipped.size();
-        const Cuts cuts = learn_cuts(read, finite);
-        order_.depth = cuts.depth();
-        order_.cell_starts.assign(cuts.cells() + 1, 0);
-        const auto cell_of = std::make_unique_for_overwrite<std::uint16_t[]>(input_.rows);
-        const bool counted = for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
-            const Point p = read(row);
-            if (!is_finite(p)) {
-                cell_of[row] = no_cell;
-                return;
-            }
-            const std::size_t cell = cuts.cell(p);
-            cell_of[row] = static_cast<std::uint16_t>(cell);
-            ++order_.cell_starts[cell + 1];
-        });
-        if (!counted) return false;
-        for (std::size_t cell = 0; cell < cuts.cells(); ++cell)
-            order_.cell_starts[cell + 1] += order_.cell_starts[cell];
-        return scatter(read, cell_of.get());
-    }
-
-    template <class Read>
-    bool scatter(Read read, const std::uint16_t* cell_of) {
-        order_.points = std::make_unique_for_overwrite<Point[]>(order_.cell_starts.back());
-        order_.rows = std::make_unique_for_overwrite<Row[]>(order_.cell_starts.back());
-        std::vector<std::size_t> cursor = order_.cell_starts;
-        return for_each_in_blocks(input_.rows, interrupt_, [&](std::size_t row) {
-            if (cell_of[row] == no_cell) return;
-            const std::size_t at = cursor[cell_of[row]]++;
-            order_.points[at] = read(row);
-            order_.rows[at] = static_cast<Row>(row);
-        });
-    }
-
-    // Rows are sampled by a Weyl sequence: evenly, and out of step with any raster.
-    template <class Read>
-    Cuts learn_cuts(Read read, std::size_t finite) {
-        const int depth =
-            std::clamp(static_cast<int>(std::bit_width(finite / cell_population)) - 1, 0, deepest);
-        const std::size_t wanted = sample_per_cell << depth;
+    // Rows are sampled by a Weyl sequence: evenly, and out of step with any raster. Where few rows
+    // are finite the sample stays small, and so does the tree.
+    Cuts learn_cuts() {
+        const int depth = std::clamp(
+            static_cast<int>(std::bit_width(input_.rows / cell_population)) - 1, 0, deepest);
+        const std::size_t wanted = depth == 0 ? 0 : sample_per_cell << depth;
         std::vector<Point> sample;
-        if (depth == 0) return Cuts(std::move(sample), 0);
         sample.reserve(wanted);
         std::uint64_t state = 0;
-        // Rows that were finite a moment ago are so again, unless somebody writes them meanwhile.
-        for (std::size_t tries = 0; sample.size() < wanted; ++tries) {
-            if (tries > wanted + 64 * input_.rows) return Cuts({}, 0);
+        for (std::size_t tries = 0; sample.size() < wanted && tries < 4 * wanted; ++tries) {
             state += 0x9e3779b97f4a7c15u;
             const auto row = static_cast<std::size_t>(((state >> 32) * input_.rows) >> 32);
-            if (const Point p = read(row); is_finite(p)) sample.push_back(p);
+            if (const Point p = input_[row]; is_finite(p)) sample.push_back(p);
         }
-        return Cuts(std::move(sample), depth);
+        const auto found = static_cast<int>(std::bit_width(sample.size() / sample_per_cell));
+        return Cuts(std::move(sample), std::clamp(found - 1, 0, depth), team_);
     }
 
-    bool keep_distinct_in_cells() {
-        Point* points = order_.points.get();
-        Row* rows = order_.rows.get();
-        std::size_t kept = 0;
-        for (std::size_t cell = 0; cell + 1 < order_.cell_starts.size(); ++cell) {
-            if (interrupt_.requested()) return false;
-            const std::size_t start = order_.cell_starts[cell];
-            const std::size_t count = order_.cell_starts[cell + 1] - start;
-            const std::size_t distinct =
-                keep_distinct(points + start, rows + start, count, order_.duplicates);
-            if (kept != start) {
-                std::copy_n(points + start, distinct, points + kept);
-                std::copy_n(rows + start, distinct, rows + kept);
-            }
-            order_.cell_starts[cell] = kept;
-            kept += distinct;
+    void divide() {
+        constexpr std::size_t worth_sharing = std::size_t{1} << 15;
+        const std::size_t most = team_.size() == 1 ? 1 : 4 * team_.size();
+        const std::size_t count = std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
+        for (std::size_t i = 0; i < count; ++i)
+            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}, {}, {}});
+    }
+
+    bool find_cells() {
+        cell_of_ = allocate<std::uint16_t>(input_.rows);
+        if (!team_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i]); }))
+            return false;
+        Range range;
+        for (const Share& share : shares_) {
+            range.add(share.range);
+            order_.skipped.insert(order_.skipped.end(), share.skipped.begin(), share.skipped.end());
         }
-        order_.cell_starts.back() = kept;
-        order_.count = kept;
+        order_.scale = Scale(range);
+        return true;
+    }
+
+    void find_cells(Share& share) {
+        share.population.assign(cuts_.cells(), 0);
+        team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        const std::size_t groups = (share.last - share.first + abreast - 1) / abreast;
+        for_each_in_blocks(groups, team_.interrupt(), [&](std::size_t group) {
+            const std::size_t first = share.first + group * abreast;
+            const std::size_t count = std::min(abreast, share.last - first);
+            std::array<Point, abreast> points{};
+            for (std::size_t i = 0; i < count; ++i) points[i] = input_[first + i];
+            const auto cells = cuts_.cells(points);
+            for (std::size_t i = 0; i < count; ++i) {
+                if (is_finite(points[i])) {
+                    share.range.add(points[i]);
+                    ++share.population[cells[i]];
+                    cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
+                } else {
+                    share.skipped.push_back(static_cast<Row>(first + i));
+                    cell_of_[first + i] = no_cell;
+                }
+            }
+        });
+    }
+
+    void place_cells() {
+        order_.depth = cuts_.depth();
+        order_.cell_starts.assign(cuts_.cells() + 1, 0);
+        std::size_t next = 0;
+        for (std::size_t cell = 0; cell < cuts_.cells(); ++cell) {
+            order_.cell_starts[cell] = next;
+            for (Share& share : shares_) {
+                const std::size_t count = share.population[cell];
+                share.population[cell] = static_cast<std::uint32_t>(next);
+                next += count;
+            }
+        }
+        order_.cell_starts.back() = order_.count = next;
+    }
+
+    bool scatter() {
+        order_.sites = allocate<Site>(order_.count);
+        const bool done = team_.run(shares_.size(), [&](std::size_t i) {
+            if (order_.scale.moves) {
+                scatter(shares_[i], [&](std::size_t row) { return order_.scale(input_[row]); });
+            } else {
+                scatter(shares_[i], [&](std::size_t row) { return input_[row]; });
+            }
+        });
+        cell_of_.reset();
+        return done;
+    }
+
+    template <class Read>
+    void scatter(Share& share, Read read) {
+        Site* sites = order_.sites.get();
+        team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        for_each_in_blocks(share.last - share.first, team_.interrupt(), [&](std::size_t i) {
+            const std::size_t row = share.first + i;
+            if (cell_of_[row] != no_cell)
+                sites[share.population[cell_of_[row]]++] = {read(row), static_cast<Row>(row)};
+        });
+    }
+
+    // Cells are shared out in runs; a cell that lost sites is closed up afterwards.
+    bool keep_distinct_in_cells() {
+        const std::size_t cells = cuts_.cells();
+        const std::size_t runs = std::min<std::size_t>(cells, 64);
+        std::vector<std::vector<Duplicate>> found(runs);
+        std::vector<std::size_t> distinct(cells);
+        const bool done = team_.run(runs, [&](std::size_t run) {
+            for (std::size_t c = cells * run / runs; c < cells * (run + 1) / runs; ++c) {
+                if (team_.interrupt().requested()) return;
+                const std::size_t start = order_.cell_starts[c];
+                distinct[c] = keep_distinct(&order_.sites[start], order_.cell_starts[c + 1] - start,
+                                            found[run]);
+            }
+        });
+        if (!done) return false;
+        for (const std::vector<Duplicate>& pairs : found)
+            order_.duplicates.insert(order_.duplicates.end(), pairs.begin(), pairs.end());
+        if (order_.duplicates.empty()) return true;
+        close_up(distinct);
         return sort_duplicates();
+    }
+
+    void close_up(const std::vector<std::size_t>& distinct) {
+        Site* sites = order_.sites.get();
+        std::size_t kept = 0;
+        for (std::size_t cell = 0; cell < distinct.size(); ++cell) {
+            const std::size_t start = std::exchange(order_.cell_starts[cell], kept);
+            if (kept != start) std::copy_n(sites + start, distinct[cell], sites + kept);
+            kept += distinct[cell];
+        }
+        order_.cell_starts.back() = order_.count = kept;
     }
 
     // By row: each goes to the place of its row, and the places are read in turn.
     bool sort_duplicates() {
-        if (order_.duplicates.empty()) return true;
         constexpr Row none = ~Row{0};
         std::vector<Row> kept(input_.rows, none);
         for (const Duplicate& pair : order_.duplicates) kept[pair.row] = pair.kept;
         order_.duplicates.clear();
-        return for_each_in_blocks(kept.size(), interrupt_, [&](std::size_t row) {
+        return for_each_in_blocks(kept.size(), team_.interrupt(), [&](std::size_t row) {
             if (kept[row] != none) order_.duplicates.push_back({static_cast<Row>(row), kept[row]});
         });
     }
 
     const Input& input_;
-    Interrupt& interrupt_;
+    Team& team_;
     Order& order_;
-    Range range_;
+    Cuts cuts_;
+    std::vector<Share> shares_;
+    Buffer<std::uint16_t> cell_of_;
 };
 
 }  // namespace
 
-OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order) {
-    return Arrangement(input, interrupt, order).run(skip_non_finite);
+OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order& order) {
+    return Arrangement(input, team, order).run(skip_non_finite);
 }
 
-bool sort_by_row(const Input& input, Interrupt& interrupt, Order& order) {
-    constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::vector<std::uint32_t> place(input.rows, none);
-    for (std::size_t i = 0; i < order.count; ++i)
-        place[order.rows[i]] = static_cast<std::uint32_t>(i);
-    auto points = std::make_unique_for_overwrite<Point[]>(order.count);
-    std::size_t next = 0;
-    const bool done = for_each_in_blocks(input.rows, interrupt, [&](std::size_t row) {
-        if (place[row] == none) return;
-        points[next] = order.points[place[row]];
-        order.rows[next++] = static_cast<Row>(row);
-    });
-    order.points = std::move(points);
+void sort_by_row(Order& order) {
+    std::sort(order.sites.get(), order.sites.get() + order.count,
+              [](const Site& a, const Site& b) { return a.row < b.row; });
     order.depth = 0;
     order.cell_starts = {0, order.count};
-    return done;
 }
 
 }  // namespace liftmesh

@@ -2,23 +2,23 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "cuts.hpp"
+#include "buffer.hpp"
 #include "distinct.hpp"
 #include "input.hpp"
 #include "scale.hpp"
+#include "site.hpp"
 #include "status.hpp"
+#include "team.hpp"
 
 namespace liftmesh {
 
 // The distinct points, cell by cell of a sampled kd tree. Inside a cell they keep the order of
 // their rows; the engine refines a cell when it comes to it.
 struct Order {
-    std::unique_ptr<Point[]> points;
-    std::unique_ptr<Row[]> rows;
+    Buffer<Site> sites;
     std::size_t count = 0;
     int depth = 0;
     std::vector<std::size_t> cell_starts;  // 2^depth + 1 positions
@@ -33,10 +33,9 @@ struct OrderResult {
 };
 
 // Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
-OrderResult arrange(const Input& input, bool skip_non_finite, Interrupt& interrupt, Order& order);
+OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order& order);
 
-// Puts the points in the order of their rows instead: cells mean nothing from then on. False where
-// the interrupt ended it early.
-bool sort_by_row(const Input& input, Interrupt& interrupt, Order& order);
+// Puts the sites in the order of their rows instead: cells mean nothing from then on.
+void sort_by_row(Order& order);
 
 }  // namespace liftmesh

@@ -22,6 +22,10 @@ class Range {
         add(p.x);
         add(p.y);
     }
+    void add(const Range& other) {
+        least_ = std::min(least_, other.least_);
+        greatest_ = std::max(greatest_, other.greatest_);
+    }
     bool empty() const { return greatest_ == 0; }
     double least() const { return std::bit_cast<double>(least_ + 1); }
     double greatest() const { return std::bit_cast<double>(greatest_); }

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any
 
 from liftmesh.adapters import open3d, trimesh
@@ -18,6 +17,7 @@ from liftmesh.errors import UnsupportedTypeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
+    from importlib.metadata import EntryPoint
 
     from liftmesh.cloud import Cloud
 
@@ -154,6 +154,8 @@ BUILT_IN = (
 @lru_cache(maxsize=1)
 def _installed() -> tuple[tuple[Adapter, ...], tuple[str, ...]]:
     """Load the adapters of other packages, and say what is wrong with those that fail."""
+    from importlib.metadata import entry_points  # noqa: PLC0415 - slow, and seldom needed
+
     loaded = [_load(entry) for entry in sorted(entry_points(group=GROUP), key=lambda e: e.name)]
     good = tuple(item for item in loaded if isinstance(item, Adapter))
     return good, tuple(item for item in loaded if isinstance(item, str))

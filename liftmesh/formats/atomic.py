@@ -15,7 +15,6 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from secrets import token_hex
 from typing import BinaryIO
 
 
@@ -54,7 +53,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         with target.open("wb") as stream:
             yield stream
         return
-    beside = target.parent / f".liftmesh-{token_hex(8)}"
+    beside = target.parent / f".liftmesh-{os.urandom(8).hex()}"
     try:
         with _create(beside) as stream:
             yield stream

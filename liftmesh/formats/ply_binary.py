@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 
-_BLOCK = 1 << 22
+_BLOCK = 1 << 18  # bytes that stay in the cache of one core
 _LONGEST_UNIFORM = 255
 
 

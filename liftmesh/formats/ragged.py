@@ -21,8 +21,8 @@ class Ragged:
 
     @classmethod
     def uniform(cls, rows: Array) -> Ragged:
-        """Take an (m, k) array: m rows of k values."""
-        return cls(np.full(len(rows), rows.shape[1], dtype=np.int64), rows.reshape(-1))
+        """Copy an (m, k) array: m rows of k values."""
+        return cls(np.broadcast_to(np.int64(rows.shape[1]), len(rows)), rows.flatten())
 
     @classmethod
     def empty(cls, dtype: np.dtype) -> Ragged:

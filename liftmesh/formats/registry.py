@@ -8,11 +8,14 @@ suffix is asked for, so that a broken one disturbs nobody else.
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from liftmesh.errors import FormatError
 from liftmesh.formats import exchange, npz, obj, ply, text
 from liftmesh.formats.format import Format
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["Format", "find_format", "known_formats"]
 
@@ -94,6 +97,8 @@ def _suffixes() -> list[str]:
 
 def _entries() -> list[EntryPoint]:
     """Sort the plugins, so that of two that serve one suffix the same one wins everywhere."""
+    from importlib.metadata import entry_points  # noqa: PLC0415 - slow, and seldom needed
+
     return sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value))
 
 

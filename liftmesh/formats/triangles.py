@@ -37,11 +37,11 @@ def triangulated(
     FormatError
         A face refers to a vertex that is not there.
     """
-    wrong = np.flatnonzero((faces.values < 0) | (faces.values >= vertices))
-    if len(wrong):
-        face, vertex = faces.row_of(wrong[0]), int(faces.values[wrong[0]])
+    if not _within(faces.values, vertices):
+        wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
+        face, vertex = faces.row_of(int(wrong)), int(faces.values[wrong])
         raise FormatError(f"{name}: {where(face)} {_outside(vertex, vertices)}")
-    return _fans(faces).astype(np.int32)
+    return _fans(faces).astype(np.int32, copy=False)
 
 
 def _fans(faces: Ragged) -> Array:
@@ -70,11 +70,16 @@ def checked_faces(faces: Array, vertices: int, name: str) -> NDArray[np.int32]:
             f"{name}: faces must be an (m, 3) array of integers, "
             f"not {faces.dtype} of shape {faces.shape}"
         )
-    wrong = (faces < 0) | (faces >= vertices)
-    if wrong.any():
+    if not _within(faces, vertices):
+        wrong = (faces < 0) | (faces >= vertices)
         row, corner = (int(each) for each in np.argwhere(wrong)[0])
         raise FormatError(f"{name}: face {row} {_outside(int(faces[row, corner]), vertices)}")
     return faces.astype(np.int32, copy=False)
+
+
+def _within(indices: Array, vertices: int) -> bool:
+    """Say whether every index names a vertex, without a mask of the size of the mesh."""
+    return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)
 
 
 def _outside(vertex: int, vertices: int) -> str:

@@ -6,13 +6,14 @@ namespace {
 
 constexpr double points_per_cell = 1;
 
-Box bounds_of(const std::vector<Point>& points) {
-    Box box{points[0].x, points[0].x, points[0].y, points[0].y};
-    for (const Point& p : points) {
-        box.min_x = std::min(box.min_x, p.x);
-        box.max_x = std::max(box.max_x, p.x);
-        box.min_y = std::min(box.min_y, p.y);
-        box.max_y = std::max(box.max_y, p.y);
+Box bounds_of(std::span<const Site> sites) {
+    const Point first = sites.front().point;
+    Box box{first.x, first.x, first.y, first.y};
+    for (const Site& site : sites) {
+        box.min_x = std::min(box.min_x, site.point.x);
+        box.max_x = std::max(box.max_x, site.point.x);
+        box.min_y = std::min(box.min_y, site.point.y);
+        box.max_y = std::max(box.max_y, site.point.y);
     }
     return box;
 }
@@ -26,8 +27,8 @@ std::size_t columns_for(const Box& box, double cells) {
 
 }  // namespace
 
-Grid::Grid(std::vector<Point>& points, std::vector<Row>& rows) : bounds_(bounds_of(points)) {
-    const double cells = std::max(1.0, static_cast<double>(points.size()) / points_per_cell);
+Grid::Grid(std::span<Site> sites) : bounds_(bounds_of(sites)) {
+    const double cells = std::max(1.0, static_cast<double>(sites.size()) / points_per_cell);
     const std::size_t columns = columns_for(bounds_, cells);
     const auto lines =
         static_cast<std::size_t>(std::max(1.0, std::ceil(cells / static_cast<double>(columns))));
@@ -35,18 +36,11 @@ Grid::Grid(std::vector<Point>& points, std::vector<Row>& rows) : bounds_(bounds_
     lines_ = Cells(bounds_.min_y, bounds_.max_y, lines);
 
     starts_.assign(columns * lines + 1, 0);
-    for (const Point& p : points) ++starts_[cell(p) + 1];
+    for (const Site& site : sites) ++starts_[cell(site.point) + 1];
     for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     std::vector<std::uint32_t> cursor(starts_.begin(), starts_.end() - 1);
-    std::vector<Point> sorted_points(points.size());
-    std::vector<Row> sorted_rows(rows.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const std::uint32_t at = cursor[cell(points[i])]++;
-        sorted_points[at] = points[i];
-        sorted_rows[at] = rows[i];
-    }
-    points.swap(sorted_points);
-    rows.swap(sorted_rows);
+    const std::vector<Site> unsorted(sites.begin(), sites.end());
+    for (const Site& site : unsorted) sites[cursor[cell(site.point)]++] = site;
 }
 
 }  // namespace liftmesh::paper

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "point.hpp"
+#include "site.hpp"
 
 namespace liftmesh::paper {
 
@@ -44,8 +46,8 @@ class Cells {
 
 class Grid {
  public:
-    // Moves the points into the order of the cells, and `rows` with them.
-    Grid(std::vector<Point>& points, std::vector<Row>& rows);
+    // Moves the sites into the order of the cells.
+    explicit Grid(std::span<Site> sites);
 
     const Cells& columns() const { return columns_; }
     const Cells& lines() const { return lines_; }

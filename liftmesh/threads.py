@@ -1,0 +1,66 @@
+"""How many threads a run may take: the caller's word, the environment's, or one for each core."""
+
+from __future__ import annotations
+
+import operator
+import os
+from typing import Any
+
+from liftmesh import _kernel
+from liftmesh.errors import InputError
+
+VARIABLE = "LIFTMESH_NUM_THREADS"
+MOST_THREADS = 1024
+
+
+def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
+    """Say how many threads a run may take, and whether it shares them with other runs.
+
+    Parameters
+    ----------
+    threads : int or None
+        A number is taken at its word. None stands for the environment variable
+        ``LIFTMESH_NUM_THREADS``, or else one for each core that this process may use; runs that are
+        under way at the same time share them.
+    rows : int
+        How many rows there are: a run with few takes one thread.
+
+    Returns
+    -------
+    threads : int
+        At least 1.
+    shared : bool
+        Whether the limit is for all runs of the process together.
+
+    Raises
+    ------
+    InputError
+        The number, or the variable's value, is none from 1 to 1024.
+
+    Examples
+    --------
+    >>> as_threads(2, 1_000_000)
+    (2, False)
+    """
+    if threads is not None:
+        return _checked(threads, "threads"), False
+    if rows < 2 * _kernel.ROWS_PER_THREAD:
+        return 1, True
+    chosen = os.environ.get(VARIABLE)
+    return (_cores() if not chosen else _checked(chosen, VARIABLE)), True
+
+
+def _checked(threads: Any, name: str) -> int:
+    try:
+        count = int(threads) if isinstance(threads, str) else operator.index(threads)
+    except (TypeError, ValueError):
+        count = 0
+    if 1 <= count <= MOST_THREADS:
+        return count
+    raise InputError(f"{name} is {threads!r}: give a whole number from 1 to {MOST_THREADS}")
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), MOST_THREADS)
+    return min(os.cpu_count() or 1, MOST_THREADS)

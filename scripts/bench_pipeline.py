@@ -1,0 +1,180 @@
+"""Time the whole job, a cloud in a PLY file to a mesh in another, stage by stage.
+
+    python scripts/bench_pipeline.py                      a million rows
+    python scripts/bench_pipeline.py --n 10000000         ten million
+    python scripts/bench_pipeline.py --n 300000 --peers   beside SciPy with Open3D, and with trimesh
+
+The cloud has x, y, z in doubles and colours of eight bits. Every program does the job in a fresh
+process. Its memory is what it held at most up to the end of a stage: all of it, and for each row
+beyond what its libraries take.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+BLOCK = 1 << 16
+ROW = np.dtype([("position", "<f8", (3,)), ("color", "u1", (3,))])
+HEADER = """ply
+format binary_little_endian 1.0
+element vertex {}
+property double x
+property double y
+property double z
+property uchar red
+property uchar green
+property uchar blue
+end_header
+"""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What one stage took; the first one loads the program's libraries."""
+
+    name: str
+    seconds: float
+    held: int
+    peak: int
+
+
+def by_liftmesh(source: str, target: str) -> Iterator[str]:
+    liftmesh = import_module("liftmesh")
+    read, triangulate = liftmesh.read, liftmesh.triangulate  # loads what they need
+    yield "import"
+    cloud = read(source)
+    yield "read"
+    surface = triangulate(cloud)
+    yield "triangulate"
+    surface.save(target)
+    yield "write"
+
+
+def by_open3d(source: str, target: str) -> Iterator[str]:
+    o3d, spatial = import_module("open3d"), import_module("scipy.spatial")
+    yield "import"
+    cloud = o3d.io.read_point_cloud(source)
+    yield "read"
+    triangles = spatial.Delaunay(np.asarray(cloud.points)[:, :2]).simplices
+    yield "triangulate"
+    faces = o3d.utility.Vector3iVector(triangles)
+    mesh = o3d.geometry.TriangleMesh(cloud.points, faces)
+    mesh.vertex_colors = cloud.colors
+    o3d.io.write_triangle_mesh(target, mesh)
+    yield "write"
+
+
+def by_trimesh(source: str, target: str) -> Iterator[str]:
+    trimesh, spatial = import_module("trimesh"), import_module("scipy.spatial")
+    yield "import"
+    cloud = trimesh.load(source)
+    yield "read"
+    triangles = spatial.Delaunay(cloud.vertices[:, :2]).simplices
+    yield "triangulate"
+    mesh = trimesh.Trimesh(cloud.vertices, triangles, vertex_colors=cloud.colors, process=False)
+    mesh.export(target)
+    yield "write"
+
+
+OURS = "liftmesh"
+JOBS: dict[str, Callable[[str, str], Iterator[str]]] = {
+    OURS: by_liftmesh,
+    "Open3D, SciPy": by_open3d,
+    "trimesh, SciPy": by_trimesh,
+}
+
+
+def main() -> None:
+    """Do the job as the command line asks, and print a table."""
+    options = read_options()
+    console = Console() if os.isatty(1) else Console(width=100)
+    with TemporaryDirectory() as folder:
+        source, target = Path(folder, "cloud.ply"), Path(folder, "mesh.ply")
+        write_cloud(source, options.n)
+        for name in JOBS if options.peers else [OURS]:
+            stages = run(name, source, target)
+            console.print(table_of(name, stages, options.n, target.stat().st_size))
+
+
+def read_options() -> Namespace:
+    """Parse the command line."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    parser.add_argument("--n", type=int, default=1_000_000, metavar="ROWS")
+    parser.add_argument("--peers", action="store_true", help="SciPy with Open3D and trimesh too")
+    return parser.parse_args()
+
+
+def write_cloud(path: Path, rows: int) -> None:
+    """Write rolling ground under evenly spread points, the same ones in every run."""
+    random = np.random.default_rng(20)
+    with path.open("wb") as file:
+        file.write(HEADER.format(rows).encode())
+        for start in range(0, rows, BLOCK):
+            block = np.empty(min(BLOCK, rows - start), ROW)
+            x, y = 1000 * random.random((2, len(block)))
+            z = 20 * np.sin(x / 90) * np.cos(y / 70)
+            block["position"] = np.stack([x, y, z], axis=1)
+            block["color"] = random.integers(0, 256, (len(block), 3))
+            file.write(block.tobytes())
+
+
+def run(name: str, source: Path, target: Path) -> list[Stage]:
+    """Do a job in a fresh process."""
+    command = [sys.executable, __file__, "--job", name, str(source), str(target)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    return [Stage(**stage) for stage in json.loads(done.stdout.splitlines()[-1])]
+
+
+def measured(stages: Iterator[str]) -> Iterator[Stage]:
+    """Take time and memory after each stage."""
+    start = perf_counter()
+    for name in stages:
+        seconds = perf_counter() - start
+        yield Stage(name, seconds, memory("VmRSS"), memory("VmHWM"))
+        start = perf_counter()
+
+
+def memory(field: str) -> int:
+    """Read a size in bytes from the system's account of this process."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith(field):
+            return int(line.split()[1]) * 1024
+    raise OSError(f"/proc/self/status has no {field}: memory can be measured on Linux only")
+
+
+def table_of(name: str, stages: list[Stage], rows: int, size: int) -> Table:
+    """Put one program's stages below each other, and the whole below them."""
+    libraries, *work = stages
+    title = f"{name}: {rows:,} rows, a mesh of {size / 1e6:,.0f} MB"
+    table = Table("stage", title=title, title_justify="left")
+    for column in ("seconds", "peak MB", "bytes a row"):
+        table.add_column(column, justify="right")
+    table.add_row("import", f"{libraries.seconds:.2f}", f"{libraries.peak / 1e6:,.0f}", "")
+    whole = Stage("whole", sum(stage.seconds for stage in work), work[-1].held, work[-1].peak)
+    for stage in (*work, whole):
+        beyond = (stage.peak - libraries.held) / rows
+        row = f"{stage.seconds:.2f}", f"{stage.peak / 1e6:,.0f}", f"{beyond:.0f}"
+        table.add_row(stage.name, *row)
+    return table
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--job"]:
+        job, *files = sys.argv[2:]
+        print(json.dumps([asdict(stage) for stage in measured(JOBS[job](*files))]))
+    else:
+        main()

@@ -1,0 +1,68 @@
+"""What is read is handed on, and what is written is not made a second time."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import liftmesh
+from liftmesh.plane import resolve_plane
+
+ROWS = 200_000
+BLOCKS = 1_000_000  # bytes that what is worked on at a time may take
+RANDOM = np.random.default_rng(11)
+POINTS = RANDOM.random((ROWS, 3))
+COLORS = RANDOM.integers(0, 256, (ROWS, 3)).astype(np.uint8)
+
+
+def most_held(call: Callable[[], object]) -> int:
+    """The peak of what Python and NumPy allocate; the kernel's own memory is not in it."""
+    call()
+    tracemalloc.start()
+    try:
+        call()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.fixture(scope="module")
+def surface() -> liftmesh.Surface:
+    return liftmesh.triangulate(liftmesh.Cloud(POINTS, colors=COLORS))
+
+
+def test_a_mesh_is_written_block_by_block(surface: liftmesh.Surface, tmp_path: Path) -> None:
+    assert most_held(lambda: surface.save(tmp_path / "mesh.ply")) < BLOCKS
+
+
+def test_a_cloud_is_read_into_the_arrays_that_are_handed_on(tmp_path: Path) -> None:
+    cloud = liftmesh.Cloud(POINTS, colors=COLORS, attributes={"time": POINTS[:, 0]})
+    liftmesh.write(tmp_path / "cloud.ply", cloud)
+    held = POINTS.nbytes + COLORS.nbytes + 8 * ROWS
+    assert most_held(lambda: liftmesh.read(tmp_path / "cloud.ply")) < held + BLOCKS
+
+
+def test_faces_are_read_once_and_copied_once(surface: liftmesh.Surface, tmp_path: Path) -> None:
+    surface.save(tmp_path / "mesh.ply")
+    in_the_file = 13 * len(surface.faces)
+    held = POINTS.nbytes + COLORS.nbytes + surface.faces.nbytes + in_the_file
+    masks = 2 * len(surface.faces)
+    assert most_held(lambda: liftmesh.read(tmp_path / "mesh.ply")) < held + masks + BLOCKS
+
+
+def test_triangulating_takes_a_byte_a_row_beside_the_kernel() -> None:
+    cloud = liftmesh.Cloud(POINTS, colors=COLORS)
+    assert most_held(lambda: liftmesh.triangulate(cloud)) < ROWS + 50_000
+
+
+@pytest.mark.parametrize("plane", ["xy", (1, 2, 3)])
+def test_planes_take_no_more_than_their_coordinates(plane: Any) -> None:
+    frame = resolve_plane(plane, POINTS)
+    result = 0 if plane == "xy" else 16 * ROWS
+    assert most_held(lambda: frame.planar(POINTS)) < result + BLOCKS
+    assert most_held(lambda: frame.heights(POINTS)) < result / 2 + BLOCKS
