@@ -35,7 +35,8 @@ def as_coordinates(points: ArrayLike) -> NDArray[np.floating[Any]]:
     Raises
     ------
     InputError
-        Another shape, another kind of value, a number that no double holds, or more than 2^29 rows.
+        Another shape, another kind of value, a number that no double holds, or more rows than
+        357,913,941.
 
     Examples
     --------
@@ -221,7 +222,7 @@ def _check_shape(shape: tuple[int, ...]) -> None:
         )
     if shape[0] > MOST_ROWS:
         raise InputError(
-            f"{shape[0]} rows are more than the {MOST_ROWS} (2^29) that 32-bit edge names can "
+            f"{shape[0]:,} rows are more than the {MOST_ROWS:,} that 32-bit edge names can "
             "tell apart: triangulate tiles, or thin the points"
         )
 

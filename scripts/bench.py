@@ -1,95 +1,120 @@
 """Time liftmesh against the programs a Python user could install instead.
 
-    python scripts/bench.py                 one million rows of every distribution
-    python scripts/bench.py --quick         a hundred thousand rows of a few
+    python scripts/bench.py              uniform points in every size, a million of all others
+    python scripts/bench.py --quick      fewer rows of a few inputs: some minutes
+    python scripts/bench.py --targets    the inputs on which targets are set, and what was reached
+    python scripts/bench.py --small      the latency of small calls
+    python scripts/bench.py --progress   what a callback costs
+    python scripts/bench.py --n 10000 100000 --distributions uniform circle --peers CGAL triangle
 
-Every peer first makes a trial run in a fresh process, which measures its memory and checks its
-triangles exactly: a wrong result is shown with its flaw, and does not count as a rival. Then all
-are timed in alternating rounds. The table goes to the terminal, everything to a JSON file.
+Every contestant, a peer on one or two threads, first runs in a fresh process, which tells its
+memory, and its triangles are checked exactly, in full: a wrong result is shown with its flaw, and
+does not count as a rival. Then all are timed in alternating rounds. A peer that takes too long is
+cut off, and not tried on more points of that kind. CGAL is a C++ program that is built on the spot;
+it and every other peer that is not here is shown as such.
+
+Tables go to the terminal, every second to a JSON file, pictures to its side.
 """
 
 from __future__ import annotations
 
 import os
-import tempfile
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
-from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-from bench_peers import OURS, PEERS, RIVALS
-from bench_report import Measurement, flaws_of, table_of, write_json
-from bench_rounds import Timing, import_seconds, time_rounds
-from bench_trial import run_trial
-from distributions import DISTRIBUTIONS, Points
+from benchmark import plots, records
+from benchmark.cases import MILLION, PROFILES, Case, grid
+from benchmark.contest import SEED, Limits, run_case
+from benchmark.peers import OURS, PEERS, RIVALS
+from benchmark.results import Measurement
+from benchmark.startup import import_seconds
+from benchmark.tables import notes_of, tables_of, target_table
+from benchmark.targets import TARGETS, Target
+from distributions import DISTRIBUTIONS
 from rich.console import Console
-from rich.markup import escape
 
-SEED = 20
-QUICK = {
-    "n": [100_000],
-    "distributions": ["uniform", "lattice", "utm-lattice", "clusters", "circle", "denormal"],
-    "repeat": 3,
-}
-WIDTH = 150
+WIDTH = 190
 
 
 def main() -> None:
-    """Measure what the command line asks for; print a table and write JSON."""
+    """Measure what the command line asks for; print, write and draw it."""
     options = read_options()
-    os.environ["RAYON_NUM_THREADS"] = "1"
     console = Console() if os.isatty(1) else Console(width=WIDTH)
-    measurements = []
+    cases = cases_of(options)
+    imports = import_seconds()
+    measurements: list[Measurement] = []
+    targets: list[Target] = []
+    limits: Limits = {}
     with console.status("") as status:
-        for name, size, points in inputs(options):
-            status.update(f"{name}, {size:,} rows")
-            timings = time_peers(points, options)
-            measurements.append(Measurement(name, size, len(points), timings))
-        status.update("imports")
-        imports = import_seconds(9)
-    console.print(table_of(measurements, options.peers))
-    for line in flaws_of(measurements):
-        console.print(f"* {escape(line)}")
-    for statement, seconds in imports.items():
-        console.print(f"{statement}: {seconds:.4f} s beyond NumPy's import")
-    write_json(options.json, measurements, imports, vars(options) | {"threads": 1, "seed": SEED})
-    console.print(f"wrote {options.json}")
+        for case in cases:
+            status.update(f"{case.distribution}, {case.size:,} rows")
+            measurements.append(run_case(case, limits))
+            if options.profile in TARGETS:
+                targets = list(TARGETS[options.profile](measurements, options.million))
+            records.write(options.json, measurements, targets, imports, settings_of(options))
+    show(console, measurements, targets, imports)
+    for file in (options.json, *plots.draw(measurements, options.json)):
+        console.print(f"wrote {file}")
 
 
 def read_options() -> Namespace:
     """Parse the command line; liftmesh itself always takes part."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("--n", nargs="+", type=int, default=[1_000_000], metavar="ROWS")
-    add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=[*DISTRIBUTIONS], metavar="D")
+    profiles = parser.add_mutually_exclusive_group()
+    for name in PROFILES:
+        profiles.add_argument(f"--{name}", dest="profile", action="store_const", const=name)
+    add("--n", nargs="+", type=int, metavar="ROWS", help="these sizes instead of a profile")
+    add("--distributions", nargs="+", choices=DISTRIBUTIONS, metavar="D", help="only these")
     add("--peers", nargs="+", choices=PEERS, default=[*RIVALS], metavar="P", help=", ".join(PEERS))
+    add("--threads", nargs="+", type=int, default=[1, 2], metavar="K", help="of those who can")
     add("--repeat", type=int, default=5, help="rounds")
     add("--patience", type=float, default=20.0, help="seconds for a trial, and for all rounds")
-    add("--quick", action="store_true", help="few rows, few inputs, three rounds")
+    add("--million", type=int, default=MILLION, help="rows that stand for a million: a rehearsal")
     add("--json", type=Path, default=Path("out/bench.json"))
     options = parser.parse_args()
-    if options.quick:
-        vars(options).update(QUICK)
-    options.peers = [OURS, *(name for name in options.peers if name != OURS)]
+    if options.profile and (options.n or options.distributions):
+        parser.error(f"--{options.profile} says what is measured: no --n, no --distributions")
+    options.json = options.json.absolute()
     return options
 
 
-def inputs(options: Namespace) -> Iterator[tuple[str, int, Points]]:
-    """Make the points, the same ones in every run."""
-    for size in options.n:
-        for name in options.distributions:
-            yield name, size, DISTRIBUTIONS[name](size, np.random.default_rng(SEED))
+def cases_of(options: Namespace) -> list[Case]:
+    """Give the cases of the profile, or the ones that are asked for by size and distribution."""
+    peers = tuple(dict.fromkeys((OURS, *options.peers)))
+    case = Case(
+        "uniform",
+        options.million,
+        peers,
+        tuple(options.threads),
+        options.repeat,
+        options.patience,
+    )
+    if options.n or options.distributions:
+        sizes = options.n or [options.million]
+        return grid(case, options.distributions or DISTRIBUTIONS, sizes)
+    return PROFILES[options.profile or "full"](case, options.million)
 
 
-def time_peers(points: Points, options: Namespace) -> dict[str, Timing]:
-    """Give every peer its trial, then the rounds."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "points.npy"
-        np.save(file, points)
-        trials = {name: run_trial(name, file, options.patience) for name in options.peers}
-    if not trials[OURS].seconds:
-        raise SystemExit(f"liftmesh gave no result: {trials[OURS].flaw}")
-    return time_rounds(points, trials, options.repeat, options.patience)
+def settings_of(options: Namespace) -> dict[str, object]:
+    """Say what was asked for, and nothing of where on the machine."""
+    return vars(options) | {"json": options.json.name, "seed": SEED}
+
+
+def show(
+    console: Console,
+    measurements: list[Measurement],
+    targets: list[Target],
+    imports: dict[str, float],
+) -> None:
+    for table in tables_of(measurements):
+        console.print(table)
+    for note in notes_of(measurements):
+        console.print(f"* {note}")
+    for statement, seconds in imports.items():
+        console.print(f"{statement}: {seconds:.4f} s beyond NumPy's import")
+    if targets:
+        console.print(target_table(targets))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,10 @@ some programs.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from importlib import import_module
 from math import isqrt
+from pathlib import Path
 
 import numpy as np
 from numpy.random import Generator
@@ -19,6 +22,7 @@ Distribution = Callable[[int, Generator], Points]
 
 UTM_ORIGIN = (450_000.0, 5_200_000.0)
 SMALLEST_STEP = 2.0**-1074
+TERRAIN = Path(__file__).resolve().parent.parent / "data" / "jacksboro.ply"
 
 
 def polar(radius: NDArray[np.float64] | float, angle: NDArray[np.float64]) -> Points:
@@ -62,6 +66,12 @@ def tenth_lattice(n: int, rng: Generator) -> Points:
 def utm_lattice(n: int, rng: Generator) -> Points:
     """The lattice with spacing 0.1 at coordinates as large as a map's."""
     return tenth_lattice(n, rng) + UTM_ORIGIN
+
+
+def centimetres(n: int, rng: Generator) -> Points:
+    """Ten random points a square metre in whole centimetres, as files of laser scans hold them."""
+    side = 100 * max(1, isqrt(n // 10))
+    return rng.integers(0, side, (n, 2)) * 0.01 + UTM_ORIGIN
 
 
 def tilted_lattice(n: int, rng: Generator) -> Points:
@@ -109,6 +119,29 @@ def denormal(n: int, rng: Generator) -> Points:
     return rng.integers(0, 1 << 18, (n, 2)) * SMALLEST_STEP
 
 
+@cache
+def jacksboro_posts() -> Points:
+    """Read the positions of the shipped terrain: 344 rows from north to south, 403 columns."""
+    return import_module("liftmesh").read(TERRAIN).points[:, :2].reshape(344, 403, 2)
+
+
+def jacksboro(n: int, rng: Generator) -> Points:
+    """The posts of a real elevation model, side by side with copies of it until there are enough.
+
+    Few points are the posts of a corner. Copies stand one step of the lattice apart, so that no
+    position occurs twice.
+    """
+    posts = jacksboro_posts()
+    columns = min(posts.shape[1], isqrt(max(n - 1, 0)) + 1)
+    tile = posts[:, :columns].reshape(-1, 2)
+    steps = posts[0, 1, 0] - posts[0, 0, 0], posts[0, 0, 1] - posts[1, 0, 1]
+    copies = -(-n // len(tile))
+    across = isqrt(max(copies - 1, 0)) + 1
+    width, height = np.ptp(tile, axis=0) + steps
+    shifts = [(copy % across * width, -(copy // across) * height) for copy in range(copies)]
+    return rng.permutation(np.concatenate([tile + shift for shift in shifts])[:n])
+
+
 DISTRIBUTIONS: dict[str, Distribution] = {
     generate.__name__.replace("_", "-"): generate
     for generate in (
@@ -119,6 +152,7 @@ DISTRIBUTIONS: dict[str, Distribution] = {
         lattice,
         tenth_lattice,
         utm_lattice,
+        centimetres,
         tilted_lattice,
         hexagonal,
         circle,
@@ -127,5 +161,6 @@ DISTRIBUTIONS: dict[str, Distribution] = {
         parabola,
         spiral,
         denormal,
+        jacksboro,
     )
 }

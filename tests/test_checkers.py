@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from bench_verify import flaw
+from benchmark.verify import flaw, pair_sides
 from clouds import FAMILIES
 from meshes import assert_delaunay, assert_oracle_agrees, assert_same_triangles, triangle_rows
 from numpy.typing import NDArray
@@ -18,7 +13,6 @@ import liftmesh
 
 POINTS = np.random.default_rng(5).random((40, 2))
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-SCRIPTS = Path(__file__).parent.parent / "scripts"
 Rows = NDArray[np.int32]
 
 
@@ -52,10 +46,12 @@ def inner_point_removed() -> Rows:
 
 
 def test_a_right_result_passes_every_check() -> None:
-    simplices = liftmesh.delaunay(POINTS).simplices
+    triangulation = liftmesh.delaunay(POINTS)
+    simplices = triangulation.simplices
     assert_delaunay(POINTS, simplices)
     assert_oracle_agrees(POINTS, simplices)
     assert flaw(POINTS, simplices) == ""
+    assert flaw(POINTS, simplices, triangulation.neighbors) == ""
 
 
 @pytest.mark.parametrize("check", [assert_delaunay, assert_oracle_agrees])
@@ -68,6 +64,33 @@ def test_damage_fails_the_check(damage: str, check) -> None:
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_is_named_by_the_benchmark(damage: str) -> None:
     assert flaw(POINTS, DAMAGE[damage](liftmesh.delaunay(POINTS).simplices)) != ""
+
+
+def test_the_benchmark_finds_the_neighbors_by_itself() -> None:
+    triangulation = liftmesh.delaunay(POINTS)
+    assert (pair_sides(triangulation.simplices) == triangulation.neighbors).all()
+
+
+@pytest.mark.parametrize("wrong", ["swapped", "missing", "out of range", "other shape"])
+def test_wrong_neighbors_are_named_by_the_benchmark(wrong: str) -> None:
+    triangulation = liftmesh.delaunay(POINTS)
+    neighbors = triangulation.neighbors.copy()
+    inner = np.flatnonzero((neighbors >= 0).all(axis=1))[0]
+    if wrong == "swapped":
+        neighbors[inner] = np.roll(neighbors[inner], 1)
+    elif wrong == "missing":
+        neighbors[inner, 0] = -1
+    elif wrong == "out of range":
+        neighbors[inner, 0] = len(neighbors)
+    else:
+        neighbors = neighbors[1:]
+    said = flaw(POINTS, triangulation.simplices, neighbors)
+    assert "fit together" in said or "neighbours" in said
+
+
+@pytest.mark.parametrize("rows", [[], [[0, 1, 40]], [[0, 1, -1]]])
+def test_rows_that_are_none_are_named_by_the_benchmark(rows: list[list[int]]) -> None:
+    assert "no" in flaw(POINTS, np.array(rows, dtype=np.int32).reshape(-1, 3))
 
 
 def test_damage_changes_the_set_of_triangles() -> None:
@@ -98,18 +121,3 @@ def test_a_border_that_turns_inward_is_named() -> None:
 def test_the_benchmarks_check_accepts_hard_points(family: str) -> None:
     points = FAMILIES[family](2000, np.random.default_rng(1))
     assert flaw(points, liftmesh.delaunay(points).simplices) == ""
-
-
-def test_the_benchmark_writes_what_it_measured(tmp_path: Path) -> None:
-    target = tmp_path / "bench.json"
-    command = [sys.executable, SCRIPTS / "bench.py", "--peers", "liftmesh", "scipy", "--n", "2000"]
-    options = ["--distributions", "uniform", "lattice", "--repeat", "2", "--json", target]
-    done = subprocess.run([*command, *options], capture_output=True, text=True, check=True)
-    assert "uniform" in done.stdout
-    report = json.loads(target.read_text())
-    for measurement in report["measurements"]:
-        ours, theirs = (measurement["peers"][name] for name in ("liftmesh", "scipy"))
-        assert ours["trial"]["flaw"] == theirs["trial"]["flaw"] == ""
-        assert ours["trial"]["triangles"] == theirs["trial"]["triangles"] > 3000
-        assert len(ours["seconds"]) == len(theirs["seconds"]) == 2
-        assert 0 < measurement["ratios"]["best"] < 1

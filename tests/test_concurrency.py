@@ -35,10 +35,10 @@ LONG_RUN = textwrap.dedent(
         print("finished", flush=True)
     """
 )
-CIRCLE = "np.exp(1j * rng.uniform(0, 2 * np.pi, 5_000_000)).view(float).reshape(-1, 2)"
-UNIFORM = "rng.random((5_000_000, 2))"
+CIRCLE = "np.exp(1j * rng.uniform(0, 2 * np.pi, 8_000_000)).view(float).reshape(-1, 2)"
+UNIFORM = "rng.random((8_000_000, 2))"
 MILLION_COPIES_AND_MORE = "np.repeat(rng.random((3_000_000, 2)), 3, axis=0)"
-DENORMAL = "rng.integers(0, 2**20, (3_000_000, 2)) * 2.0**-1074"
+DENORMAL = "rng.integers(0, 2**20, (8_000_000, 2)) * 2.0**-1074"
 TWO_COLUMNS = "np.column_stack((rng.integers(0, 2, 500_000), rng.random(500_000)))"
 ONE_COLUMN = "np.column_stack((np.zeros(6_000_000), rng.random(6_000_000)))"
 
@@ -109,7 +109,7 @@ def test_threads_share_one_triangulation() -> None:
     ("points", "delay"),
     [
         (UNIFORM, 0.02),
-        (UNIFORM, 0.3),
+        (UNIFORM, 0.2),
         (UNIFORM, 1.0),
         (CIRCLE, 0.5),
         (MILLION_COPIES_AND_MORE, 0.3),
@@ -119,7 +119,7 @@ def test_threads_share_one_triangulation() -> None:
     ids=["start", "ordering", "merging", "circle", "copies", "denormal", "one column"],
 )
 def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float) -> None:
-    program = LONG_RUN.format(points=points, prepare="", call="liftmesh.delaunay(points)")
+    program = LONG_RUN.format(points=points, prepare="", call="liftmesh.delaunay(points, threads=1)")
     assert seconds_to_stop(program, delay) < 1.0
 
 

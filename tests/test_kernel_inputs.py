@@ -142,7 +142,7 @@ def test_python_integers_that_a_double_holds_are_welcome() -> None:
 def test_too_many_rows_are_refused_before_any_copy(dtype: type, columns: int) -> None:
     points = np.broadcast_to(np.zeros((1, columns), dtype), (2**30, columns))
     start = time.perf_counter()
-    with pytest.raises(liftmesh.InputError, match=f"{2**29}|536,870,912"):
+    with pytest.raises(liftmesh.InputError, match="357,913,941"):
         liftmesh.delaunay(points)
     assert time.perf_counter() - start < 0.1
 
@@ -178,7 +178,7 @@ def test_masked_rows_beyond_the_limit_are_refused_before_a_copy() -> None:
     huge = np.ma.MaskedArray(np.broadcast_to(0.0, (2**30, 2)), mask=np.ma.nomask)
     with pytest.raises(liftmesh.DegenerateInputError):
         liftmesh.delaunay(rows)
-    with pytest.raises(liftmesh.InputError, match="1073741824 rows"):
+    with pytest.raises(liftmesh.InputError, match="1,073,741,824 rows"):
         liftmesh.delaunay(huge)
 
 

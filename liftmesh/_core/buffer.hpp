@@ -39,4 +39,12 @@ Buffer<T> allocate(std::size_t count) {
     return Buffer<T>(static_cast<T*>(memory));
 }
 
+// The memory of a buffer that is done, for as many other objects as fit: what is resident already
+// costs no page fault.
+template <class T, class Old>
+Buffer<T> reuse(Buffer<Old> old) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignof(Old));
+    return Buffer<T>(reinterpret_cast<T*>(old.release()));
+}
+
 }  // namespace liftmesh

@@ -5,6 +5,7 @@
 
 #include "distinct.hpp"
 #include "input.hpp"
+#include "mesh.hpp"
 #include "order.hpp"
 #include "result.hpp"
 #include "status.hpp"
@@ -12,8 +13,8 @@
 
 namespace liftmesh {
 
-// Edges are named by 32 bits: 4 * triangle + place, with fewer than 2 n triangles.
-inline constexpr std::size_t most_rows = std::size_t{1} << 29;
+// Edges are named by 32 bits, fewer than 2 n triangles take six names each.
+inline constexpr std::size_t most_rows = ~std::uint32_t{0} / (2 * words_per_triangle);
 
 // A thread for fewer would cost more than it saves.
 inline constexpr std::size_t rows_per_thread = std::size_t{1} << 12;

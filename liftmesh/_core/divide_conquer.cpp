@@ -123,11 +123,11 @@ class Engine {
     Part join(Part left, Part right, Axis axis, Index count, Index middle) {
         constexpr Index worth_asking = 4096;
         if (count >= worth_asking && interrupt_.requested()) return {};
-        return merge(seam_, left, right, axis, slot(middle) - 2);
+        return merge(seam_, left, right, axis, slot(middle - 1));
     }
 
     Part segment(Vertex p, Vertex q, TriangleId there) {
-        const TriangleId back = there + 1;
+        const TriangleId back = there + words_per_triangle;
         mesh_.place_ghost(there, p, q);
         mesh_.place_ghost(back, q, p);
         mesh_.join(mesh_.hull_edge(there), mesh_.hull_edge(back));
@@ -141,10 +141,11 @@ class Engine {
         const int turn = orient2d(mesh_.point(p), mesh_.point(q), mesh_.point(r));
         if (turn == 0) return chain_of_three(p, q, r, at);
         if (turn < 0) std::swap(q, r);
-        const TriangleId pq = at + 1, qr = at + 2, rp = at + 3;
-        mesh_[at].vertex[0] = p;
-        mesh_[at].vertex[1] = q;
-        mesh_[at].vertex[2] = r;
+        const TriangleId pq = at + words_per_triangle, qr = pq + words_per_triangle,
+                         rp = qr + words_per_triangle;
+        mesh_.vertex(at, 0) = p;
+        mesh_.vertex(at, 1) = q;
+        mesh_.vertex(at, 2) = r;
         mesh_.place_ghost(pq, p, q);
         mesh_.place_ghost(qr, q, r);
         mesh_.place_ghost(rp, r, p);
@@ -162,7 +163,8 @@ class Engine {
         Vertex line[3] = {p, q, r};
         std::sort(line, line + 3,
                   [&](Vertex v, Vertex w) { return before_xy(mesh_.point(v), mesh_.point(w)); });
-        const TriangleId pq = at, qr = at + 1, rq = at + 2, qp = at + 3;
+        const TriangleId pq = at, qr = pq + words_per_triangle, rq = qr + words_per_triangle,
+                         qp = rq + words_per_triangle;
         mesh_.place_ghost(pq, line[0], line[1]);
         mesh_.place_ghost(qr, line[1], line[2]);
         mesh_.place_ghost(rq, line[2], line[1]);
@@ -177,7 +179,7 @@ class Engine {
     }
 
     static Vertex vertex(Index position) { return static_cast<Vertex>(position); }
-    static TriangleId slot(Index position) { return static_cast<TriangleId>(2 * position); }
+    static TriangleId slot(Index position) { return triangle_in(2 * position); }
 
     Order& order_;
     Team& team_;
@@ -197,9 +199,8 @@ Status divide_and_conquer(Order& order, Team& team, Construction& result) {
     result.count = order.count;
     result.points = allocate<Point>(order.count);
     result.rows = allocate<Row>(order.count);
-    result.triangles = allocate<Triangle>(2 * order.count - 2);
+    result.triangles = allocate<Word>(words_per_triangle * (2 * order.count - 2));
     result.some_ghost = Engine(order, team, result).run();
-    order.sites.reset();
     return team.interrupt().requested() ? Status::interrupted : Status::ok;
 }
 

@@ -12,12 +12,12 @@ namespace liftmesh {
 struct Construction {
     Buffer<Point> points;
     Buffer<Row> rows;
-    Buffer<Triangle> triangles;  // 2 * count - 2, ghosts included
+    Buffer<Word> triangles;  // of 2 * count - 2, ghosts included
     std::size_t count = 0;
     TriangleId some_ghost = 0;
 };
 
-// Triangulates the distinct points of `order` (two at least), whose sites are gone afterwards.
+// Triangulates the distinct points of `order` (two at least), whose sites are of no use afterwards.
 Status divide_and_conquer(Order& order, Team& team, Construction& result);
 
 }  // namespace liftmesh

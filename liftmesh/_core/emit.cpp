@@ -21,7 +21,7 @@ class Ranks {
         if (slots % 64 != 0) bits_.back() = bit(slots) - 1;
     }
 
-    void leave_out(TriangleId t) { bits_[t / 64] &= ~bit(t); }
+    void leave_out(std::size_t t) { bits_[t / 64] &= ~bit(t); }
 
     void count() {
         std::uint32_t count = 0;
@@ -34,10 +34,10 @@ class Ranks {
     // The rank of the first slot of a word.
     std::size_t before(std::size_t word) const { return before_[word]; }
 
-    bool has(TriangleId t) const { return bits_[t / 64] & bit(t); }
+    bool has(std::size_t t) const { return bits_[t / 64] & bit(t); }
 
     // -1 for a ghost.
-    std::int32_t operator[](TriangleId t) const {
+    std::int32_t operator[](std::size_t t) const {
         const std::uint64_t word = bits_[t / 64];
         if (word == ~std::uint64_t{0}) return static_cast<std::int32_t>(before_[t / 64] + t % 64);
         if ((word & bit(t)) == 0) return -1;
@@ -76,11 +76,12 @@ class Emission {
         std::int32_t* simplex = &result_.simplices[3 * rank];
         std::int32_t* neighbor = &result_.neighbors[3 * rank];
         for (std::size_t slot = first; slot < last; ++slot) {
-            if (!ranks_.has(static_cast<TriangleId>(slot))) continue;
-            const Triangle& triangle = from_.triangles[slot];
+            if (!ranks_.has(slot)) continue;
+            const Word* vertex = &from_.triangles[triangle_in(slot)];
+            const Edge* twin = vertex + 3;
             for (int k = 0; k < 3; ++k) {
-                *simplex++ = static_cast<std::int32_t>(from_.rows[triangle.vertex[k]]);
-                *neighbor++ = ranks_[triangle_of(triangle.twin[k])];
+                *simplex++ = static_cast<std::int32_t>(from_.rows[vertex[k]]);
+                *neighbor++ = ranks_[slot_of(twin[k])];
             }
         }
     }
@@ -99,7 +100,7 @@ Status emit(const Construction& from, Team& team, Result& result) {
     const std::size_t slots = 2 * from.count - 2;
     const std::vector<TriangleId> ghosts = ghosts_of(mesh, from.some_ghost);
     Ranks ranks(slots);
-    for (const TriangleId g : ghosts) ranks.leave_out(g);
+    for (const TriangleId g : ghosts) ranks.leave_out(slot_of(g));
     ranks.count();
     result.make_room(slots - ghosts.size(), ghosts.size());
     std::transform(ghosts.begin(), ghosts.end(), result.hull.get(), [&](TriangleId g) {

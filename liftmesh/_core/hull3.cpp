@@ -61,19 +61,21 @@ class LowerHullBuilder {
     }
 
     std::vector<Facet> facets() const {
-        std::vector<std::uint32_t> name(triangles_.size(), Facet::none);
+        const std::size_t slots = waiting_.size();
+        std::vector<std::uint32_t> name(slots, Facet::none);
         std::vector<Facet> result;
-        result.reserve(triangles_.size());
-        for (TriangleId t = 0; t < triangles_.size(); ++t) {
-            if (!is_live(t) || triangles_[t].is_ghost()) continue;
-            name[t] = static_cast<std::uint32_t>(result.size());
-            const Vertex* v = triangles_[t].vertex;
+        result.reserve(slots);
+        for (std::size_t slot = 0; slot < slots; ++slot) {
+            const TriangleId t = triangle_in(slot);
+            if (!is_live(t) || is_ghost(t)) continue;
+            name[slot] = static_cast<std::uint32_t>(result.size());
+            const Vertex* v = corners(t);
             result.push_back({{v[0], v[1], v[2]}});
         }
-        for (TriangleId t = 0; t < triangles_.size(); ++t)
-            if (name[t] != Facet::none)
+        for (std::size_t slot = 0; slot < slots; ++slot)
+            if (name[slot] != Facet::none)
                 for (unsigned k = 0; k < 3; ++k)
-                    result[name[t]].neighbor[k] = name[triangle_of(triangles_[t].twin[k])];
+                    result[name[slot]].neighbor[k] = name[slot_of(twin(triangle_in(slot) + k))];
         return result;
     }
 
@@ -86,12 +88,14 @@ class LowerHullBuilder {
         Vertex tail, head;
     };
     Side side(TriangleId t, unsigned k) const {
-        const Triangle& triangle = triangles_[t];
-        return {triangle.twin[k], triangle.vertex[(k + 1) % 3], triangle.vertex[(k + 2) % 3]};
+        return {twin(edge(t, k)), corners(t)[(k + 1) % 3], corners(t)[(k + 2) % 3]};
     }
 
     Point planar(Vertex v) const { return p_[v].planar(); }
-    bool is_live(TriangleId t) const { return triangles_[t].vertex[0] != ghost; }
+    const Vertex* corners(TriangleId t) const { return &words_[t]; }
+    Edge twin(Edge e) const { return words_[e + 3]; }
+    bool is_ghost(TriangleId t) const { return corners(t)[2] == ghost; }
+    bool is_live(TriangleId t) const { return corners(t)[0] != ghost; }
 
     // The first three points of the order that are not on one line.
     std::optional<std::array<Vertex, 3>> find_seed(const std::vector<Vertex>& order) {
@@ -117,27 +121,27 @@ class LowerHullBuilder {
     TriangleId allocate(const std::array<Vertex, 3>& v) {
         TriangleId t;
         if (free_.empty()) {
-            t = static_cast<TriangleId>(triangles_.size());
-            triangles_.emplace_back();
+            t = triangle_in(waiting_.size());
+            words_.resize(words_.size() + words_per_triangle);
             waiting_.push_back(nobody);
         } else {
             t = free_.back();
             free_.pop_back();
         }
-        std::copy(v.begin(), v.end(), triangles_[t].vertex);
+        std::copy(v.begin(), v.end(), &words_[t]);
         return t;
     }
 
     void join(Edge e, Edge f) {
-        triangles_[triangle_of(e)].twin[place(e)] = f;
-        triangles_[triangle_of(f)].twin[place(f)] = e;
+        words_[e + 3] = f;
+        words_[f + 3] = e;
     }
 
     // Whether a point that is below the facet goes there: its position is in the triangle, or
     // beyond the hull edge of a ghost.
     bool holds(TriangleId t, Point p) const {
-        const Vertex* v = triangles_[t].vertex;
-        if (triangles_[t].is_ghost()) return orient2d(planar(v[1]), planar(v[0]), p) < 0;
+        const Vertex* v = corners(t);
+        if (is_ghost(t)) return orient2d(planar(v[1]), planar(v[0]), p) < 0;
         return orient2d(planar(v[0]), planar(v[1]), p) >= 0 &&
                orient2d(planar(v[1]), planar(v[2]), p) >= 0 &&
                orient2d(planar(v[2]), planar(v[0]), p) >= 0;
@@ -148,15 +152,14 @@ class LowerHullBuilder {
         home_[v] = nowhere;
         if (!is_in_conflict(home, v)) return;
         home_[v] = home;
-        next_waiting_[v] = waiting_[home];
-        waiting_[home] = v;
+        next_waiting_[v] = waiting_[slot_of(home)];
+        waiting_[slot_of(home)] = v;
     }
 
     // Whether a facet goes when v comes.
     bool is_in_conflict(TriangleId t, Vertex v) const {
-        const Vertex* w = triangles_[t].vertex;
-        if (!triangles_[t].is_ghost())
-            return orient3d_canonical(p_[w[0]], p_[w[1]], p_[w[2]], p_[v], guard_);
+        const Vertex* w = corners(t);
+        if (!is_ghost(t)) return orient3d_canonical(p_[w[0]], p_[w[1]], p_[w[2]], p_[v], guard_);
         const int turn = orient2d(planar(w[1]), planar(w[0]), planar(v));
         return turn != 0 ? turn < 0 : is_below_line(p_[w[1]], p_[w[0]], p_[v]);
     }
@@ -187,37 +190,37 @@ class LowerHullBuilder {
     void find_cavity(Vertex v) {
         cavity_.assign(1, home_[v]);
         rim_.clear();
-        conflict_.resize(triangles_.size());
-        conflict_[home_[v]] = true;
+        conflict_.resize(waiting_.size());
+        conflict_[slot_of(home_[v])] = true;
         for (std::size_t i = 0; i < cavity_.size(); ++i) {
             for (unsigned k = 0; k < 3; ++k) {
-                const TriangleId t = triangle_of(triangles_[cavity_[i]].twin[k]);
-                if (conflict_[t]) continue;
+                const TriangleId t = triangle_of(twin(edge(cavity_[i], k)));
+                if (conflict_[slot_of(t)]) continue;
                 if (is_in_conflict(t, v)) {
-                    conflict_[t] = true;
+                    conflict_[slot_of(t)] = true;
                     cavity_.push_back(t);
                 } else {
                     rim_.push_back(side(cavity_[i], k));
                 }
             }
         }
-        for (TriangleId t : cavity_) conflict_[t] = false;
+        for (TriangleId t : cavity_) conflict_[slot_of(t)] = false;
     }
 
     void collect_waiting(Vertex v) {
         home_[v] = nowhere;
         moving_.clear();
         for (TriangleId t : cavity_) {
-            for (Vertex w = waiting_[t]; w != nobody; w = next_waiting_[w])
+            for (Vertex w = waiting_[slot_of(t)]; w != nobody; w = next_waiting_[w])
                 if (w != v) moving_.push_back(w);
-            waiting_[t] = nobody;
+            waiting_[slot_of(t)] = nobody;
         }
     }
 
     // A new facet on each edge of the rim; `spoke_` remembers the edge from v to each corner.
     void fill_cavity(Vertex v) {
         for (TriangleId t : cavity_) {
-            triangles_[t].vertex[0] = ghost;
+            words_[t] = ghost;
             free_.push_back(t);
         }
         fresh_.clear();
@@ -275,18 +278,17 @@ class LowerHullBuilder {
         spokes_.clear();
         Fan fan(planar(v), fan_, spokes_);
         const auto next_around = [&](TriangleId t) {
-            const Edge e = next(facing(t, v));
-            return triangle_of(triangles_[triangle_of(e)].twin[place(e)]);
+            return triangle_of(twin(next(facing(t, v))));
         };
         TriangleId t = fresh_.front();
         for (TriangleId g : fresh_)
-            if (triangles_[g].is_ghost()) t = g;
+            if (is_ghost(g)) t = g;
         for (std::size_t i = 0, ghosts = 0; i < fresh_.size(); ++i, t = next_around(t)) {
-            if (triangles_[t].is_ghost()) {
+            if (is_ghost(t)) {
                 fan.ghosts[ghosts++] = t;
             } else {
                 fan_.push_back(t);
-                spokes_.push_back(planar(triangles_[t].vertex[place(next(facing(t, v)))]));
+                spokes_.push_back(planar(words_[next(facing(t, v))]));
             }
         }
         return fan;
@@ -297,7 +299,7 @@ class LowerHullBuilder {
         return v;
     }
     Edge facing(TriangleId t, Vertex v) const {
-        const Vertex* w = triangles_[t].vertex;
+        const Vertex* w = corners(t);
         return edge(t, w[0] == v ? 0 : w[1] == v ? 1 : 2);
     }
     std::size_t index(Vertex v) const { return v == ghost ? p_.size() : v; }
@@ -305,7 +307,7 @@ class LowerHullBuilder {
     std::span<const SpacePoint> p_;
     Guard guard_;
     Patience patience_;
-    std::vector<Triangle> triangles_;
+    std::vector<Word> words_;  // of the facets, as in mesh.hpp
     std::vector<TriangleId> free_;
     std::vector<Vertex> waiting_;       // of each facet, the first that waits there
     std::vector<Vertex> next_waiting_;  // of each point, the next at the same facet

@@ -39,182 +39,169 @@ TriangleId climb(const Mesh& mesh, Part part, Precedes precedes) {
     return g;
 }
 
+// The left part and the right one, as seen from the gap between them. What is said of one holds for
+// the other with clockwise and counter-clockwise exchanged; the code says it once, for both.
+using Side = unsigned;
+constexpr Side left = 0, right = 1;
+
+constexpr Side opposite(Side side) {
+    return 1 - side;
+}
+
 class Merge {
  public:
     Merge(const Seam& seam, TriangleId slot)
         : mesh_(seam.mesh), guard_(seam.guard), interrupt_(seam.interrupt), slot_(slot) {}
 
-    Part run(TriangleId left, TriangleId right) {
-        find_lower_tangent(left, right);
+    Part run(TriangleId from_left, TriangleId from_right) {
+        find_lower_tangent(from_left, from_right);
         lay_first_base();
         rise();
         close();
-        return {slot_, slot_ + 1};
+        return {slot_, top()};
     }
 
  private:
-    Point at(Vertex v) const { return mesh_.point(v); }
-    bool below(Point p) const { return orient2d(pa_, pb_, p) < 0; }
-    bool above(Point p) const { return orient2d(pa_, pb_, p) > 0; }
-
-    void set_a(Vertex v) {
-        a_ = v;
-        pa_ = at(v);
-    }
-    void set_b(Vertex v) {
-        b_ = v;
-        pb_ = at(v);
-    }
-
-    // From here on left_ is the ghost of the hull edge that leaves a, right_ of the one that
-    // arrives at b: the two walls of the gap above the base a -> b.
-    void find_lower_tangent(TriangleId left, TriangleId right) {
-        set_a(mesh_.tail(left));
-        set_b(mesh_.tail(right));
-        for (;;) {
-            if (below(at(mesh_.head(right)))) {
-                set_b(mesh_.head(right));
-                right = mesh_.successor(right);
-            } else if (below(at(mesh_.tail(mesh_.predecessor(left))))) {
-                left = mesh_.predecessor(left);
-                set_a(mesh_.tail(left));
-            } else {
-                break;
-            }
-        }
-        left_ = left;
-        right_ = right;
-    }
-
-    void lay_first_base() {
-        const TriangleId after = right_;
-        right_ = mesh_.predecessor(right_);
-        mesh_.place_ghost(slot_, a_, b_);
-        mesh_.chain(mesh_.predecessor(left_), slot_);
-        mesh_.chain(slot_, after);
-        base_ = mesh_.hull_edge(slot_);
-    }
-
-    void rise() {
-        for (Patience patience(interrupt_); !patience.ends();) {
-            const Base base(pa_, pb_);
-            const Vertex c = mesh_.head(left_), d = mesh_.tail(right_);
-            Candidate l{c, at(c), base.sight(at(c))};
-            Candidate r{d, at(d), base.sight(at(d))};
-            const bool left = is_above(l);
-            const bool right = is_above(r);
-            if (!left && !right) return;
-            if (left) open_left(base, l);
-            if (right) open_right(base, r);
-            if (left && !(right && in_circle(l, r))) {
-                advance_left();
-            } else {
-                advance_right();
-            }
-        }
-    }
-
+    // A vertex that may close a triangle with the base.
     struct Candidate {
         Vertex vertex;
         Point point;
         Sighting sighting;
     };
+
+    Point at(Vertex v) const { return mesh_.point(v); }
     Candidate candidate(const Base& base, Vertex v) const {
         const Point p = at(v);
         return {v, p, base.sight(p)};
     }
+    // The second of the two triangles that the merge adds.
+    TriangleId top() const { return slot_ + words_per_triangle; }
 
-    bool is_above(const Candidate& c) const {
-        const Margin margin = distance(c.sighting);
-        if (margin.value > margin.error + guard_.margin()) return true;
-        if (-margin.value > margin.error + guard_.margin()) return false;
-        return above(c.point);
+    void set_end(Side side, Vertex v) {
+        end_[side] = v;
+        point_[side] = at(v);
     }
 
-    bool in_circle(const Candidate& c, const Candidate& d) const {
-        const Margin margin = liftmesh::below(c.sighting, d.sighting);
-        if (margin.value > margin.error + guard_.margin()) return true;
-        if (-margin.value > margin.error + guard_.margin()) return false;
-        return incircle_canonical_exact(pa_, pb_, c.point, d.point, guard_) > 0;
-    }
-
-    // While the next point inward lies in the circle of the base and the candidate, the hull edge
-    // to the candidate goes: a ghost each for the two other edges of the triangle behind it.
-    void open_left(const Base& base, Candidate& c) {
+    // From here on the walls are the ghosts of the two hull edges that meet the base from above:
+    // the one that leaves its left end, and the one that arrives at its right end.
+    void find_lower_tangent(TriangleId from_left, TriangleId from_right) {
+        wall_[left] = from_left;
+        wall_[right] = from_right;
+        set_end(left, mesh_.tail(from_left));
+        set_end(right, mesh_.tail(from_right));
+        const auto is_below = [&](Vertex v) {
+            return orient2d(point_[left], point_[right], at(v)) < 0;
+        };
         for (;;) {
-            const Edge wall = mesh_.twin(mesh_.hull_edge(left_));
-            const Vertex inward = mesh_.apex(wall);
-            if (inward == ghost) return;
-            const Candidate d = candidate(base, inward);
-            if (!in_circle(c, d)) return;
-            const TriangleId far = triangle_of(wall);
-            const Edge near_side = mesh_.twin(previous(wall));
-            const Edge far_side = mesh_.twin(next(wall));
-            mesh_.place_ghost(far, d.vertex, c.vertex);
-            mesh_.chain(far, mesh_.successor(left_));
-            mesh_.join(mesh_.hull_edge(far), far_side);
-            mesh_.place_ghost(left_, a_, d.vertex);
-            mesh_.chain(left_, far);
-            mesh_.join(mesh_.hull_edge(left_), near_side);
-            c = d;
+            if (const Vertex v = mesh_.head(wall_[right]); is_below(v)) {
+                set_end(right, v);
+                wall_[right] = mesh_.successor(wall_[right]);
+            } else if (const Vertex w = mesh_.tail(mesh_.predecessor(wall_[left])); is_below(w)) {
+                wall_[left] = mesh_.predecessor(wall_[left]);
+                set_end(left, w);
+            } else {
+                return;
+            }
         }
     }
 
-    void open_right(const Base& base, Candidate& c) {
+    void lay_first_base() {
+        const TriangleId after = wall_[right];
+        wall_[right] = mesh_.predecessor(after);
+        mesh_.place_ghost(slot_, end_[left], end_[right]);
+        mesh_.chain(mesh_.predecessor(wall_[left]), slot_);
+        mesh_.chain(slot_, after);
+        base_ = mesh_.hull_edge(slot_);
+    }
+
+    // In a wall the candidate stands at place `side`, the end of the base at the other.
+    void rise() {
+        for (Patience patience(interrupt_); !patience.ends();) {
+            const Base base(point_[left], point_[right]);
+            Candidate c = candidate(base, mesh_.apex(edge(wall_[left], left)));
+            Candidate d = candidate(base, mesh_.apex(edge(wall_[right], right)));
+            const bool left_is_above = is_above(c);
+            const bool right_is_above = is_above(d);
+            if (!left_is_above && !right_is_above) return;
+            if (left_is_above) open<left>(base, c);
+            if (right_is_above) open<right>(base, d);
+            if (left_is_above && !(right_is_above && is_below(c, d))) {
+                advance<left>();
+            } else {
+                advance<right>();
+            }
+        }
+    }
+
+    bool is_above(const Candidate& c) const {
+        const Margin margin = distance(c.sighting);
+        const double error = margin.error + guard_.margin();
+        if (margin.value > error) return true;
+        if (-margin.value > error) return false;
+        return orient2d(point_[left], point_[right], c.point) > 0;
+    }
+
+    // Whether the lift of d is below the plane through the base and the lift of c.
+    bool is_below(const Candidate& c, const Candidate& d) const {
+        const Margin margin = below(c.sighting, d.sighting);
+        const double error = margin.error + guard_.margin();
+        if (margin.value > error) return true;
+        if (-margin.value > error) return false;
+        return incircle_canonical_exact(point_[left], point_[right], c.point, d.point, guard_) > 0;
+    }
+
+    // While the next point inward is below the plane of the base and the candidate, the hull edge
+    // to the candidate goes: a ghost each for the two other edges of the triangle behind it.
+    template <Side side>
+    void open(const Base& base, Candidate& c) {
+        const TriangleId wall = wall_[side];
         for (;;) {
-            const Edge wall = mesh_.twin(mesh_.hull_edge(right_));
-            const Vertex inward = mesh_.apex(wall);
-            if (inward == ghost) return;
-            const Candidate d = candidate(base, inward);
-            if (!in_circle(c, d)) return;
-            const TriangleId far = triangle_of(wall);
-            const Edge near_side = mesh_.twin(next(wall));
-            const Edge far_side = mesh_.twin(previous(wall));
-            mesh_.place_ghost(far, c.vertex, d.vertex);
-            mesh_.chain(mesh_.predecessor(right_), far);
+            const Edge inner = mesh_.twin(mesh_.hull_edge(wall));
+            const Vertex apex = mesh_.apex(inner);
+            if (apex == ghost) return;
+            const Candidate d = candidate(base, apex);
+            if (!is_below(c, d)) return;
+            const TriangleId far = triangle_of(inner);
+            const Edge near_side = mesh_.twin(side == left ? previous(inner) : next(inner));
+            const Edge far_side = mesh_.twin(side == left ? next(inner) : previous(inner));
+            mesh_.vertex(far, side) = c.vertex;
+            mesh_.vertex(far, opposite(side)) = d.vertex;
+            mesh_.vertex(far, 2) = ghost;
+            mesh_.join(edge(far, opposite(side)), mesh_.twin(edge(wall, opposite(side))));
             mesh_.join(mesh_.hull_edge(far), far_side);
-            mesh_.place_ghost(right_, d.vertex, b_);
-            mesh_.chain(far, right_);
-            mesh_.join(mesh_.hull_edge(right_), near_side);
+            mesh_.vertex(wall, side) = d.vertex;
+            mesh_.join(edge(wall, opposite(side)), edge(far, side));
+            mesh_.join(mesh_.hull_edge(wall), near_side);
             c = d;
         }
     }
 
     // The ghost at the wall becomes the triangle of the base and the candidate.
-    void advance_left() {
-        const TriangleId filled = left_;
-        left_ = mesh_.successor(filled);
-        mesh_[filled].vertex[2] = b_;
-        mesh_.join(edge(filled, 0), base_);
-        base_ = edge(filled, 1);
-        set_a(mesh_[filled].vertex[0]);
-    }
-
-    void advance_right() {
-        const TriangleId filled = right_;
-        right_ = mesh_.predecessor(filled);
-        mesh_[filled].vertex[2] = a_;
-        mesh_.join(edge(filled, 1), base_);
-        base_ = edge(filled, 0);
-        set_b(mesh_[filled].vertex[1]);
+    template <Side side>
+    void advance() {
+        const TriangleId filled = wall_[side];
+        wall_[side] = mesh_.twin(edge(filled, opposite(side))) - side;
+        mesh_.vertex(filled, 2) = end_[opposite(side)];
+        mesh_.join(edge(filled, side), base_);
+        base_ = edge(filled, opposite(side));
+        set_end(side, mesh_.apex(edge(filled, side)));
     }
 
     void close() {
-        const TriangleId top = slot_ + 1;
-        mesh_.place_ghost(top, b_, a_);
-        mesh_.chain(right_, top);
-        mesh_.chain(top, left_);
-        mesh_.join(mesh_.hull_edge(top), base_);
+        mesh_.place_ghost(top(), end_[right], end_[left]);
+        mesh_.chain(wall_[right], top());
+        mesh_.chain(top(), wall_[left]);
+        mesh_.join(mesh_.hull_edge(top()), base_);
     }
 
     Mesh& mesh_;
     Guard guard_;
     Interrupt& interrupt_;
     TriangleId slot_;
-    TriangleId left_ = 0, right_ = 0;
+    TriangleId wall_[2] = {};
+    Vertex end_[2] = {};  // of the base, and where they are
+    Point point_[2] = {};
     Edge base_ = 0;
-    Vertex a_ = 0, b_ = 0;
-    Point pa_{}, pb_{};
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ struct Seam {
 };
 
 // Merges parts that a cut across `axis` separates (all of `left` before all of `right`), using the
-// slots `slot` and `slot + 1`.
+// slot of the triangle `slot` and the one behind it.
 Part merge(const Seam& seam, Part left, Part right, Axis axis, TriangleId slot);
 
 }  // namespace liftmesh

@@ -123,7 +123,7 @@ class Arrangement {
                 next += count;
             }
         }
-        order_.cell_starts.back() = order_.count = next;
+        order_.cell_starts.back() = order_.room = order_.count = next;
     }
 
     bool scatter() {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "buffer.hpp"
@@ -19,7 +18,8 @@ namespace liftmesh {
 // their rows; the engine refines a cell when it comes to it.
 struct Order {
     Buffer<Site> sites;
-    std::size_t count = 0;
+    std::size_t room = 0;   // of the buffer
+    std::size_t count = 0;  // of the sites
     int depth = 0;
     std::vector<std::size_t> cell_starts;  // 2^depth + 1 positions
     std::vector<Duplicate> duplicates;     // by ascending row

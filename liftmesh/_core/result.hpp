@@ -14,10 +14,11 @@ struct Result {
     std::size_t triangle_count = 0;
     std::size_t hull_count = 0;
 
+    // Simplices may have memory already.
     void make_room(std::size_t triangles, std::size_t hull_vertices) {
         triangle_count = triangles;
         hull_count = hull_vertices;
-        simplices = allocate<std::int32_t>(3 * triangles);
+        if (!simplices) simplices = allocate<std::int32_t>(3 * triangles);
         neighbors = allocate<std::int32_t>(3 * triangles);
         hull = allocate<std::int32_t>(hull_vertices);
     }

@@ -54,10 +54,9 @@ class Base {
     Pair a_, b_, across_;
 };
 
+// A value whose sign is certain where its magnitude is larger than the error.
 struct Margin {
     double value, error;
-    bool positive() const { return value > error; }
-    bool negative() const { return -value > error; }
 };
 
 // Positive where the point lies on the left of the base.

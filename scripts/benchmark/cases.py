@@ -1,0 +1,113 @@
+"""What is measured: a case is one input with its contestants, a profile a list of cases."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from distributions import DISTRIBUTIONS
+
+from benchmark.contestants import Contestant, line_up
+from benchmark.peers import CGAL, OURS, RIVALS, SORT
+
+MILLION = 10**6
+FIELD = (OURS, *RIVALS)
+"""All peers that take part if nothing else is said."""
+
+DEMANDING = (
+    "gaussian",
+    "kuzmin",
+    "clusters",
+    "lattice",
+    "utm-lattice",
+    "tilted-lattice",
+    "circle",
+    "line-singularity",
+    "two-columns",
+    "jacksboro",
+)
+"""Distributions on each of which a target is set."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """An input, who takes part, and how long; `calls` a round, or as many as a burst takes."""
+
+    distribution: str
+    size: int
+    peers: tuple[str, ...] = FIELD
+    threads: tuple[int, ...] = (1, 2)
+    rounds: int = 5
+    patience: float = 20.0
+    calls: int = 0
+
+    def contestants(self) -> Iterator[Contestant]:
+        """Name who is timed, in the order of a round."""
+        return line_up(self.peers, self.threads)
+
+
+def grid(case: Case, distributions: Iterable[str], sizes: Iterable[int]) -> list[Case]:
+    """Put every distribution in every size in a case's place, the small ones first."""
+    found = [
+        replace(case, distribution=name, size=size)
+        for size in sorted(sizes)
+        for name in distributions
+    ]
+    return [with_sort(case) if case.distribution == "uniform" else case for case in found]
+
+
+def with_sort(case: Case) -> Case:
+    """Add the sort of one coordinate, for scale."""
+    return replace(case, peers=tuple(dict.fromkeys((*case.peers, SORT))))
+
+
+def full(case: Case, million: int) -> list[Case]:
+    """Uniform points in every size, then every other distribution with a million rows."""
+    growth = grid(case, ["uniform"], [max(3, million * 10**k // 1000) for k in range(5)])
+    others = [name for name in DISTRIBUTIONS if name != "uniform"]
+    return [*growth, *grid(case, others, [million]), hundred_million(case, million)]
+
+
+def hundred_million(case: Case, million: int) -> Case:
+    return replace(case, size=100 * million, peers=(OURS,), rounds=2, patience=300.0)
+
+
+def quick(case: Case, million: int) -> list[Case]:
+    """Few rows, few inputs, three rounds."""
+    case = replace(case, rounds=3, patience=3.0)
+    some = ["lattice", "utm-lattice", "clusters", "circle", "jacksboro"]
+    growth = grid(case, ["uniform"], [max(3, million // k) for k in (1000, 100, 10)])
+    return [*growth, *grid(case, some, [million // 10])]
+
+
+def targeted(case: Case, million: int) -> list[Case]:
+    """Exactly the inputs on which targets are set, each with the peers that a target names."""
+    some = grid(replace(case, patience=5.0), DEMANDING, [million])
+    large = replace(case, size=10 * million, peers=(OURS, CGAL), patience=60.0)
+    return [
+        *grid(replace(case, patience=30.0), ["uniform"], [million]),
+        *some,
+        large,
+        hundred_million(case, million),
+    ]
+
+
+def small(case: Case, million: int) -> list[Case]:
+    """Arrays of ten and of a thousand rows, in a loop."""
+    calls = max(1, million // 100)
+    return grid(replace(case, rounds=3, calls=calls), ["uniform"], [10, 1000])
+
+
+def progress(case: Case, million: int) -> list[Case]:
+    """With and without a callback."""
+    case = replace(case, size=million, peers=(OURS, "liftmesh progress"))
+    return [replace(case, rounds=31, patience=120.0)]
+
+
+PROFILES = {
+    "full": full,
+    "quick": quick,
+    "targets": targeted,
+    "small": small,
+    "progress": progress,
+}

@@ -1,0 +1,64 @@
+"""CGAL as a peer: a small C++ program, built on the spot where compiler and headers are present."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+
+SOURCE = Path(__file__).parent / "peer.cpp"
+FLAGS = ("-std=c++20", "-O3", "-DNDEBUG")
+LIBRARIES = ("-lgmp",)
+HEADERS = "CGAL/Delaunay_triangulation_2.h"
+
+
+class NotHereError(Exception):
+    """CGAL cannot be built on this machine; the message says what to install."""
+
+
+def build(folder: Path) -> Path:
+    """Compile the program into a folder, unless it is there from the same source and compiler."""
+    compiler = find_compiler()
+    need_headers(compiler)
+    program = folder / f"cgal_peer-{fingerprint(compiler)}"
+    if not program.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        beside = program.with_suffix(f".{os.getpid()}")
+        command = [*compiler, *FLAGS, str(SOURCE), "-o", str(beside), *LIBRARIES]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise NotHereError(f"the compiler refused: {first_error(done.stderr)}")
+        beside.replace(program)
+    return program
+
+
+def find_compiler() -> list[str]:
+    """Give the C++ compiler's command: CXX from the environment, or g++."""
+    compiler = shlex.split(os.environ.get("CXX", "g++"))
+    if not shutil.which(compiler[0]):
+        raise NotHereError(f"no {compiler[0]}: install g++ and libcgal-dev")
+    return compiler
+
+
+def need_headers(compiler: list[str]) -> None:
+    """Look for CGAL by preprocessing one include of it."""
+    command = [*compiler, "-std=c++20", "-E", "-x", "c++", "-"]
+    text = f"#if !__has_include(<{HEADERS}>)\n#error\n#endif\n"
+    if subprocess.run(command, input=text, capture_output=True, text=True, check=False).returncode:
+        raise NotHereError("no headers of CGAL: install libcgal-dev")
+
+
+def fingerprint(compiler: list[str]) -> str:
+    """Tell programs of different sources, flags or compilers apart."""
+    command = [*compiler, "--version"]
+    said = subprocess.run(command, capture_output=True, check=True).stdout
+    words = " ".join([*FLAGS, *LIBRARIES]).encode()
+    return hashlib.sha256(said + words + SOURCE.read_bytes()).hexdigest()[:12]
+
+
+def first_error(stderr: str) -> str:
+    lines = stderr.strip().splitlines()
+    return next((line for line in lines if "error" in line), "without a word")

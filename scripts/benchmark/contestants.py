@@ -1,0 +1,56 @@
+"""A peer on a number of threads, and the process it runs in."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from benchmark import cgal
+from benchmark.peers import CGAL, PEERS
+from benchmark.process import Process, TroubleError
+
+SCRIPTS = Path(__file__).resolve().parent.parent
+PROGRAMS = SCRIPTS.parent / "out" / "programs"
+POOLS = ("LIFTMESH", "RAYON", "OMP", "OPENBLAS", "MKL")  # who reads <NAME>_NUM_THREADS
+
+
+@dataclass(frozen=True, order=True)
+class Contestant:
+    """Who is timed: a thread pool is made once in a process, so each number has its own."""
+
+    peer: str
+    threads: int = 1
+
+    @property
+    def label(self) -> str:
+        return f"{self.peer} x{self.threads}" if self.threads > 1 else self.peer
+
+    def start(self) -> Process:
+        environment = {f"{name}_NUM_THREADS": str(self.threads) for name in POOLS}
+        paths = (str(SCRIPTS), os.environ.get("PYTHONPATH"))
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
+        return Process(self.command(), environment, SCRIPTS)
+
+    def command(self) -> list[str]:
+        if self.peer == CGAL:
+            return [cgal_program()]
+        return [sys.executable, "-m", "benchmark.worker", self.peer, str(self.threads)]
+
+
+@cache
+def cgal_program() -> str:
+    try:
+        return str(cgal.build(PROGRAMS))
+    except cgal.NotHereError as error:
+        raise TroubleError(f"not here: {error}") from error
+
+
+def line_up(peers: Iterable[str], threads: Iterable[int]) -> Iterator[Contestant]:
+    """Give every peer its numbers of threads; one that knows no threads takes part once."""
+    for name in peers:
+        for count in threads if PEERS[name].parallel else (1,):
+            yield Contestant(name, count)

@@ -1,0 +1,175 @@
+"""The programs that are timed, each in its fastest way from Python.
+
+`prepare` imports the program and returns the call that is put on the clock, from points to the
+arrays which the program makes. What it takes to turn these into rows of the points, for a program
+that numbers vertices its own way, is not on the clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from distributions import Points
+from numpy.typing import NDArray
+
+Triangles = NDArray[np.int32]
+Outputs = tuple[NDArray[Any], ...]
+Call = Callable[[Points], Outputs]
+
+SMALLEST = 5e-324
+PAGE = 4096
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A program: its package, its call, and how many threads it can make use of."""
+
+    name: str
+    package: str
+    prepare: Callable[[int], Call]
+    parallel: bool = False
+    rows: Callable[[Outputs, Points], Outputs] = lambda outputs, _: outputs
+    triangulates: bool = True
+
+    @property
+    def version(self) -> str:
+        return version(self.package)
+
+
+def touch(outputs: Outputs) -> None:
+    """Read a value of each page, so that no lazily mapped memory escapes the clock."""
+    for array in outputs:
+        if array.nbytes > PAGE:
+            array[:: max(1, PAGE // array.strides[0])].max()
+
+
+def liftmesh(threads: int, **options: Any) -> Call:
+    delaunay = import_module("liftmesh").delaunay
+
+    def call(points: Points) -> Outputs:
+        triangulation = delaunay(points, threads=threads, **options)
+        return triangulation.simplices, triangulation.neighbors
+
+    return call
+
+
+def lfres_indexed(_: int) -> Call:
+    delaunay = import_module("liftmesh").delaunay
+
+    def call(points: Points) -> Outputs:
+        triangulation = delaunay(points, method="lfres-indexed")
+        return triangulation.simplices, triangulation.neighbors
+
+    return call
+
+
+def with_progress(threads: int) -> Call:
+    """Prepare liftmesh with a callback that keeps what it hears."""
+    heard: list[float] = []
+    return liftmesh(threads, progress=heard.append)
+
+
+def shull(threads: int) -> Call:
+    delaunay = import_module("shull").Delaunay
+
+    def call(points: Points) -> Outputs:
+        triangulation = delaunay(points, parallel=threads > 1)
+        return triangulation.simplices, triangulation.neighbors
+
+    return call
+
+
+def triangle(_: int) -> Call:
+    delaunay = import_module("triangle").delaunay
+    return lambda points: (delaunay(points),)
+
+
+def scipy(_: int) -> Call:
+    delaunay = import_module("scipy.spatial").Delaunay
+
+    def call(points: Points) -> Outputs:
+        triangulation = delaunay(points)
+        return triangulation.simplices, triangulation.neighbors
+
+    return call
+
+
+def pythoncdt(_: int) -> Call:
+    cdt = import_module("pythoncdt")
+    order = cdt.VertexInsertionOrder.AUTO
+    crossings = cdt.IntersectingConstraintEdges.NOT_ALLOWED
+
+    def call(points: Points) -> Outputs:
+        triangulation = cdt.Triangulation(order, crossings, 0.0)
+        triangulation.insert_vertices(points)
+        triangulation.erase_super_triangle()
+        return (triangulation.triangles_array()["vertices"],)
+
+    return call
+
+
+def startinpy(_: int) -> Call:
+    terrain = import_module("startinpy").DT
+
+    def call(points: Points) -> Outputs:
+        made = terrain()
+        made.snap_tolerance = SMALLEST
+        made.insert(np.column_stack((points, np.zeros(len(points)))))
+        return made.triangles, made.points
+
+    return call
+
+
+def rows_by_position(outputs: Outputs, points: Points) -> Outputs:
+    """Number the vertices by the first rows with their positions."""
+    triangles, vertices = outputs
+    positions = np.ascontiguousarray(points + 0.0).view(complex).reshape(-1)
+    order = np.argsort(positions, kind="stable")
+    sought = np.ascontiguousarray(vertices[:, :2]).view(complex).reshape(-1)
+    found = np.searchsorted(positions, sought, sorter=order)
+    return (order[found.clip(max=len(points) - 1)][triangles],)
+
+
+def matplotlib(_: int) -> Call:
+    triangulation = import_module("matplotlib.tri").Triangulation
+    return lambda points: (triangulation(points[:, 0], points[:, 1]).triangles,)
+
+
+def igl_triangle(_: int) -> Call:
+    triangulate = import_module("igl.triangle").triangulate
+    return lambda points: (triangulate(points, flags="cQ")[1],)
+
+
+def numpy_sort(_: int) -> Call:
+    """Prepare the sort of one coordinate, for scale."""
+    return lambda points: (np.sort(points[:, 0]),)
+
+
+def cgal(_: int) -> Call:
+    raise NotImplementedError("CGAL is a program of its own")
+
+
+OURS, CGAL, SORT = "liftmesh", "CGAL", "numpy.sort"
+PEERS = {
+    peer.name: peer
+    for peer in (
+        Peer(OURS, OURS, liftmesh, parallel=True),
+        Peer("liftmesh progress", OURS, with_progress, parallel=True),
+        Peer("lfres-indexed", OURS, lfres_indexed),
+        Peer(CGAL, "", cgal),
+        Peer("shull", "shull", shull, parallel=True),
+        Peer("triangle", "triangle", triangle),
+        Peer("igl.triangle", "libigl", igl_triangle),
+        Peer("pythoncdt", "pythoncdt", pythoncdt),
+        Peer("scipy", "scipy", scipy),
+        Peer("matplotlib", "matplotlib", matplotlib),
+        Peer("startinpy", "startinpy", startinpy, rows=rows_by_position),
+        Peer(SORT, "numpy", numpy_sort, triangulates=False),
+    )
+}
+RIVALS = tuple(name for name, peer in PEERS.items() if peer.triangulates and peer.package != OURS)

@@ -1,0 +1,107 @@
+"""A process that answers requests: one line there, one line of JSON back, within a time."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import subprocess
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+STARTING = 60.0  # seconds that a process may take until its first answer
+
+
+class TroubleError(Exception):
+    """The process gave no answer; the message says why in a few words."""
+
+
+class TooLongError(TroubleError):
+    """The process was ended because its answer took too long."""
+
+
+class Process:
+    """A running worker. After trouble it is gone, and so it is at the end of a `with`."""
+
+    def __init__(self, command: list[str], environment: dict[str, str], folder: Path) -> None:
+        self.folder = tempfile.TemporaryDirectory()
+        self.errors = Path(self.folder.name, "errors")
+        with self.errors.open("w") as errors:
+            self.child = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                env=os.environ | environment,
+                cwd=folder,
+            )
+        prefer_to_lose(self.child.pid)
+        self.greeting = self.answer(STARTING)
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def ask(self, *words: object, patience: float) -> dict[str, Any]:
+        """Send a request, and wait for the answer."""
+        if self.child.stdin.closed:
+            raise TroubleError("gone")
+        try:
+            print(*words, sep="\t", file=self.child.stdin, flush=True)
+        except BrokenPipeError:
+            raise TroubleError(self.close()) from None
+        return self.answer(patience)
+
+    def answer(self, patience: float) -> dict[str, Any]:
+        """Read one line; a process that stays silent for too long is ended."""
+        ready, _, _ = select.select([self.child.stdout], [], [], patience)
+        if not ready:
+            self.close()
+            raise TooLongError(f"> {patience:g} s")
+        line = self.child.stdout.readline()
+        if not line.endswith("\n"):
+            raise TroubleError(self.close())
+        return json.loads(line)
+
+    def close(self) -> str:
+        """End the process; say what it died of if it was dead."""
+        if self.child.stdin.closed:
+            return "gone"
+        with suppress(BrokenPipeError):
+            self.child.stdin.close()
+        try:
+            code = self.child.wait(0.5)
+        except subprocess.TimeoutExpired:
+            self.child.kill()
+            code = self.child.wait()
+        self.child.stdout.close()
+        with self.folder:
+            return cause(code, self.errors.read_text(errors="replace"))
+
+
+def cause(code: int, stderr: str) -> str:
+    """Put the end of a process in words: its signal, or the line of its report that names one."""
+    if code < 0:
+        return f"crash, {signal.Signals(-code).name}"
+    lines = stderr.strip().splitlines() or [f"exit code {code}"]
+    line = next((line for line in reversed(lines) if "Error" in line), lines[-1])
+    return line.replace("ModuleNotFoundError", "not here")[:100]
+
+
+def prefer_to_lose(pid: int) -> None:
+    """Where memory runs out, the system ends the worker, not who started it."""
+    score = Path(f"/proc/{pid}/oom_score_adj")
+    if score.exists():
+        score.write_text("1000")

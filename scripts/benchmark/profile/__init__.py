@@ -1,0 +1,1 @@
+"""Instructions and mispredicted branches of the kernel: a small driver under callgrind."""
