@@ -118,8 +118,10 @@ def test_threads_share_one_triangulation() -> None:
     ],
     ids=["start", "ordering", "merging", "circle", "copies", "denormal", "one column"],
 )
-def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float) -> None:
-    program = LONG_RUN.format(points=points, prepare="", call="liftmesh.delaunay(points, threads=1)")
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float, threads: int) -> None:
+    call = f"liftmesh.delaunay(points, threads={threads})"
+    program = LONG_RUN.format(points=points, prepare="", call=call)
     assert seconds_to_stop(program, delay) < 1.0
 
 

@@ -97,13 +97,13 @@ class Engine {
 
     Part cell(Extent at, Axis axis) {
         const Index count = at.last - at.first;
-        if (interrupt_.requested()) return {};
         interrupt_.advance(work::triangulating * count);
         return build(&order_.sites[at.first], at.first, count, axis);
     }
 
     Part build(Site* sites, Index first, Index count, Axis axis) {
         if (count <= 3) return leaf(sites, first, count);
+        if (is_to_end(count)) return {};
         const Index half = halve(sites, count, axis);
         const Part left = build(sites, first, half, other(axis));
         const Part right = build(sites + half, first + half, count - half, other(axis));
@@ -119,10 +119,15 @@ class Engine {
                           : three(vertex(first), slot(first));
     }
 
-    // An interrupt stays, and a part that it left unfinished is large: no join touches it.
-    Part join(Part left, Part right, Axis axis, Index count, Index middle) {
+    // Asked of parts that are large, so only those are ever left unfinished. As an interrupt stays,
+    // no join touches them: what they are parts of is larger.
+    bool is_to_end(Index count) {
         constexpr Index worth_asking = 4096;
-        if (count >= worth_asking && interrupt_.requested()) return {};
+        return count >= worth_asking && interrupt_.requested();
+    }
+
+    Part join(Part left, Part right, Axis axis, Index count, Index middle) {
+        if (is_to_end(count)) return {};
         return merge(seam_, left, right, axis, slot(middle - 1));
     }
 
