@@ -1,6 +1,9 @@
 #include "cuts.hpp"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "bounds.hpp"
 
 namespace liftmesh {
 
@@ -25,7 +28,7 @@ Cuts::Cuts(std::vector<Point> sample, int depth, Team& team) : depth_(depth), cu
     for (int level = 0; level < std::min(shared_levels, depth); ++level) {
         std::vector<Span> below;
         for (const Span& span : spans) {
-            Point* middle = cut(span.node, level, span.first, span.last);
+            Point* middle = cut(span.node, span.first, span.last);
             below.push_back({2 * span.node, level + 1, span.first, middle});
             below.push_back({2 * span.node + 1, level + 1, middle, span.last});
         }
@@ -36,20 +39,20 @@ Cuts::Cuts(std::vector<Point> sample, int depth, Team& team) : depth_(depth), cu
     });
 }
 
-Point* Cuts::cut(std::size_t node, int level, Point* first, Point* last) {
+Point* Cuts::cut(std::size_t node, Point* first, Point* last) {
+    constexpr std::ptrdiff_t enough = 64;
     Point* middle = first + (last - first) / 2;
-    if (axis(level) == Axis::x) {
-        std::nth_element(first, middle, last, [](Point p, Point q) { return before_xy(p, q); });
-    } else {
-        std::nth_element(first, middle, last, [](Point p, Point q) { return before_yx(p, q); });
-    }
-    cut_[node] = *middle;
+    Bounds bounds(*first);
+    for (std::ptrdiff_t i = 0; i < enough; ++i) bounds.add(first[(last - first) * i / enough]);
+    const Axis axis = bounds.longer();
+    std::nth_element(first, middle, last, [axis](Point p, Point q) { return before(axis, p, q); });
+    cut_[node] = Cut(axis, *middle);
     return middle;
 }
 
 void Cuts::learn(std::size_t node, int level, Point* first, Point* last) {
     if (level == depth_) return;
-    Point* middle = cut(node, level, first, last);
+    Point* middle = cut(node, first, last);
     learn(2 * node, level + 1, first, middle);
     learn(2 * node + 1, level + 1, middle, last);
 }

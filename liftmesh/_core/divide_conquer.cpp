@@ -60,13 +60,13 @@ class Engine {
         Index first, middle, last;
     };
     Extent extent(Index h) const {
-        const Index span = Index{1} << (order_.depth - level_of(h));
+        const Index span = Index{1} << (order_.cuts.depth() - level_of(h));
         const Index* start = &order_.cell_starts[(h - (Index{1} << level_of(h))) * span];
         return {start[0], start[span / 2], start[span]};
     }
     // A node with a child too small to stand alone is treated as one cell.
     bool is_cell(Index h) const {
-        if (level_of(h) == order_.depth) return true;
+        if (level_of(h) == order_.cuts.depth()) return true;
         const Extent at = extent(h);
         return at.middle - at.first < 2 || at.last - at.middle < 2;
     }
@@ -82,7 +82,9 @@ class Engine {
     }
 
     Part node(Index h) {
-        if (is_cell(h)) return cell(extent(h), Cuts::axis(level_of(h)));
+        const Extent at = extent(h);
+        if (is_to_end(at.last - at.first)) return {};
+        if (is_cell(h)) return cell(at);
         const Part left = node(2 * h);
         const Part right = node(2 * h + 1);
         return join_node(h, left, right);
@@ -92,22 +94,23 @@ class Engine {
 
     Part join_node(Index h, Part left, Part right) {
         const Extent at = extent(h);
-        return join(left, right, Cuts::axis(level_of(h)), at.last - at.first, at.middle);
+        return join(left, right, order_.cuts.axis(h), at.last - at.first, at.middle);
     }
 
-    Part cell(Extent at, Axis axis) {
+    Part cell(Extent at) {
         const Index count = at.last - at.first;
         interrupt_.advance(work::triangulating * count);
-        return build(&order_.sites[at.first], at.first, count, axis);
+        return build(&order_.sites[at.first], at.first, count);
     }
 
-    Part build(Site* sites, Index first, Index count, Axis axis) {
+    Part build(Site* sites, Index first, Index count) {
         if (count <= 3) return leaf(sites, first, count);
         if (is_to_end(count)) return {};
-        const Index half = halve(sites, count, axis);
-        const Part left = build(sites, first, half, other(axis));
-        const Part right = build(sites + half, first + half, count - half, other(axis));
-        return join(left, right, axis, count, first + half);
+        const Halving half = halve(sites, count);
+        const Index rest = count - half.middle, middle = first + half.middle;
+        const Part left = build(sites, first, half.middle);
+        const Part right = build(sites + half.middle, middle, rest);
+        return join(left, right, half.axis, count, middle);
     }
 
     Part leaf(const Site* sites, Index first, Index count) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bounds.hpp"
+
 namespace liftmesh {
 
 namespace {
@@ -34,14 +36,25 @@ Point median(Point p, Point q, Point r) {
     return greatest(least(p, q), least(greatest(p, q), r));
 }
 
-// Tukey's ninther of each coordinate: where many points share one, the other decides.
-Point near_middle(const Site* sites, std::size_t count) {
-    const std::size_t step = count / 9;
-    const auto of_three = [&](std::size_t k) {
-        return median(sites[k * step].point, sites[(k + 3) * step].point,
-                      sites[(k + 6) * step].point);
-    };
-    return median(of_three(0), of_three(1), of_three(2));
+// What nine sites, evenly taken, tell of all: Tukey's ninther of each coordinate (where many points
+// share one, the other decides), and how they spread.
+struct Sample {
+    Point near_middle;
+    Bounds bounds;
+};
+
+Sample sample(const Site* sites, std::size_t count) {
+    Point nine[9];
+    Bounds bounds(sites[0].point);
+    for (std::size_t k = 0; k < 9; ++k) bounds.add(nine[k] = sites[k * (count / 9)].point);
+    const auto of_three = [&](int k) { return median(nine[k], nine[k + 3], nine[k + 6]); };
+    return {median(of_three(0), of_three(1), of_three(2)), bounds};
+}
+
+Bounds bounds_of(const Site* sites, std::size_t count) {
+    Bounds bounds(sites[0].point);
+    for (std::size_t i = 1; i < count; ++i) bounds.add(sites[i].point);
+    return bounds;
 }
 
 template <class Precedes>
@@ -57,21 +70,29 @@ std::size_t partition(Site* sites, std::size_t count, Point pivot, Precedes prec
 }
 
 template <class Precedes>
-std::size_t halve_by(Site* sites, std::size_t count, Precedes precedes) {
-    if (count <= few) return halve_few(sites, count, precedes);
-    const std::size_t middle = partition(sites, count, near_middle(sites, count), precedes);
+std::size_t halve_many(Site* sites, std::size_t count, Point pivot, Precedes precedes) {
+    const std::size_t middle = partition(sites, count, pivot, precedes);
     if (std::min(middle, count - middle) >= count / 8 + 1) return middle;
     std::nth_element(sites, sites + count / 2, sites + count,
                      [&](const Site& a, const Site& b) { return precedes(a.point, b.point); });
     return count / 2;
 }
 
+constexpr auto by_x = [](Point p, Point q) { return before_xy(p, q); };
+constexpr auto by_y = [](Point p, Point q) { return before_yx(p, q); };
+
 }  // namespace
 
-std::size_t halve(Site* sites, std::size_t count, Axis axis) {
-    if (axis == Axis::x)
-        return halve_by(sites, count, [](Point p, Point q) { return before_xy(p, q); });
-    return halve_by(sites, count, [](Point p, Point q) { return before_yx(p, q); });
+Halving halve(Site* sites, std::size_t count) {
+    if (count <= few) {
+        const Axis axis = bounds_of(sites, count).longer();
+        return {axis,
+                axis == Axis::x ? halve_few(sites, count, by_x) : halve_few(sites, count, by_y)};
+    }
+    const Sample some = sample(sites, count);
+    const Axis axis = some.bounds.longer();
+    return {axis, axis == Axis::x ? halve_many(sites, count, some.near_middle, by_x)
+                                  : halve_many(sites, count, some.near_middle, by_y)};
 }
 
 }  // namespace liftmesh

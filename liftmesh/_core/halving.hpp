@@ -8,8 +8,14 @@
 
 namespace liftmesh {
 
-// Reorders `count` >= 4 sites of distinct positions and returns the middle: every site before it
-// precedes across `axis` every site from it on. At least two stand on each side.
-std::size_t halve(Site* sites, std::size_t count, Axis axis);
+struct Halving {
+    Axis axis;
+    std::size_t middle;
+};
+
+// Reorders `count` >= 4 sites of distinct positions: every site before the middle precedes across
+// the axis every site from it on. At least two stand on each side. The axis is the one along which
+// they spread more, as nine of them tell.
+Halving halve(Site* sites, std::size_t count);
 
 }  // namespace liftmesh

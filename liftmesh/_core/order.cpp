@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "blocks.hpp"
-#include "cuts.hpp"
 
 namespace liftmesh {
 
@@ -36,7 +35,9 @@ struct Share {
 class Arrangement {
  public:
     Arrangement(const Input& input, Team& team, Order& order)
-        : input_(input), team_(team), order_(order), cuts_(learn_cuts()) {}
+        : input_(input), team_(team), order_(order) {
+        order.cuts = learn_cuts();
+    }
 
     OrderResult run(bool skip_non_finite) {
         divide();
@@ -89,18 +90,22 @@ class Arrangement {
     }
 
     void find_cells(Share& share) {
-        share.population.assign(cuts_.cells(), 0);
+        share.population.assign(order_.cuts.cells(), 0);
         team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
         const std::size_t groups = (share.last - share.first + abreast - 1) / abreast;
         for_each_in_blocks(groups, team_.interrupt(), [&](std::size_t group) {
             const std::size_t first = share.first + group * abreast;
             const std::size_t count = std::min(abreast, share.last - first);
-            std::array<Point, abreast> points{};
-            for (std::size_t i = 0; i < count; ++i) points[i] = input_[first + i];
-            const auto cells = cuts_.cells(points);
+            Abreast<abreast> points{};
             for (std::size_t i = 0; i < count; ++i) {
-                if (is_finite(points[i])) {
-                    share.range.add(points[i]);
+                const Point p = input_[first + i];
+                points[i] = {p.x, p.y};
+            }
+            const auto cells = order_.cuts.cells(points);
+            for (std::size_t i = 0; i < count; ++i) {
+                const Point p{points[i][0], points[i][1]};
+                if (is_finite(p)) {
+                    share.range.add(p);
                     ++share.population[cells[i]];
                     cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
                 } else {
@@ -112,10 +117,9 @@ class Arrangement {
     }
 
     void place_cells() {
-        order_.depth = cuts_.depth();
-        order_.cell_starts.assign(cuts_.cells() + 1, 0);
+        order_.cell_starts.assign(order_.cuts.cells() + 1, 0);
         std::size_t next = 0;
-        for (std::size_t cell = 0; cell < cuts_.cells(); ++cell) {
+        for (std::size_t cell = 0; cell < order_.cuts.cells(); ++cell) {
             order_.cell_starts[cell] = next;
             for (Share& share : shares_) {
                 const std::size_t count = share.population[cell];
@@ -152,7 +156,7 @@ class Arrangement {
 
     // Cells are shared out in runs; a cell that lost sites is closed up afterwards.
     bool keep_distinct_in_cells() {
-        const std::size_t cells = cuts_.cells();
+        const std::size_t cells = order_.cuts.cells();
         const std::size_t runs = std::min<std::size_t>(cells, 64);
         std::vector<std::vector<Duplicate>> found(runs);
         std::vector<std::size_t> distinct(cells);
@@ -197,7 +201,6 @@ class Arrangement {
     const Input& input_;
     Team& team_;
     Order& order_;
-    Cuts cuts_;
     std::vector<Share> shares_;
     Buffer<std::uint16_t> cell_of_;
 };
@@ -211,7 +214,7 @@ OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order&
 void sort_by_row(Order& order) {
     std::sort(order.sites.get(), order.sites.get() + order.count,
               [](const Site& a, const Site& b) { return a.row < b.row; });
-    order.depth = 0;
+    order.cuts = Cuts({}, 0);
     order.cell_starts = {0, order.count};
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "buffer.hpp"
+#include "cuts.hpp"
 #include "distinct.hpp"
 #include "input.hpp"
 #include "scale.hpp"
@@ -20,8 +21,8 @@ struct Order {
     Buffer<Site> sites;
     std::size_t room = 0;   // of the buffer
     std::size_t count = 0;  // of the sites
-    int depth = 0;
-    std::vector<std::size_t> cell_starts;  // 2^depth + 1 positions
+    Cuts cuts = Cuts({}, 0);
+    std::vector<std::size_t> cell_starts;  // and the end of the last
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
     Scale scale{Range{}};                  // of the points, against the caller's rows
