@@ -17,9 +17,7 @@ Outcome: TypeAlias = tuple[
     NDArray[np.int32],
     NDArray[np.int32],
 ]
-Run: TypeAlias = tuple[
-    NDArray[np.floating[Any]], bool, int, bool, Callable[[float], None] | None
-]
+Run: TypeAlias = tuple[NDArray[np.floating[Any]], bool, int, bool, Callable[[float], None] | None]
 Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]
 
 def delaunay(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import time
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,12 +27,15 @@ from liftmesh.surface import Report, Surface
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.heights import Policy
-    from liftmesh.hulls import Method, NonFinite
+    from liftmesh.hulls import Method, NonFinite, Progress
     from liftmesh.lifting import ParaboloidVertex
     from liftmesh.triangulation import Triangulation
 
 Rows = NDArray[np.int32]
 Coordinates = NDArray[np.float64]
+
+# The share of the whole work that is done when a stage is: the triangulation is the bulk of it.
+DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
 
 
 def triangulate(
@@ -43,6 +46,8 @@ def triangulate(
     nonfinite: NonFinite = "error",
     method: Method = "auto",
     q: ParaboloidVertex = "origin",
+    threads: int | None = None,
+    progress: Progress | None = None,
 ) -> Surface:
     """Triangulate a point cloud over a plane.
 
@@ -68,6 +73,16 @@ def triangulate(
         The engine, as `delaunay` names it: the same triangles by any.
     q : {"origin", "median"} or (2,) array_like
         The vertex of the paraboloid, in the coordinates of the plane; only "lf" and "lfres" use it.
+    threads : int, optional
+        How many threads the triangulation may take, from 1 to 1024; the surface is bit for bit the
+        same for any number. By default the environment variable ``LIFTMESH_NUM_THREADS`` says it,
+        or else one for each core is taken, and runs from several Python threads share them.
+    progress : callable, optional
+        Called with the share of the whole work that is done, a float from 0 to 1 that never falls:
+        after each stage, some twenty times a second at most while divide and conquer is at work,
+        and with 1.0 when all is done. It is called from the thread that called `triangulate`. What
+        it raises ends the run and comes out of `triangulate` as it is; the cloud stays as it was,
+        and nothing of the run remains.
 
     Returns
     -------
@@ -102,44 +117,77 @@ def triangulate(
     """
     check_policy(duplicates)
     _check_nonfinite(nonfinite)
-    clock = _Clock()
+    course = _Course(progress)
     source = _read(cloud)
-    clock.lap("read")
+    course.lap("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit passes over such rows: the engine never saw them
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
-    clock.lap("plane")
-    solution = _solve(source.points, planar, heights, nonfinite, method, q)
-    clock.lap("triangulation")
+    course.lap("plane")
+    options: _Options = {"nonfinite": nonfinite, "method": method, "q": q, "threads": threads}
+    solution = _solve(source.points, planar, heights, options, course.within("triangulation"))
+    course.lap("triangulation")
     choice = choose_carriers(solution.duplicates, heights, planar, duplicates)
     faces = _faces(solution, choice)
     vertices = _vertices(source.points, heights, frame, choice)
-    clock.lap("heights")
-    return Surface(
+    course.lap("heights")
+    surface = Surface(
         vertices=vertices,
         faces=faces,
         triangulation=solution,
         frame=frame,
-        report=_report(solution, choice, duplicates, clock.seconds),
+        report=_report(solution, choice, duplicates, course.seconds),
         colors=source.colors,
         normals=source.normals,
         attributes=source.attributes,
         metadata=source.metadata,
     )
+    course.end()
+    return surface
 
 
-class _Clock:
-    """Seconds since the last lap, by name."""
+class _Options(TypedDict):
+    """What the engine is told."""
 
-    def __init__(self) -> None:
+    nonfinite: NonFinite
+    method: Method
+    q: ParaboloidVertex
+    threads: int | None
+
+
+class _Course:
+    """How a run goes: seconds by stage, and the share of the whole work that is done."""
+
+    def __init__(self, progress: Progress | None) -> None:
         self.seconds: dict[str, float] = {}
+        self._progress = progress
+        self._done = 0.0
         self._last = time.perf_counter()
 
     def lap(self, stage: str) -> None:
+        """End a stage."""
         now = time.perf_counter()
         self.seconds[stage] = now - self._last
         self._last = now
+        self._tell(DONE_AFTER[stage])
+
+    def within(self, stage: str) -> Progress | None:
+        """Make what a stage tells of itself, from 0 to 1, a share of the whole."""
+        if self._progress is None:
+            return None
+        start, size = self._done, DONE_AFTER[stage] - self._done
+        return lambda share: self._tell(start + share * size)
+
+    def end(self) -> None:
+        """Tell that all is done."""
+        self._tell(1.0)
+
+    def _tell(self, done: float) -> None:
+        # Rounding may put the end of a stage, told from within it, an ulp beyond.
+        self._done = max(self._done, done)
+        if self._progress is not None:
+            self._progress(self._done)
 
 
 def _check_nonfinite(nonfinite: str) -> None:
@@ -157,9 +205,8 @@ def _solve(
     points: Coordinates,
     planar: Coordinates,
     heights: Coordinates,
-    nonfinite: NonFinite,
-    method: Method,
-    q: ParaboloidVertex,
+    options: _Options,
+    progress: Progress | None,
 ) -> Triangulation:
     """Triangulate the planar points; a row whose height is not finite is not finite either.
 
@@ -167,13 +214,15 @@ def _solve(
     where one is not finite is the array of planar coordinates copied, to mark that row.
     """
     if not np.isfinite(heights).all():
-        if nonfinite == "error":
+        if options["nonfinite"] == "error":
             raise _nonfinite_error(points, planar, heights)
         planar = planar.copy()
         planar[~np.isfinite(heights)] = np.nan
     try:
-        solution = delaunay(planar, method=method, q=q, nonfinite=nonfinite)
+        solution = delaunay(planar, **options, progress=progress)
     except NonFiniteError:
+        if np.isfinite(planar).all():
+            raise  # it is not about these points, but what `progress` raised
         raise _nonfinite_error(points, planar, heights) from None
     _refuse_overflow(points, solution.skipped)
     return solution

@@ -20,10 +20,10 @@ def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
     ----------
     threads : int or None
         A number is taken at its word. None stands for the environment variable
-        ``LIFTMESH_NUM_THREADS``, or else one for each core that this process may use; runs that are
-        under way at the same time share them.
+        ``LIFTMESH_NUM_THREADS``, or else, where that is unset or empty, for one thread for each
+        core that this process may use; runs that are under way at the same time share them.
     rows : int
-        How many rows there are: a run with few takes one thread.
+        How many rows there are: a run with few takes one thread, and does not look at the variable.
 
     Returns
     -------
@@ -43,21 +43,29 @@ def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
     (2, False)
     """
     if threads is not None:
-        return _checked(threads, "threads"), False
+        return _checked(threads, "threads", threads), False
     if rows < 2 * _kernel.ROWS_PER_THREAD:
         return 1, True
     chosen = os.environ.get(VARIABLE)
-    return (_cores() if not chosen else _checked(chosen, VARIABLE)), True
+    return (_checked(_number(chosen), VARIABLE, chosen) if chosen else _cores()), True
 
 
-def _checked(threads: Any, name: str) -> int:
+def _number(text: str) -> int | None:
     try:
-        count = int(threads) if isinstance(threads, str) else operator.index(threads)
-    except (TypeError, ValueError):
+        return int(text)
+    except ValueError:
+        return None
+
+
+def _checked(threads: Any, name: str, given: object) -> int:
+    """Give the number; True is none, it says nothing of how many."""
+    try:
+        count = 0 if isinstance(threads, bool) else operator.index(threads)
+    except TypeError:
         count = 0
     if 1 <= count <= MOST_THREADS:
         return count
-    raise InputError(f"{name} is {threads!r}: give a whole number from 1 to {MOST_THREADS}")
+    raise InputError(f"{name} is {given!r}: give a whole number from 1 to {MOST_THREADS}")
 
 
 def _cores() -> int:

@@ -83,6 +83,9 @@ def test_without_a_command_comes_the_help():
         (["info", "a.ply", "--colour"], ["--colour"]),
         (["triangulate", "a.ply", "b.ply", "--duplicates", "some"], ["some", "first", "mean"]),
         (["triangulate", "a.ply", "b.ply", "--plane", "up"], ["'up'", "xy, fit, NX,NY,NZ"]),
+        (["triangulate", "a.ply", "b.ply", "--threads", "0"], ["--threads is 0", "from 1 to 1024"]),
+        (["triangulate", "a.ply", "b.ply", "--threads", "9999"], ["--threads is 9999"]),
+        (["triangulate", "a.ply", "b.ply", "--threads", "two"], ["--threads", "integer"]),
         (["compare", "a.ply", "--q", "1,2,3"], ["'1,2,3'", "median, origin or a finite QX,QY"]),
         (["compare", "a.ply", "--proofs", "-1"], ["--proofs"]),
         (["info", "-"], ["stdin", "--from"]),
@@ -120,6 +123,17 @@ def test_an_unexpected_exception_is_called_a_bug(monkeypatch, capsys, tmp_path):
     error = capsys.readouterr().err
     assert error.startswith("liftmesh: error: unexpected ZeroDivisionError: something unforeseen")
     assert error.count("\n") == 1
+
+
+def test_ctrl_c_amid_an_import_is_no_bug(monkeypatch, capsys, tmp_path):
+    np.save(tmp_path / "cloud.npy", np.eye(3))
+
+    def broken(*_args, **_options):
+        raise ImportError("a compiled module could not begin") from KeyboardInterrupt()
+
+    monkeypatch.setattr("liftmesh.formats.read", broken)
+    assert main(["info", str(tmp_path / "cloud.npy")]) == exit_codes.INTERRUPTED
+    assert capsys.readouterr().err == "liftmesh: error: interrupted\n"
 
 
 def test_main_runs_in_a_process_too(capsys):

@@ -202,6 +202,22 @@ def test_json(tmp_path):
     assert set(told["seconds"]) == {"read", "triangulate", "write"}
 
 
+@pytest.mark.parametrize("words", [("--threads", 1), ("--threads", 3), ()])
+def test_threads_change_no_byte(words, tmp_path):
+    succeeded(liftmesh("triangulate", TERRAIN, tmp_path / "mesh.ply", *words))
+    mesh = lm.read(tmp_path / "mesh.ply")
+    assert np.array_equal(mesh.faces, lm.triangulate(TERRAIN, threads=1).faces)
+
+
+def test_the_variable_for_threads_is_checked_before_the_work(tmp_path, monkeypatch):
+    (tmp_path / "broken.ply").write_bytes(b"")
+    monkeypatch.setenv("LIFTMESH_NUM_THREADS", "abc")
+    words = ("triangulate", tmp_path / "broken.ply", tmp_path / "mesh.ply")
+    failed(liftmesh(*words), exit_codes.USAGE, "LIFTMESH_NUM_THREADS is 'abc': give a whole number")
+    # Who says a number does not ask the environment.
+    failed(liftmesh(*words, "--threads", 2), exit_codes.BAD_INPUT, "empty (0 bytes)")
+
+
 def test_a_terminal_shows_progress_and_the_result(tmp_path):
     shown, code = on_terminal("triangulate", TERRAIN, "mesh.ply", cwd=tmp_path)
     assert code == 0
@@ -209,3 +225,19 @@ def test_a_terminal_shows_progress_and_the_result(tmp_path):
     for stage in ("reading jacksboro.ply", "triangulating 138,632 rows", "writing mesh.ply"):
         assert stage in told
     assert "mesh.ply: 138,632 vertices, 275,772 triangles" in told
+
+
+def test_a_bar_moves_while_a_large_cloud_is_triangulated(tmp_path):
+    np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((2_000_000, 3)))
+    shown, code = on_terminal(
+        *("triangulate", "cloud.npy", "mesh.ply", "--threads", 1),
+        cwd=tmp_path,
+        env={"NO_COLOR": "1"},  # colour alone tells the bar from what it has to fill
+    )
+    assert code == 0
+    frames = re.findall(r"([━╸ ]{40}) \d:\d\d:\d\d left: \S+ triangulating 2,000,000 rows", shown)
+    filled = [frame.count("━") for frame in frames]
+    assert filled == sorted(filled)
+    assert len(set(filled)) >= 4
+    assert filled[-1] == 40
+    assert "mesh.ply: 2,000,000 vertices" in shown

@@ -255,6 +255,7 @@ class TestInput:
             ({"nonfinite": "drop"}, "nonfinite is 'drop': give one of 'error', 'skip'"),
             ({"plane": "yz"}, "plane 'yz' is unknown"),
             ({"method": "magic"}, "method is 'magic': give one of 'auto'"),
+            ({"threads": 0}, "threads is 0: give a whole number from 1 to 1024"),
         ],
     )
     def test_other_options_are_refused(self, option, message):

@@ -4,7 +4,6 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
@@ -66,10 +65,9 @@ class PythonInterrupt final : public liftmesh::Interrupt {
     using Clock = std::chrono::steady_clock;
 
     bool told() const {
-        if (progress_.is_none() || expected_ == 0) return true;
-        const double share = static_cast<double>(done_) / static_cast<double>(expected_);
+        if (progress_.is_none() || done_ >= expected_) return true;
         try {
-            progress_(std::min(share, 1.0));
+            progress_(static_cast<double>(done_) / static_cast<double>(expected_));
         } catch (nb::python_error& error) {
             error.restore();
             return false;
@@ -92,14 +90,13 @@ nb::object adopt(liftmesh::Buffer<T> values, std::size_t rows, std::size_t colum
     return nb::cast(nb::ndarray<nb::numpy, const T>(data, columns == 1 ? 1 : 2, shape, owner));
 }
 
-// Most input leaves no rows out: one array without rows, read-only as all are, serves for that. It
-// is made when the module is, before there are threads to meet over it.
+// Most input leaves no rows out: one array without rows, read-only as all are, serves for that.
+// (Two threads that meet here make one each; either will do.)
 nb::object nothing(std::size_t columns) {
-    const auto make = [](std::size_t of) {
-        return adopt(liftmesh::allocate<std::int32_t>(0), 0, of).release().ptr();
-    };
-    static PyObject* const none[2] = {make(1), make(2)};
-    return nb::borrow(none[columns - 1]);
+    static PyObject* none[2] = {};
+    PyObject*& shared = none[columns - 1];
+    if (!shared) shared = adopt(liftmesh::allocate<std::int32_t>(0), 0, columns).release().ptr();
+    return nb::borrow(shared);
 }
 
 template <class Source, class Write>
@@ -285,7 +282,6 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
 
 NB_MODULE(_kernel, m) {
     m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
-    nothing(1);
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,

@@ -1,6 +1,5 @@
 #include "delaunay.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "divide_conquer.hpp"
@@ -36,9 +35,7 @@ Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& orde
 
 Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    threads.limit = static_cast<unsigned>(
-        std::clamp<std::size_t>(input.rows / rows_per_thread, 1, threads.limit));
-    Team team(threads, interrupt);
+    Team team(threads.for_rows(input.rows), interrupt);
     interrupt.expect(input.rows * (work::arranging + work::triangulating + work::emitting));
     Order order;
     Delaunay outcome = start(input, skip_non_finite, team, order);

@@ -16,9 +16,6 @@ namespace liftmesh {
 // Edges are named by 32 bits, fewer than 2 n triangles take six names each.
 inline constexpr std::size_t most_rows = ~std::uint32_t{0} / (2 * words_per_triangle);
 
-// A thread for fewer would cost more than it saves.
-inline constexpr std::size_t rows_per_thread = std::size_t{1} << 12;
-
 struct Delaunay {
     Status status = Status::ok;
     std::size_t row = 0;       // the first non-finite row, where that is the status

@@ -36,7 +36,7 @@ Point scaled(Point q, const Scale& scale) {
 Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure procedure, Point q,
                        Threads threads, Interrupt& interrupt, paper::Counts& counts) {
     const IeeeArithmetic ieee;
-    Team team(threads, interrupt);
+    Team team(threads.for_rows(input.rows), interrupt);
     Order order;
     Delaunay outcome = start(input, skip_non_finite, team, order);
     if (outcome.status != Status::ok) return outcome;

@@ -67,7 +67,7 @@ Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet
 Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
                     paper::Counts& counts) {
     const IeeeArithmetic ieee;
-    Team team(threads, interrupt);
+    Team team(threads.for_rows(input.rows), interrupt);
     Order order;
     Delaunay outcome = start(input, false, team, order);
     if (outcome.status != Status::ok) return outcome;

@@ -1,5 +1,7 @@
 #include "team.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <chrono>
 #include <system_error>
@@ -12,6 +14,9 @@ namespace liftmesh {
 namespace {
 
 std::atomic<unsigned> busy = 0;  // threads at work in all teams of the process
+
+// The child of a fork has none of them.
+[[maybe_unused]] const int forgotten = pthread_atfork(nullptr, nullptr, [] { busy = 0; });
 
 unsigned claim(Threads threads) {
     unsigned taken = busy.load();

@@ -4,6 +4,7 @@
 // caller's thread asks whether the run is to end; the others see its answer.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
@@ -17,11 +18,20 @@
 
 namespace liftmesh {
 
+// A thread for fewer would cost more than it saves.
+inline constexpr std::size_t rows_per_thread = std::size_t{1} << 12;
+
 // How many threads a run may take. Runs that share do not exceed the limit together: each takes
 // what the others of the process leave, and its caller's thread at least.
 struct Threads {
     unsigned limit = 1;
     bool shared = false;
+
+    // No more than so many rows are worth.
+    Threads for_rows(std::size_t rows) const {
+        return {static_cast<unsigned>(std::clamp<std::size_t>(rows / rows_per_thread, 1, limit)),
+                shared};
+    }
 };
 
 class Team {

@@ -67,7 +67,7 @@ def _take(words: list[str], flag: str) -> bool:
 
 def _explain(error: BaseException) -> tuple[int, str]:
     """The exit code for an exception, and one line that says what is wrong."""
-    if isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort":
+    if _is_ctrl_c(error):
         return exit_codes.INTERRUPTED, "interrupted"
     if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
         return exit_codes.USAGE, f"{error.format_message()}{_where_to_look(error)}"
@@ -80,6 +80,14 @@ def _explain(error: BaseException) -> tuple[int, str]:
         return exit_codes.BAD_INPUT, f"not enough memory ({error})"
     kind = type(error).__name__
     return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
+
+
+def _is_ctrl_c(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is behind it: amid the import of a compiled module it is wrapped."""
+    if error is None:
+        return False
+    is_it = isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort"
+    return is_it or _is_ctrl_c(error.__cause__)
 
 
 def _in_options(message: str) -> str:

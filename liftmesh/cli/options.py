@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 import typer
 
+from liftmesh.errors import InputError
+
 Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 NonFinite: TypeAlias = Literal["error", "skip"]
 
@@ -28,6 +30,14 @@ Plane: TypeAlias = Annotated[
 ]
 SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Rows with NaN or infinity.")
+]
+Threads: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--threads",
+        metavar="N",
+        help="How many threads may work: LIFTMESH_NUM_THREADS, or one for each core.",
+    ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
@@ -90,6 +100,29 @@ def parse_q(text: str) -> Any:
     if numbers is None or not all(map(math.isfinite, numbers)):
         raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or a finite QX,QY")
     return numbers
+
+
+def check_threads(threads: int | None) -> None:
+    """Refuse a number of threads that cannot be taken before the work starts.
+
+    Parameters
+    ----------
+    threads : int, optional
+        The number; by default the environment or the machine tells.
+
+    Raises
+    ------
+    typer.BadParameter
+        The number, or that of the environment, is none from 1 to 1024.
+    """
+    from liftmesh.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.threads import as_threads  # noqa: PLC0415 - as above
+
+    try:
+        as_threads(threads, MOST_ROWS)
+    except InputError as error:
+        option = "--" if threads is not None else ""
+        raise typer.BadParameter(f"{option}{error}") from error
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...] | None:

@@ -1,7 +1,7 @@
 """What people see: tables and sentences on stdout, progress and errors on stderr.
 
-On a terminal rich adds colour and a spinner; into a pipe or a file goes the same text, plain, and
-no progress at all. NO_COLOR and TERM=dumb are rich's to respect.
+On a terminal rich adds colour, and a spinner or a bar; into a pipe or a file goes the same text,
+plain, and no progress at all. NO_COLOR and TERM=dumb are rich's to respect.
 """
 
 from __future__ import annotations

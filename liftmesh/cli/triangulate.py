@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from time import perf_counter
@@ -53,6 +54,7 @@ def run(
         str | None,
         typer.Option("--format", metavar="FORMAT", help="Format of OUT, in place of its suffix."),
     ] = None,
+    threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
     """Read, triangulate, write, and say what became of every row.
@@ -65,10 +67,13 @@ def run(
         As in `liftmesh.triangulate`.
     source_format, target_format : str, optional
         Formats, in place of suffixes.
+    threads : int, optional
+        As in `liftmesh.triangulate`.
     json : bool
         Print JSON.
     """
-    frame = options.parse_plane(plane)
+    frame, vertex = options.parse_plane(plane), options.parse_q(q)
+    options.check_threads(threads)
     files.check_target(target, target_format)
     start = perf_counter()
     cloud = files.read(source, source_format)
@@ -79,7 +84,8 @@ def run(
         duplicates=duplicates,
         nonfinite=nonfinite,
         method=method,
-        q=options.parse_q(q),
+        q=vertex,
+        threads=threads,
     )
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
@@ -93,8 +99,22 @@ def run(
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
-    with terminal.stage(f"triangulating {len(cloud):,} rows"):
-        return liftmesh.triangulate(cloud, **choices)
+    with terminal.bar(1.0) as bar:
+        show = _shares(bar, f"triangulating {len(cloud):,} rows")
+        return liftmesh.triangulate(cloud, progress=show, **choices)
+
+
+def _shares(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
+    """Turn the share that is done, as `progress` tells it, into steps of a bar."""
+    shown = 0.0
+
+    def show(share: float) -> None:
+        nonlocal shown
+        bar(text, share - shown)
+        shown = share
+
+    show(shown)
+    return show
 
 
 def _say(written: Written, report: Report, seconds: dict[str, float], *, as_json: bool) -> None:

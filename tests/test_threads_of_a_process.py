@@ -1,0 +1,187 @@
+"""Threads and the process they are in: signals, forks, limits of the system, many small runs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from liftmesh.threads import VARIABLE
+
+
+def test_many_small_runs_begin_no_threads():
+    # What threads other than the caller's cost the processor; each thread would cost some.
+    program = """
+        import time
+        import numpy as np
+        import liftmesh
+        def of_others(run):
+            before = time.process_time_ns() - time.thread_time_ns()
+            run()
+            return time.process_time_ns() - time.thread_time_ns() - before
+        points = np.random.default_rng(0).random((20_000, 2))
+        small = of_others(lambda: [liftmesh.delaunay(points[:1000]) for _ in range(500)])
+        shared = of_others(lambda: [liftmesh.delaunay(points, threads=2) for _ in range(10)])
+        print(small, shared)
+    """
+    # NumPy's own threads spin for a while when they are made: without them.
+    environment = {VARIABLE: "8", "OPENBLAS_NUM_THREADS": "1"}
+    small, shared = map(int, output(program, environment).split())
+    assert 20 * small < shared
+
+
+def test_ctrl_c_ends_a_run_of_several_threads_and_leaves_none_behind():
+    program = """
+        import os, signal, threading, time
+        import numpy as np
+        import liftmesh
+
+        points = np.random.default_rng(0).random((3_000_000, 2))
+        count = lambda: len(os.listdir("/proc/self/task"))
+        before, sent = count(), 0.0
+
+        def interrupt():
+            global sent, during
+            sent, during = time.monotonic(), count()
+            os.kill(os.getpid(), signal.SIGINT)
+
+        for delay in (0.05, 0.3, 0.5):
+            timer = threading.Timer(delay, interrupt)
+            timer.start()
+            try:
+                while True:
+                    liftmesh.delaunay(points, threads=2)
+            except KeyboardInterrupt:
+                seconds = time.monotonic() - sent
+            timer.join()
+            end = time.monotonic() + 5  # the system puts joined threads away in its own time
+            while count() > before and time.monotonic() < end:
+                time.sleep(0.01)
+            print(seconds, during - before, count() - before)
+        print(len(liftmesh.delaunay(points[:30_000], threads=2).simplices))
+    """
+    *interruptions, last = output(program).splitlines()
+    assert len(interruptions) == 3
+    seconds, during, after = zip(*(map(float, line.split()) for line in interruptions), strict=True)
+    assert max(seconds) < 1.0
+    assert max(during) == 2  # the timer and, unless the signal fell between two runs, a worker
+    assert not any(after)
+    assert int(last) > 59_000
+
+
+@pytest.mark.parametrize("way", ["os.fork", "multiprocessing", "amid a run"])
+def test_a_forked_process_goes_on(way):
+    program = """
+        import hashlib, multiprocessing, os, sys, threading, warnings
+        import numpy as np
+        import liftmesh
+        warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
+
+        points = np.random.default_rng(0).random((100_000, 2))
+
+        def digest(_=None):
+            found = liftmesh.delaunay(points, threads=2), liftmesh.delaunay(points)
+            return [hashlib.sha256(t.simplices.tobytes()).hexdigest() for t in found]
+
+        def forked():
+            child = os.fork()
+            if child == 0:
+                os._exit(0 if digest() == expected else 1)
+            return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+        expected = digest()
+        if sys.argv[1] == "os.fork":
+            print(forked(), digest() == expected)
+        elif sys.argv[1] == "multiprocessing":
+            with multiprocessing.get_context("fork").Pool(2) as pool:
+                found = pool.map(digest, range(4))
+            print(0 if found == [expected] * 4 else 1, digest() == expected)
+        else:
+            busy = threading.Event()
+            large = np.random.default_rng(0).random((2_000_000, 2))
+            run = lambda: liftmesh.delaunay(large, threads=2, progress=lambda _: busy.set())
+            thread = threading.Thread(target=run)
+            thread.start()
+            busy.wait()
+            print(forked(), digest() == expected)
+            thread.join()
+    """
+    assert output(program, {VARIABLE: "2"}, way) == "0 True\n"
+
+
+def test_a_process_forked_amid_a_run_has_its_threads_to_itself():
+    program = """
+        import os, threading, warnings
+        import numpy as np
+        import liftmesh
+        warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
+
+        points = np.random.default_rng(0).random((2_000_000, 2))
+
+        def most_threads():
+            most = 0
+            def look(_):
+                nonlocal most
+                most = max(most, len(os.listdir("/proc/self/task")))
+            liftmesh.delaunay(points, progress=look)
+            return most
+
+        busy = threading.Event()
+        thread = threading.Thread(
+            target=liftmesh.delaunay, args=[points], kwargs={"progress": lambda _: busy.set()}
+        )
+        thread.start()
+        busy.wait()
+        child = os.fork()
+        if child == 0:
+            os._exit(most_threads())
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+        thread.join()
+    """
+    assert output(program, {VARIABLE: "3"}) == "3\n"
+
+
+def test_a_system_without_threads_to_give_gets_the_same_result():
+    program = """
+        import os, resource
+        import numpy as np
+        import liftmesh
+
+        points = np.random.default_rng(0).random((400_000, 2))
+        count = lambda: len(os.listdir("/proc/self/task"))
+        most = 0
+
+        def look(_):
+            global most
+            most = max(most, count())
+
+        expected = liftmesh.delaunay(points, threads=1).simplices
+        if os.getuid() == 0:
+            os.setresuid(54_321, 54_321, 54_321)  # the limit is not for root
+        _, hard = resource.getrlimit(resource.RLIMIT_NPROC)
+        resource.setrlimit(resource.RLIMIT_NPROC, (0, hard))
+        before = count()
+        found = liftmesh.delaunay(points, threads=4, progress=look).simplices
+        print(np.array_equal(found, expected), most - before)
+        resource.setrlimit(resource.RLIMIT_NPROC, (hard, hard))
+        found = liftmesh.delaunay(points, progress=look).simplices  # the four are no longer counted
+        print(np.array_equal(found, expected), most - before)
+    """
+    assert output(program, {VARIABLE: "3"}) == "True 0\nTrue 2\n"
+
+
+def output(program: str, environment: dict[str, str] | None = None, *words: str) -> str:
+    """What a program prints in a process of its own, which must end well."""
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program), *words],
+        capture_output=True,
+        text=True,
+        env={**os.environ, **(environment or {})},
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
