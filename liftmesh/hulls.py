@@ -73,7 +73,7 @@ def delaunay(
         itself runs on one.
     progress : callable, optional
         Called now and then, some twenty times a second at most, with the share of the work that is
-        done, and at last with 1.0. What it raises ends the run.
+        done, and at last with 1.0. What it raises ends the run. Gift wrapping tells its end only.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def delaunay(
     -----
     Divide and conquer on the lifted lower hull: F. P. Preparata and S. J. Hong (1977), D. T. Lee
     and B. J. Schachter (1980), with the alternating cuts of R. A. Dwyer (1987). O(n log n) on every
-    input. At most 116 bytes a point beyond the points, 48 of them the result.
+    input. About 117 bytes a point beyond the points at the peak, 48 of them the result.
 
     Gift wrapping with LF and LFRes: "The Lifting Projection of Convex Polyhedra for Finding
     Delaunay Triangulations", Procedures 1 and 3 and Algorithm 2.

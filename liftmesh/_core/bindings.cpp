@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <new>
 #include <stdexcept>
 
 #include "blocks.hpp"
@@ -68,11 +69,13 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         if (progress_.is_none() || done_ >= expected_) return true;
         try {
             progress_(static_cast<double>(done_) / static_cast<double>(expected_));
+            return true;
         } catch (nb::python_error& error) {
             error.restore();
-            return false;
+        } catch (const std::bad_alloc&) {
+            PyErr_NoMemory();
         }
-        return true;
+        return false;
     }
 
     nb::handle progress_;

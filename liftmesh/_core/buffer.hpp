@@ -2,6 +2,7 @@
 // much time as triangulating a few points, and random access misses fewer entries of the TLB.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
@@ -28,10 +29,10 @@ Buffer<T> allocate(std::size_t count) {
     constexpr std::size_t huge_page = std::size_t{1} << 21;
     constexpr std::size_t line = 64;
     if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_alloc();
-    const std::size_t bytes = (count * sizeof(T) + line) / line * line;
+    const std::size_t bytes = std::max<std::size_t>(count * sizeof(T), 1);
     const bool large = bytes >= 2 * huge_page;
-    void* memory = std::aligned_alloc(large ? huge_page : line, bytes);
-    if (memory == nullptr) throw std::bad_alloc();
+    void* memory = nullptr;
+    if (posix_memalign(&memory, large ? huge_page : line, bytes) != 0) throw std::bad_alloc();
 #ifdef __linux__
     // Whole pages only, so that nothing is resident beyond what is used. Advice may be declined.
     if (large) madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);

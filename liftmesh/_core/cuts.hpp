@@ -40,7 +40,7 @@ class Cuts {
         node.fill(1);
         for (int level = 0; level < depth_; ++level)
             for (std::size_t i = 0; i < N; ++i)
-                node[i] = 2 * node[i] + !cut_[node[i]].follows(points[i]);
+                node[i] = 2 * node[i] + !cut_[node[i]].is_after(points[i]);
         for (std::uint32_t& n : node) n -= static_cast<std::uint32_t>(cells());
         return node;
     }
@@ -56,7 +56,7 @@ class Cuts {
             : first(axis == Axis::x ? p.x : p.y),
               second(axis == Axis::x ? p.y : p.x),
               place(axis == Axis::x ? 0 : 1) {}
-        bool follows(const Coordinates& p) const {
+        bool is_after(const Coordinates& p) const {
             const double u = p[place], v = p[1 - place];
             return (u < first) | ((u == first) & (v < second));
         }

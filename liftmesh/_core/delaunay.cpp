@@ -8,18 +8,6 @@
 
 namespace liftmesh {
 
-namespace {
-
-// The sites' memory, which the simplices fill, unless much of it were kept for nothing.
-Buffer<std::int32_t> memory_of_sites(Order& order) {
-    static_assert(sizeof(Site) == 2 * 3 * sizeof(std::int32_t), "two triangles for each point");
-    Buffer<Site> sites = std::move(order.sites);
-    if (order.count < order.room - order.room / 8) return nullptr;
-    return reuse<std::int32_t>(std::move(sites));
-}
-
-}  // namespace
-
 Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order) {
     Delaunay outcome;
     const OrderResult arranged = arrange(input, skip_non_finite, team, order);
@@ -33,6 +21,12 @@ Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& orde
     return outcome;
 }
 
+Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt,
+               Order& order) {
+    Team team(threads.for_rows(input.rows), interrupt);
+    return start(input, skip_non_finite, team, order);
+}
+
 Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     Team team(threads.for_rows(input.rows), interrupt);
@@ -43,8 +37,9 @@ Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Int
     Construction construction;
     outcome.status = divide_and_conquer(order, team, construction);
     if (outcome.status != Status::ok) return outcome;
-    outcome.result.simplices = memory_of_sites(order);
-    outcome.status = emit(construction, team, outcome.result);
+    static_assert(sizeof(Site) == 2 * 3 * sizeof(std::int32_t), "two triangles for each point");
+    Memory sites{reuse<std::int32_t>(std::move(order.sites)), 6 * order.room};
+    outcome.status = emit(construction, team, std::move(sites), outcome.result);
     return outcome;
 }
 

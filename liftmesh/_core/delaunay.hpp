@@ -29,6 +29,10 @@ struct Delaunay {
 // then is in the outcome. There is work left where its status is ok.
 Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order);
 
+// The same for engines that need one thread from then on.
+Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt,
+               Order& order);
+
 // By divide and conquer.
 Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt);
 

@@ -24,7 +24,7 @@ class Table {
  public:
     explicit Table(std::size_t count)
         : mask_(std::bit_ceil(2 * count) - 1),
-          shift_(64 - std::bit_width(mask_)),
+          shift_(64 - static_cast<int>(std::bit_width(mask_))),
           patience_(16 * count) {
         if (mask_ >= on_stack) large_.resize(mask_ + 1);
         slots_ = mask_ >= on_stack ? large_.data() : small_;
@@ -83,12 +83,12 @@ std::size_t keep_distinct(Site* sites, std::size_t count, std::vector<Duplicate>
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {
         std::uint32_t& slot = table.find(sites[i].point, sites);
-        if (slot != nothing) {
+        if (slot == nothing) {
+            slot = static_cast<std::uint32_t>(kept);
+            sites[kept++] = sites[i];
+        } else {
             duplicates.push_back({sites[i].row, sites[slot].row});
-            continue;
         }
-        slot = static_cast<std::uint32_t>(kept);
-        sites[kept++] = sites[i];
         if (table.is_clogged()) {
             std::copy(sites + i + 1, sites + count, sites + kept);
             return by_sorting(sites, kept + count - i - 1, duplicates);

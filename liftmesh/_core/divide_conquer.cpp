@@ -36,7 +36,8 @@ class Engine {
 
     // Gives a ghost of the whole.
     TriangleId run() {
-        const int shared = team_.size() == 1 ? 0 : std::bit_width(8 * team_.size());
+        const int shared =
+            team_.size() == 1 ? 0 : static_cast<int>(std::bit_width(8 * team_.size()));
         parts_.resize(std::size_t{2} << shared);
         joins_.resize(static_cast<std::size_t>(shared));
         share_out(1, shared);
@@ -53,7 +54,7 @@ class Engine {
 
     // Nodes of the kd tree are numbered as in a heap: the root is 1, the children of h are 2 h and
     // 2 h + 1.
-    static int level_of(Index h) { return std::bit_width(h) - 1; }
+    static int level_of(Index h) { return static_cast<int>(std::bit_width(h)) - 1; }
 
     // The points of a node, and where its cut divides them.
     struct Extent {

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "mesh.hpp"
@@ -94,7 +96,7 @@ class Emission {
 
 }  // namespace
 
-Status emit(const Construction& from, Team& team, Result& result) {
+Status emit(const Construction& from, Team& team, Memory left, Result& result) {
     constexpr std::size_t block = std::size_t{1} << 16;
     const Mesh mesh(from.points.get(), from.triangles.get());
     const std::size_t slots = 2 * from.count - 2;
@@ -102,7 +104,7 @@ Status emit(const Construction& from, Team& team, Result& result) {
     Ranks ranks(slots);
     for (const TriangleId g : ghosts) ranks.leave_out(slot_of(g));
     ranks.count();
-    result.make_room(slots - ghosts.size(), ghosts.size());
+    result.make_room(slots - ghosts.size(), ghosts.size(), std::move(left));
     std::transform(ghosts.begin(), ghosts.end(), result.hull.get(), [&](TriangleId g) {
         return static_cast<std::int32_t>(from.rows[mesh.tail(g)]);
     });

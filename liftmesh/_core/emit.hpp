@@ -1,10 +1,6 @@
 // From slots to the caller's arrays: ghosts dropped, vertices named by their rows.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
-#include "buffer.hpp"
 #include "divide_conquer.hpp"
 #include "result.hpp"
 #include "status.hpp"
@@ -12,6 +8,7 @@
 
 namespace liftmesh {
 
-Status emit(const Construction& from, Team& team, Result& result);
+// `left` is memory that the result may take over.
+Status emit(const Construction& from, Team& team, Memory left, Result& result);
 
 }  // namespace liftmesh

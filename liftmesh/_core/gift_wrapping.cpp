@@ -36,9 +36,8 @@ Point scaled(Point q, const Scale& scale) {
 Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure procedure, Point q,
                        Threads threads, Interrupt& interrupt, paper::Counts& counts) {
     const IeeeArithmetic ieee;
-    Team team(threads.for_rows(input.rows), interrupt);
     Order order;
-    Delaunay outcome = start(input, skip_non_finite, team, order);
+    Delaunay outcome = start(input, skip_non_finite, threads, interrupt, order);
     if (outcome.status != Status::ok) return outcome;
     const std::span<Site> sites(order.sites.get(), order.count);
     std::optional<paper::Grid> grid;

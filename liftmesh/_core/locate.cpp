@@ -27,7 +27,7 @@ std::vector<Point> sample_corners(const Triangulated& triangulated, std::size_t 
 }
 
 int depth_for(std::size_t simplices) {
-    return std::bit_width(simplices / simplices_per_cell + 1) - 1;
+    return static_cast<int>(std::bit_width(simplices / simplices_per_cell + 1)) - 1;
 }
 
 }  // namespace

@@ -67,9 +67,8 @@ Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet
 Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
                     paper::Counts& counts) {
     const IeeeArithmetic ieee;
-    Team team(threads.for_rows(input.rows), interrupt);
     Order order;
-    Delaunay outcome = start(input, false, team, order);
+    Delaunay outcome = start(input, false, threads, interrupt, order);
     if (outcome.status != Status::ok) return outcome;
     if (method == HullMethod::lf) sort_by_row(order);
     take_lowest(input, outcome.duplicates, order);

@@ -9,8 +9,6 @@
 
 #include "merge.hpp"
 
-#include <cstddef>
-
 #include "predicates/orient2d.hpp"
 #include "predicates/sighting.hpp"
 
@@ -206,10 +204,10 @@ class Merge {
 
 }  // namespace
 
-Part merge(const Seam& seam, Part left, Part right, Axis axis, TriangleId slot) {
+Part merge(const Seam& seam, Part first, Part second, Axis axis, TriangleId slot) {
     const auto ahead = [axis](Point p, Point q) { return before(axis, p, q); };
     const auto back = [axis](Point p, Point q) { return before(axis, q, p); };
-    return Merge(seam, slot).run(climb(seam.mesh, left, ahead), climb(seam.mesh, right, back));
+    return Merge(seam, slot).run(climb(seam.mesh, first, ahead), climb(seam.mesh, second, back));
 }
 
 }  // namespace liftmesh

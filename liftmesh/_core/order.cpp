@@ -143,14 +143,18 @@ class Arrangement {
         return done;
     }
 
+    // A row that is not finite any more, as somebody writes to it meanwhile, must not leave the
+    // order that all else rests on: it becomes the origin.
     template <class Read>
     void scatter(Share& share, Read read) {
         Site* sites = order_.sites.get();
         team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
         for_each_in_blocks(share.last - share.first, team_.interrupt(), [&](std::size_t i) {
             const std::size_t row = share.first + i;
-            if (cell_of_[row] != no_cell)
-                sites[share.population[cell_of_[row]]++] = {read(row), static_cast<Row>(row)};
+            if (cell_of_[row] == no_cell) return;
+            const Point p = read(row);
+            sites[share.population[cell_of_[row]]++] = {is_finite(p) ? p : Point{0, 0},
+                                                        static_cast<Row>(row)};
         });
     }
 
