@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t cell_population = 96;
 constexpr int deepest = 13;
-constexpr std::size_t sample_per_cell = 8;
+constexpr std::size_t sample_per_cell = 4;
 constexpr std::size_t abreast = 8;
 constexpr std::uint16_t no_cell = 0xffff;
 
