@@ -95,8 +95,8 @@ def delaunay(
     Notes
     -----
     Divide and conquer on the lifted lower hull: F. P. Preparata and S. J. Hong (1977), D. T. Lee
-    and B. J. Schachter (1980), with the alternating cuts of R. A. Dwyer (1987). O(n log n) on every
-    input. About 117 bytes a point beyond the points at the peak, 48 of them the result.
+    and B. J. Schachter (1980), with cuts across both axes (R. A. Dwyer, 1987). O(n log n) on every
+    input. Some 120 bytes a point beyond the points at the peak, 48 of them the result.
 
     Gift wrapping with LF and LFRes: "The Lifting Projection of Convex Polyhedra for Finding
     Delaunay Triangulations", Procedures 1 and 3 and Algorithm 2.

@@ -126,6 +126,20 @@ def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float, thre
     assert seconds_to_stop(program, delay) < 1.0
 
 
+def test_rows_that_others_spoil_meanwhile_leave_names_of_rows() -> None:
+    points = np.random.default_rng(4).random((4_000_000, 2))
+    told = []
+
+    def spoil(share: float) -> None:
+        told.append(share)
+        points[:1_000_000] = np.nan  # counted as finite by now, and read again later
+
+    spoilt = liftmesh.delaunay(points, nonfinite="skip", threads=1, progress=spoil)
+    assert told[0] < 0.3
+    assert spoilt.simplices.min() >= 0
+    assert spoilt.simplices.max() < len(points)
+
+
 def test_ctrl_c_stops_long_walks_within_a_second() -> None:
     program = LONG_RUN.format(
         points=TWO_COLUMNS,
@@ -138,7 +152,11 @@ def test_ctrl_c_stops_long_walks_within_a_second() -> None:
 def seconds_to_stop(program: str, delay: float) -> float:
     """Interrupt a program some seconds after it is ready; how long it takes to hear that."""
     child = subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", program],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"MALLOC_PERTURB_": "165"},  # fresh memory is no harmless zero
     )
     with child:
         assert child.stdout is not None

@@ -1,7 +1,8 @@
 // Preparata and Hong (1977) find the lower hull of two halves and merge them; Dwyer (1987) cuts
-// alternately across x and y, which keeps the seams short. The upper cuts are those of the sampled
-// kd tree, already made by the ordering; below a cell the points are halved where they lie, down to
-// two or three, which move to their final places.
+// across both axes, which keeps the seams short; here each cut goes across the axis along which its
+// points spread more. The upper cuts are those of the sampled kd tree, already made by the
+// ordering; below a cell the points are halved where they lie, down to two or three, which move to
+// their final places.
 //
 // Subtrees are shared out among the threads, and then the joins above them, level by level. A
 // subtree owns its points and its triangle slots, so nothing needs a lock, and nothing that is

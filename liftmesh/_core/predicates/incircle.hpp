@@ -15,8 +15,9 @@
 namespace liftmesh {
 
 // Whether every non-zero coordinate lies in [2^-140, 2^200]. Then differences are zero or at least
-// 2^-192, terms of degree four lie in [2^-768, 2^810], and the filter needs no further care;
-// elsewhere it certifies nothing and the exact ladder decides.
+// 2^-192, what is computed of two of them zero or at least 2^-436, terms of degree four zero or in
+// [2^-872, 2^810], and the filters need no further care; elsewhere they certify nothing and the
+// exact ladder decides.
 class Guard {
  public:
     static constexpr int least_exponent = -140;
