@@ -11,6 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from liftmesh.adapters import Adapter as Adapter, as_cloud as as_cloud
+    from liftmesh.certificate import (
+        Certificate as Certificate,
+        Flaw as Flaw,
+        Offender as Offender,
+    )
     from liftmesh.cloud import Cloud as Cloud
     from liftmesh.comparison import Comparison as Comparison, compare as compare
     from liftmesh.counters import Counters as Counters
@@ -36,11 +41,13 @@ if TYPE_CHECKING:
     from liftmesh.predicates import incircle as incircle, orient2d as orient2d
     from liftmesh.surface import Report as Report, Surface as Surface
     from liftmesh.triangulation import Triangulation as Triangulation
+    from liftmesh.verification import verify as verify
 
     __version__: str
 
 _HOMES = {
     "adapters": ("Adapter", "as_cloud"),
+    "certificate": ("Certificate", "Flaw", "Offender"),
     "cloud": ("Cloud",),
     "comparison": ("Comparison", "compare"),
     "counters": ("Counters",),
@@ -62,6 +69,7 @@ _HOMES = {
     "predicates": ("incircle", "orient2d"),
     "surface": ("Report", "Surface"),
     "triangulation": ("Triangulation",),
+    "verification": ("verify",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -18,6 +18,8 @@ Outcome: TypeAlias = tuple[
     NDArray[np.int32],
 ]
 Run: TypeAlias = tuple[NDArray[np.floating[Any]], bool, int, bool, Callable[[float], None] | None]
+Flaws: TypeAlias = list[tuple[int, list[tuple[int, int]]]]
+Verdict: TypeAlias = tuple[str, int, int, int, int, int, int, Flaws]
 Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]
 
 def delaunay(
@@ -38,6 +40,14 @@ def gift_wrap(
     qy: float,
 ) -> tuple[Outcome, Counts]: ...
 def lower_hull(rows: NDArray[np.floating[Any]], method: str) -> tuple[Outcome, Counts]: ...
+def verify(
+    rows: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> Verdict: ...
 def orient2d(
     a: NDArray[np.float64],
     b: NDArray[np.float64],

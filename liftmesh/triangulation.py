@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ from liftmesh.lifting import LowerHull, ParaboloidVertex, lift, resolve_q
 if TYPE_CHECKING:
     import scipy.spatial
 
+    from liftmesh.certificate import Certificate
     from liftmesh.counters import Counters
 
 
@@ -343,6 +344,36 @@ class Triangulation:
         """
         vertex = resolve_q(q, self.points)
         return LowerHull(lift(self.points, vertex), self.simplices, vertex, self.neighbors)
+
+    def verify(self, *, threads: int | None = None) -> Certificate:
+        """Verify the triangles from scratch, as `liftmesh.verify` does for anybody's.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `delaunay`.
+
+        Returns
+        -------
+        Certificate
+            True where the triangles are a Delaunay triangulation of the points.
+
+        Raises
+        ------
+        InputError
+            `threads` is no such number.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> certificate = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]]).verify()
+        >>> certificate.valid, certificate.canonical
+        (True, True)
+        """
+        from liftmesh.verification import verify  # noqa: PLC0415 - hashes are seldom needed
+
+        nonfinite: Literal["skip", "error"] = "skip" if len(self.skipped) else "error"
+        return verify(self._rows, self.simplices, nonfinite=nonfinite, threads=threads)
 
     def to_scipy(self) -> scipy.spatial.Delaunay:
         """Give a ``scipy.spatial.Delaunay``, for code that accepts only that.

@@ -13,7 +13,7 @@ check() {
 }
 
 format_cpp() {
-    find liftmesh/_core scripts -name '*.[ch]pp' -print0 -o -name '*.[ch]' -print0 | xargs -0 .venv-test/bin/clang-format --dry-run -Werror
+    find liftmesh/_core scripts tests -name '*.[ch]pp' -print0 -o -name '*.[ch]' -print0 | xargs -0 .venv-test/bin/clang-format --dry-run -Werror
 }
 
 # The wheel is built, installed and used outside the repository, so that only what it holds can be found.

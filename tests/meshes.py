@@ -7,10 +7,21 @@ agree. `assert_delaunay` checks a triangulation against nothing but its points.
 from __future__ import annotations
 
 from collections import Counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 import oracle
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from liftmesh.triangulation import Triangulation
+
+ARRAYS = ("simplices", "neighbors", "convex_hull", "duplicates", "skipped")
+
+
+def bits(triangulation: Triangulation) -> list[bytes]:
+    """All that a triangulation holds, to be compared bit for bit."""
+    return [getattr(triangulation, name).tobytes() for name in ARRAYS]
 
 
 def triangle_rows(points: ArrayLike, simplices: ArrayLike) -> NDArray[np.float64]:

@@ -101,6 +101,16 @@ def test_offset_and_what_float32_would_do(tmp_path):
     assert "exactly" in lines_of("whole.npy", cwd=tmp_path)["float32"]
 
 
+def test_float32_where_it_overflows_or_there_is_no_spacing(tmp_path):
+    np.save(tmp_path / "far.npy", np.eye(3) * 1e39)
+    assert lines_of("far.npy", cwd=tmp_path)["float32"] == "not enough: coordinates overflow"
+    np.save(tmp_path / "one.npy", np.full((2, 3), 0.1))
+    told = lines_of("one.npy", cwd=tmp_path)
+    assert told["spacing"] == "none: one position"
+    shift = abs(float(np.float32(0.1)) - 0.1)
+    assert told["float32"].endswith(f"moves coordinates by up to {shift:.3g}")
+
+
 def test_a_mesh_with_colours(tmp_path):
     lm.triangulate(ROOT / "data" / "hill.csv").save(tmp_path / "hill.ply")
     told = lines_of("hill.ply", cwd=tmp_path)

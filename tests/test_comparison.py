@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import oracle
@@ -17,6 +18,7 @@ from liftmesh.comparison.background import interruptible
 from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.matching import first_of_each, match_triangles
+from liftmesh.comparison.proofs import confirm, refute
 from liftmesh.lifting import lift
 
 UTM = (450_000.0, 5_200_000.0)
@@ -186,6 +188,19 @@ def test_proofs_are_exact_and_name_the_right_side():
             assert isinstance(value, Fraction)
             assert value == determinant(points, *proof.rows, row)
             assert (value > 0) == (proof.claim == "wrong facet")
+
+
+def test_a_clockwise_triangle_proves_nothing():
+    kite = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 2.0]])
+    for prove in (refute, partial(confirm, apexes=[])):
+        with pytest.raises(AssertionError, match=r"\(2, 1, 0\) is not counter-clockwise"):
+            prove(kite, np.arange(4), np.array([2, 1, 0]))
+
+
+def test_a_proof_is_asked_of_the_wrong_side():
+    kite = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 2.0]])
+    assert refute(kite, np.arange(4), np.array([0, 1, 2])) is None
+    assert confirm(kite, np.arange(4), np.array([0, 1, 3]), [2]) is None
 
 
 def test_proofs_read_well():

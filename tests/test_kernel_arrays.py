@@ -9,6 +9,7 @@ from meshes import assert_oracle_agrees
 from numpy.typing import NDArray
 
 import liftmesh
+from liftmesh import _kernel
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +104,16 @@ def test_the_input_is_never_modified(form: str, points: NDArray[np.float64]) -> 
     triangulation = liftmesh.delaunay(given)
     triangulation.find_simplex(points[:5])
     np.testing.assert_array_equal(np.asarray(given), before)
+
+
+def test_the_kernel_itself_refuses_what_python_never_hands_it() -> None:
+    run = (False, 1, True, None)
+    with pytest.raises(ValueError, match="float64 or float32"):
+        _kernel.delaunay(np.zeros((3, 2), dtype=np.int64), *run)
+    with pytest.raises(ValueError, match="two columns"):
+        _kernel.delaunay(np.zeros((3, 1)), *run)
+    with pytest.raises(ValueError, match="unknown method"):
+        _kernel.gift_wrap(np.zeros((3, 2)), *run, "by-hand", 0.0, 0.0)
 
 
 def test_float32_is_widened_exactly() -> None:

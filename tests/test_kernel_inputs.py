@@ -71,6 +71,8 @@ TYPES = {
     "objects": np.array([[object(), 1], [2, 3], [4, 5]], dtype=object),
     "None": [[None, 1.0], [2.0, 3.0], [4.0, 5.0]],
     "ragged": [[0.0, 0.0], [1.0, 0.0, 5.0], [0.0]],
+    "a number among rows": [[0.0, 0.0], 1.0, [1.0, 0.0]],
+    "a list among numbers": [[0.0, [1.0]], [1.0, 0.0], [0.0, 1.0]],
     "dates": np.array([["2024-01-01", "2024-01-02"]] * 3, dtype="datetime64[D]"),
     "durations": np.zeros((3, 2), dtype="timedelta64[s]"),
     "records": np.zeros(3, dtype=[("x", "f8"), ("y", "f8")]),

@@ -107,6 +107,12 @@ def test_the_command_line_tells_the_version(command: list[str], tmp_path: Path) 
     assert run(*words, "--version", cwd=tmp_path).split() == ["liftmesh", liftmesh.__version__]
 
 
+def test_the_main_module_runs_only_when_it_is_asked_to(tmp_path: Path) -> None:
+    assert python("import liftmesh.__main__ as it; print(it.main.__module__)", tmp_path) == (
+        "liftmesh.cli\n"
+    )
+
+
 def test_type_information_is_shipped() -> None:
     shipped = {path.name for folder in liftmesh.__path__ for path in Path(folder).iterdir()}
     assert {"py.typed", "_kernel.pyi"} <= shipped

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import hypothesis.strategies as st
 import numpy as np
@@ -16,6 +15,7 @@ import pytest
 from clouds import FAMILIES
 from distributions import circle, clusters, denormal, lattice, two_columns, uniform
 from hypothesis import given, settings
+from meshes import bits
 from numpy.typing import NDArray
 
 import liftmesh
@@ -24,18 +24,10 @@ from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.hulls import METHODS, Method
 from liftmesh.threads import MOST_THREADS, VARIABLE, as_threads
 
-if TYPE_CHECKING:
-    from liftmesh.triangulation import Triangulation
-
 Points = NDArray[np.float64]
 
 SHARE = 1 << 15  # rows that one thread sorts into cells at a time
 TASKS = Path("/proc/self/task")
-ARRAYS = ("simplices", "neighbors", "convex_hull", "duplicates", "skipped")
-
-
-def bits(triangulation: Triangulation) -> list[bytes]:
-    return [getattr(triangulation, name).tobytes() for name in ARRAYS]
 
 
 def clustered_copies(n: int, rng: np.random.Generator) -> Points:

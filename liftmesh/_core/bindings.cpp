@@ -17,6 +17,7 @@
 #include "lower_hull.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
+#include "verify/verify.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -204,6 +205,35 @@ nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
     return nb::make_tuple(hand_over(outcome), tell(counts));
 }
 
+// How often each flaw was found, and the first few places: a pair for each kind, as
+// liftmesh.certificate names them.
+nb::list tell(const liftmesh::Flaws& flaws) {
+    nb::list kinds;
+    for (std::size_t kind = 0; kind < static_cast<std::size_t>(liftmesh::Flaw::kinds); ++kind) {
+        const liftmesh::Places& places = flaws[static_cast<liftmesh::Flaw>(kind)];
+        nb::list first;
+        for (const liftmesh::Place& place : places.first())
+            first.append(nb::make_tuple(place.at, place.other));
+        kinds.append(nb::make_tuple(places.count(), first));
+    }
+    return kinds;
+}
+
+nb::tuple verify(const PlanarRows& rows, const Triples& simplices, bool skip_non_finite,
+                 unsigned threads, bool shared, nb::handle progress) {
+    const Input input = read(rows);
+    PythonInterrupt interrupt(progress);
+    liftmesh::Verdict verdict;
+    {
+        const nb::gil_scoped_release unlocked;
+        verdict = liftmesh::verify(input, simplices.data(), simplices.shape(0), skip_non_finite,
+                                   {threads, shared}, interrupt);
+    }
+    if (verdict.status == liftmesh::Status::interrupted) throw nb::python_error();
+    return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
+                          verdict.merged, verdict.inner, verdict.border, tell(verdict.flaws));
+}
+
 // Keeps the arrays it reads alive.
 class PyLocator {
  public:
@@ -284,6 +314,7 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
 }  // namespace
 
 NB_MODULE(_kernel, m) {
+    liftmesh::refuse_contraction(liftmesh::contracts());
     m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
@@ -292,6 +323,8 @@ NB_MODULE(_kernel, m) {
     m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "method"_a, "qx"_a, "qy"_a);
     m.def("lower_hull", &lower_hull, "rows"_a, "method"_a);
+    m.def("verify", &verify, "rows"_a, "simplices"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
+          "progress"_a.none());
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
     nb::class_<PyLocator>(m, "Locator")

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from liftmesh.cli import exit_codes
+from liftmesh.cli.endings import Terminated, ending_at_sigterm, out_of_memory
 from liftmesh.errors import LiftmeshError
 
 __all__ = ["main"]
@@ -41,14 +42,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     debug = _take(words, "--debug")
     try:
-        app = import_module("liftmesh.cli.application").app
-        code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
-        sys.stdout.flush()
+        with ending_at_sigterm():
+            app = import_module("liftmesh.cli.application").app
+            code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
+            sys.stdout.flush()
         if code == exit_codes.INTERRUPTED:  # typer turns Ctrl-C into this code itself
             _complain("interrupted")
     except (BrokenPipeError, SystemExit):  # typer and rich exit when a pipe closes
-        code = _leave_the_pipe()
+        _forget_stdout()  # and not a word of it
+        code = exit_codes.PIPE_CLOSED
+    except Terminated:
+        code = exit_codes.TERMINATED
+        _complain("ended by SIGTERM")
     except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - the last resort of a program
+        _name_stdout(error)
         if debug:
             traceback.print_exc()
         code, message = _explain(error)
@@ -76,8 +83,8 @@ def _explain(error: BaseException) -> tuple[int, str]:
     if isinstance(error, OSError):
         named = f"{error.filename}: " if error.filename else ""
         return exit_codes.BAD_INPUT, f"{named}{error.strerror or error}"
-    if isinstance(error, MemoryError):
-        return exit_codes.BAD_INPUT, f"not enough memory ({error})"
+    if out_of_memory(error):
+        return exit_codes.BAD_INPUT, "not enough memory"
     kind = type(error).__name__
     return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
 
@@ -105,10 +112,22 @@ def _where_to_look(error: BaseException) -> str:
 def _complain(message: str) -> None:
     """One line on stderr, whatever the message holds."""
     line = " ".join(message.split())
-    import_module("liftmesh.cli.terminal").error_line(line)
+    try:
+        import_module("liftmesh.cli.terminal").error_line(line)
+    except MemoryError:
+        sys.stderr.write(f"liftmesh: error: {line}\n")
 
 
-def _leave_the_pipe() -> int:
-    """The reader of our output is gone: say nothing, not even when Python closes stdout."""
+def _name_stdout(error: BaseException) -> None:
+    """Errors about files name them; one that does not is about what we had to say."""
+    if isinstance(error, OSError) and error.errno is not None and error.filename is None:
+        error.filename = "stdout"
+        try:
+            sys.stdout.flush()
+        except OSError:
+            _forget_stdout()
+
+
+def _forget_stdout() -> None:
+    """Nobody takes our output any more: Python is not to complain of it when it closes stdout."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return exit_codes.PIPE_CLOSED

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from liftmesh.cli import compare, exit_codes, info, paper, triangulate
+from liftmesh.cli import compare, exit_codes, info, paper, triangulate, verify
 
 HELP = (
     "Exact Delaunay meshes of point clouds: planar points are lifted to a paraboloid, and the "
@@ -52,7 +52,7 @@ def liftmesh(
     """Hold the options that stand before a command."""
 
 
-for module in (triangulate, compare, info, paper):
+for module in (triangulate, verify, compare, info, paper):
     app.command(
         name=module.__name__.rpartition(".")[2],
         help=f"{module.SHORT_HELP} {module.HELP}",

@@ -69,8 +69,10 @@ def run(
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
     files.check_target(lower)
     files.check_target(hull)
+    files.check_apart(source, lower, hull)
     cloud = files.read(source, source_format)
-    result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=proofs)
+    with files.about(source):
+        result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=proofs)
     if lower is not None:
         files.write(lower, result.lower_hull())
     if hull is not None and result.error is None:

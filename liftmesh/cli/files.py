@@ -4,17 +4,28 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from liftmesh.cli.terminal import stage
-from liftmesh.errors import FormatError
+from liftmesh.errors import (
+    DegenerateInputError,
+    DuplicateHeightError,
+    FormatError,
+    InputError,
+    NonFiniteError,
+)
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.formats import Written
+
+_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
 
 def read(path: Path, file_format: str | None) -> Cloud:
@@ -44,8 +55,20 @@ def read(path: Path, file_format: str | None) -> Cloud:
     if is_stream(path) and file_format is None:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     source = sys.stdin.buffer if is_stream(path) else path
-    with stage(f"reading {'stdin' if is_stream(path) else path.name}"):
+    name = "stdin" if is_stream(path) else path
+    with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
         return formats.read(source, format=file_format)
+
+
+@contextmanager
+def _about_reading(name: str) -> Iterator[None]:
+    """Say which file it is that cannot be read: streams do not know."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None:
+            error.filename = name
+        raise
 
 
 def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
@@ -80,6 +103,24 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
             return formats.write(stream, mesh, format=file_format)
 
 
+@contextmanager
+def about(path: Path) -> Iterator[None]:
+    """Say which file it is whose rows are wrong.
+
+    Parameters
+    ----------
+    path : Path
+        The file that the rows are from.
+    """
+    try:
+        yield
+    except InputError as error:
+        if isinstance(error, _OF_ROWS) or str(error).startswith("row "):
+            name = "stdin" if is_stream(path) else path
+            error.args = (f"{name}: {error}", *error.args[1:])
+        raise
+
+
 def is_stream(path: Path) -> bool:
     """Whether a path stands for a standard stream.
 
@@ -99,6 +140,33 @@ def is_stream(path: Path) -> bool:
     True
     """
     return str(path) == "-"
+
+
+def check_apart(*paths: Path | None) -> None:
+    """Refuse two names for one file: the second that is written would take the place of the first.
+
+    Parameters
+    ----------
+    *paths : Path, optional
+        The file that is read, if there is one, and those to be written.
+
+    Raises
+    ------
+    typer.BadParameter
+        Two of them are the same file.
+    """
+    for one, other in combinations([path for path in paths if path is not None], 2):
+        if not (is_stream(one) or is_stream(other)) and _same(one, other):
+            raise typer.BadParameter(
+                f"{one} and {other} are one file, and one would take the place of the other: "
+                "give another name"
+            )
+
+
+def _same(one: Path, other: Path) -> bool:
+    if one.is_file() and other.is_file():
+        return one.samefile(other)  # by another link, too
+    return not one.exists() and one.resolve() == other.resolve()
 
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:

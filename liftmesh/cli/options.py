@@ -134,6 +134,13 @@ def _numbers(text: str, count: int) -> tuple[float, ...] | None:
     return numbers if len(numbers) == count else None
 
 
+def _read_npy(path: Path) -> Any:
+    from liftmesh.formats.npy_array import read_array  # noqa: PLC0415 - as above
+
+    with path.open("rb") as stream:
+        return read_array(stream, path.name)
+
+
 def _matrix(path: Path) -> Any:
     """A 4x4 matrix from a text or .npy file."""
     import numpy as np  # noqa: PLC0415 - help and --version do without
@@ -144,8 +151,8 @@ def _matrix(path: Path) -> Any:
             "give xy, fit, NX,NY,NZ or the path of a 4x4 matrix"
         )
     try:
-        matrix = np.load(path) if path.suffix == ".npy" else np.loadtxt(path)
-    except (ValueError, OSError, EOFError) as error:
+        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
+    except (ValueError, OSError) as error:
         raise typer.BadParameter(f"--plane {path}: no matrix can be read: {error}") from error
     if matrix.shape != (4, 4):
         raise typer.BadParameter(f"--plane {path}: the matrix is {matrix.shape}, not 4x4")

@@ -7,6 +7,7 @@ plain, and no progress at all. NO_COLOR and TERM=dumb are rich's to respect.
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -43,7 +44,7 @@ def stage(text: str) -> Iterator[None]:
         return
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
-        progress.add_task(text, total=None)
+        progress.add_task(printable(text), total=None)
         yield
 
 
@@ -83,7 +84,7 @@ def error_line(text: str) -> None:
     text : str
         What is wrong.
     """
-    line = Text.assemble(("liftmesh: ", "bold"), ("error: ", STYLES["bad"]), text)
+    line = Text.assemble(("liftmesh: ", "bold"), ("error: ", STYLES["bad"]), printable(text))
     Console(stderr=True, soft_wrap=True, highlight=False).print(line)
 
 
@@ -98,7 +99,7 @@ def sentence(text: str, style: str = "") -> None:
         A key of `STYLES`.
     """
     console = _stdout()
-    console.print(Text(text, style=STYLES[style]), soft_wrap=not console.is_terminal)
+    console.print(Text(printable(text), style=STYLES[style]), soft_wrap=not console.is_terminal)
 
 
 def item(text: str) -> None:
@@ -139,6 +140,7 @@ def table(
     styles : mapping of str to str
         For the name of a row, a key of `STYLES` for its values.
     """
+    rows = [tuple(map(printable, row)) for row in rows]
     if not _stdout().is_terminal:
         _plain_table([header, *rows] if header else rows)
         return
@@ -159,9 +161,38 @@ def as_json(values: Mapping[str, Any]) -> None:
     Parameters
     ----------
     values : mapping
-        What `json` can write.
+        What `json` can write; JSON knows neither NaN nor infinity, which become null.
     """
-    sys.stdout.write(json.dumps(values, indent=2) + "\n")
+    sys.stdout.write(json.dumps(_finite(values), indent=2, allow_nan=False) + "\n")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _finite(each) for key, each in value.items()}
+    return [_finite(each) for each in value] if isinstance(value, list | tuple) else value
+
+
+def printable(text: str) -> str:
+    r"""Spell out what would command a terminal: names and values come out of files.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The same, its control characters as Python escapes them.
+
+    Examples
+    --------
+    >>> print(printable("\x1b[31mred"))
+    \x1b[31mred
+    """
+    return "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
 
 
 def bytes_text(count: float) -> str:

@@ -75,18 +75,21 @@ def run(
     frame, vertex = options.parse_plane(plane), options.parse_q(q)
     options.check_threads(threads)
     files.check_target(target, target_format)
+    # Even though it would be read before it is replaced: a mesh may hold less than its cloud.
+    files.check_apart(source, target)
     start = perf_counter()
     cloud = files.read(source, source_format)
     seconds = {"read": perf_counter() - start}
-    surface = _triangulate(
-        cloud,
-        plane=frame,
-        duplicates=duplicates,
-        nonfinite=nonfinite,
-        method=method,
-        q=vertex,
-        threads=threads,
-    )
+    with files.about(source):
+        surface = _triangulate(
+            cloud,
+            plane=frame,
+            duplicates=duplicates,
+            nonfinite=nonfinite,
+            method=method,
+            q=vertex,
+            threads=threads,
+        )
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
     written = files.write(target, surface, target_format)

@@ -1,10 +1,11 @@
-"""Whole files or none: write beside the target, then rename over it.
+"""Whole files or none: write out of sight, then rename over the target.
 
 A reader of the target sees the old file or the new one, never a part, and an error while writing
-leaves the old file as it was and nothing beside it. The new file has the permissions that any new
-file would have, or those of the file it replaces; of a symbolic link, the file it points to is
-replaced. What is no regular file (a pipe, ``/dev/stdout``) cannot be renamed over and is written
-directly.
+leaves the old file as it was and nothing beside it. Where the system can, what is being written has
+no name at all, so that not even a process that is killed leaves a part behind; elsewhere it is a
+hidden file beside the target until it is whole. The new file has the permissions that any new file
+would have, or those of the file it replaces; of a symbolic link, the file it points to is replaced.
+What is no regular file (a pipe, ``/dev/stdout``) cannot be renamed over and is written directly.
 """
 
 from __future__ import annotations
@@ -16,6 +17,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
+
+# Linux's way to open a file that no folder lists, what names it later, and the errors of file
+# systems that have no such files.
+_NAMELESS: int = getattr(os, "O_TMPFILE", 0)
+_OPEN_FILES = Path("/proc/self/fd")
+_UNABLE = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}
+
+# A folder that may be written to need not be readable.
+_FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)
 
 
 @contextmanager
@@ -35,8 +45,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Raises
     ------
     OSError
-        The folder does not exist or is not writable, or ``path`` is a folder or a read-only file;
-        the message names it.
+        The folder does not exist, is not writable or is gone before all is written, ``path`` is a
+        folder or a read-only file, or there is no room; the error names it.
 
     Examples
     --------
@@ -49,19 +59,41 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """
     target = Path(os.path.realpath(path))
     _check_writable(target)
-    if target.exists() and not target.is_file():
-        with target.open("wb") as stream:
-            yield stream
-        return
-    beside = target.parent / f".liftmesh-{os.urandom(8).hex()}"
+    is_special = target.exists() and not target.is_file()
+    with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
+        yield stream
+
+
+@contextmanager
+def _new_file(target: Path) -> Iterator[BinaryIO]:
+    """Write a new file and put it in the place of the target."""
+    # By its number the folder is found again even where it was renamed meanwhile.
+    folder = os.open(target.parent, _FOLDER)
+    beside = f".liftmesh-{os.urandom(8).hex()}"
     try:
-        with _create(beside) as stream:
+        with _create(beside, folder) as stream:
             yield stream
-        _keep_permissions(target, beside)
-        beside.replace(target)
+            stream.flush()
+            _check_place(target, folder)
+            _keep_permissions(target, stream)
+            _give_name(stream, beside, folder)
+        _put_in_place(beside, target, folder)
     except BaseException:
         with suppress(OSError):
-            beside.unlink(missing_ok=True)
+            os.unlink(beside, dir_fd=folder)
+        raise
+    finally:
+        os.close(folder)
+
+
+@contextmanager
+def _named(target: Path) -> Iterator[None]:
+    """Say which file it is that an error is about: streams do not know."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and error.errno is not None:
+            error.filename = str(target)
         raise
 
 
@@ -83,12 +115,42 @@ def _check_writable(target: Path) -> None:
         raise PermissionError(errno.EACCES, reason, str(target.parent))
 
 
-def _create(path: Path) -> BinaryIO:
+def _create(beside: str, folder: int) -> BinaryIO:
     # Mode 0o666 minus the process's umask, as open() does; tempfile would give 0o600.
-    flags = os.O_CREAT | os.O_EXCL | os.O_RDWR | getattr(os, "O_BINARY", 0)
-    return os.fdopen(os.open(path, flags, 0o666), "w+b")
+    if _NAMELESS and _OPEN_FILES.is_dir():
+        try:
+            return os.fdopen(os.open(".", _NAMELESS | os.O_RDWR, 0o666, dir_fd=folder), "w+b")
+        except OSError as error:
+            if error.errno not in _UNABLE:
+                raise
+    flags = os.O_CREAT | os.O_EXCL | os.O_RDWR
+    return os.fdopen(os.open(beside, flags, 0o666, dir_fd=folder), "w+b")
 
 
-def _keep_permissions(target: Path, beside: Path) -> None:
+def _keep_permissions(target: Path, stream: BinaryIO) -> None:
     if target.exists():
-        beside.chmod(stat.S_IMODE(target.stat().st_mode))
+        os.fchmod(stream.fileno(), stat.S_IMODE(target.stat().st_mode))
+
+
+def _give_name(stream: BinaryIO, beside: str, folder: int) -> None:
+    """Let the folder list the file, if it does not yet."""
+    if os.fstat(stream.fileno()).st_nlink == 0:
+        # Only where folders are given does Python follow the link to the file itself.
+        source = str(_OPEN_FILES / str(stream.fileno()))
+        os.link(source, beside, src_dir_fd=folder, dst_dir_fd=folder, follow_symlinks=True)
+
+
+def _put_in_place(beside: str, target: Path, folder: int) -> None:
+    """Rename over the target; an error is about the target, not about the file beside it."""
+    try:
+        os.replace(beside, target.name, src_dir_fd=folder, dst_dir_fd=folder)
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, str(target)) from error
+
+
+def _check_place(target: Path, folder: int) -> None:
+    """Refuse a folder that is not where it was: the file would turn up elsewhere."""
+    there = target.parent.is_dir() and os.path.samestat(target.parent.stat(), os.fstat(folder))
+    if not there:
+        reason = "cannot write here: the folder was moved or removed meanwhile"
+        raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))

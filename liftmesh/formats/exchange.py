@@ -1,7 +1,6 @@
-"""Formats handed to trimesh: OFF, STL, GLB and glTF.
+"""Formats handed to trimesh: STL, GLB and glTF.
 
-OFF is text: it is asked for as many digits as bring every coordinate back. The others hold single
-precision, so large coordinates are written relative to an origin (see
+They hold single precision, so large coordinates are written relative to an origin (see
 ``origin.py``), which the file states: an STL file in its header, ``liftmesh origin x y z``, a GLB
 or glTF file in the ``extras`` of its scene. Reading such a file here adds the origin again.
 """
@@ -16,8 +15,11 @@ from numpy.typing import NDArray
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
+from liftmesh.formats.beside import Beside
 from liftmesh.formats.colors import eight_bit
+from liftmesh.formats.finite import check_finite
 from liftmesh.formats.format import Format, Origin
+from liftmesh.formats.gltf_promises import checked_gltf
 from liftmesh.formats.origin import needed_origin
 from liftmesh.formats.scene import scene_cloud
 from liftmesh.optional import load
@@ -25,6 +27,7 @@ from liftmesh.optional import load
 Array = NDArray[Any]
 
 _HEADER_SIZE = 80
+_GLTF_KINDS = ("glb", "gltf")
 _STATED = "liftmesh origin"
 
 
@@ -36,77 +39,23 @@ def read_with_trimesh(stream: BinaryIO, name: str, kind: str) -> Cloud:
     FormatError
         trimesh cannot read the file, or it holds no vertices.
     """
+    options: dict[str, Any] = {"file_type": kind, "process": False, "resolver": Beside(name)}
+    if kind in _GLTF_KINDS:
+        # Without materials no image is opened, and colours of vertices stay what they are.
+        options |= {"resolver": checked_gltf(stream, name, kind), "skip_materials": True}
     trimesh = load("trimesh")
     try:
         with warnings.catch_warnings():
             # NumPy only warns where text stops being numbers, and trimesh takes what came before.
             warnings.simplefilter("error", DeprecationWarning)
-            scene = trimesh.load_scene(
-                stream, file_type=kind, process=False, resolver=_resolver(trimesh, kind, name)
-            )
+            scene = trimesh.load_scene(stream, **options)
         cloud = scene_cloud(scene, name)
-    except FormatError:
+    except (FormatError, MemoryError):
         raise
     except Exception as error:
         cause = f"{type(error).__name__}: {error}"
         raise FormatError(f"{name}: not a whole {kind} file: {cause[:300]}") from error
     return cloud
-
-
-def read_off(stream: BinaryIO, name: str) -> Cloud:
-    """Read an OFF file.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-
-    Returns
-    -------
-    Cloud
-        Coordinates and faces, polygons cut into triangles.
-
-    Raises
-    ------
-    FormatError
-        The file is broken, or holds fewer faces than its header promises.
-    """
-    begin = stream.tell()
-    promised = _promised_faces(stream)
-    stream.seek(begin)
-    cloud = read_with_trimesh(stream, name, "off")
-    found = 0 if cloud.faces is None else len(cloud.faces)
-    if found < promised:
-        raise FormatError(
-            f"{name}: the header promises {promised} faces, but {found} are there: "
-            "the file is cut short, or its header is wrong"
-        )
-    return cloud
-
-
-def write_off(stream: BinaryIO, cloud: Cloud) -> None:
-    """Write a mesh as OFF, with the decimals that bring every coordinate back.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Where to write.
-    cloud : Cloud
-        A mesh; colours, normals and attributes are left out.
-
-    Raises
-    ------
-    FormatError
-        There are no faces, or a coordinate is not finite.
-    """
-    if cloud.faces is None:
-        raise FormatError("a cloud without faces cannot be written as OFF: write PLY")
-    _check_finite(cloud.points, np.arange(len(cloud)), "off")
-    mesh = load("trimesh").Trimesh(cloud.points, cloud.faces, process=False)
-    text: str = mesh.export(file_type="off", digits=_decimals(cloud.points))
-    stream.write(text.encode("ascii"))
 
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
@@ -160,7 +109,7 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     if cloud.faces is None:
         raise FormatError("a cloud without faces cannot be written as STL: write PLY")
     used = np.unique(cloud.faces)
-    _check_finite(cloud.points, used, "stl")
+    check_finite(cloud.points, used, "stl")
     origin = needed_origin(cloud.points[used], "stl")
     shown = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(shown) > _HEADER_SIZE:
@@ -233,19 +182,6 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     return origin
 
 
-def _promised_faces(stream: BinaryIO) -> int:
-    """Read the second count of an OFF header; 0 where there is none, for trimesh to complain."""
-    text = b"".join(line.partition(b"#")[0] for line in stream.readlines(1 << 12))
-    counts = text.split()[1:3]
-    return int(counts[1]) if len(counts) == 2 and counts[1].isdigit() else 0
-
-
-def _decimals(points: Array) -> int:
-    """How many decimals tell every coordinate from its neighbours: 17 digits of the least one."""
-    sizes = np.abs(points[points != 0])
-    return 17 if not sizes.size else max(0, 17 - int(np.floor(np.log10(sizes.min()))))
-
-
 def _read_scene(stream: BinaryIO, name: str, kind: str) -> Cloud:
     cloud = read_with_trimesh(stream, name, kind)
     origin = cloud.metadata.get("origin")
@@ -258,7 +194,7 @@ def _read_scene(stream: BinaryIO, name: str, kind: str) -> Cloud:
 
 def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
     trimesh = load("trimesh")
-    _check_finite(cloud.points, np.arange(len(cloud)), kind)
+    check_finite(cloud.points, np.arange(len(cloud)), kind)
     origin = needed_origin(cloud.points, kind)
     points = _shifted(cloud.points, origin)
     colors = None if cloud.colors is None else eight_bit(cloud.colors)
@@ -309,25 +245,9 @@ def _welded(cloud: Cloud) -> Cloud:
     return Cloud(cloud.points[kept], faces=faces, metadata={**cloud.metadata, **repeated})
 
 
-def _check_finite(points: Array, rows: Array, kind: str) -> None:
-    bad = ~np.isfinite(points[rows]).all(axis=1)
-    if bad.any():
-        row = int(rows[np.argmax(bad)])
-        raise FormatError(
-            f"vertex {row} is {points[row].tolist()}: {kind} holds finite coordinates only: "
-            "drop such rows, or write PLY or OBJ"
-        )
-
-
-def _resolver(trimesh: Any, kind: str, name: str) -> Any:
-    """Let a glTF file find the buffers that lie beside it."""
-    return trimesh.resolvers.FilePathResolver(name) if kind == "gltf" else None
-
-
 _GLTF = ("colors", "normals")
 
 FORMATS = (
-    Format("off", (".off",), read_off, write_off, "OFF: coordinates and faces as text", ()),
     Format("stl", (".stl",), read_stl, write_stl, "STL: triangles in single precision", ()),
     Format("glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours", _GLTF),
     Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours", _GLTF),

@@ -92,13 +92,13 @@ class Lines:
 
     def _chunk(self) -> bytes:
         """Read whole lines."""
-        data = self._stream.read(_BYTES) + self._stream.readline()
-        while self._continued and data.rstrip(b"\r\n").endswith(b"\\"):
+        parts = [self._stream.read(_BYTES), self._stream.readline()]
+        while self._continued and (parts[-1] or parts[0]).rstrip(b"\r\n").endswith(b"\\"):
             more = self._stream.readline()
             if not more:
                 break
-            data += more
-        return data
+            parts.append(more)
+        return b"".join(parts)
 
     def _decoded(self, data: bytes) -> str:
         try:
@@ -132,12 +132,16 @@ class Lines:
 def _joined(lines: list[str]) -> list[str]:
     """Join lines that end in a backslash to the last of them; the others become empty."""
     joined: list[str] = []
-    held = ""
+    held: list[str] = []
     for line in lines:
-        text = held + line
-        held = text.rstrip()[:-1] + " " if line.rstrip().endswith("\\") else ""
-        joined.append("" if held else text)
-    return [*joined[:-1], held or joined[-1]]
+        bare = line.rstrip()
+        if bare.endswith("\\"):
+            held.append(bare[:-1])
+            joined.append("")
+        else:
+            joined.append(" ".join([*held, line]))
+            held.clear()
+    return [*joined[:-1], " ".join(held) or joined[-1]]
 
 
 def number_table(
@@ -212,6 +216,11 @@ def is_number(text: str) -> bool:
     return "_" not in text
 
 
+def shortened(text: str) -> str:
+    """Cut a piece of a file for a message: broken files have long lines."""
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
 def shown(text: str) -> str:
-    """Quote a piece of a file, shortened: broken files have long lines."""
-    return repr(text if len(text) <= 40 else text[:37] + "...")
+    """Quote a piece of a file, shortened."""
+    return repr(shortened(text))

@@ -14,6 +14,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from liftmesh.errors import FormatError
+from liftmesh.formats.lines import shortened
 from liftmesh.formats.streams import read_exactly
 
 Array = NDArray[Any]
@@ -29,16 +30,23 @@ def read_array(stream: BinaryIO, name: str) -> Array:
     """
     try:
         shape, by_columns, dtype = _header(stream)
+    except MemoryError:
+        raise
     except Exception as error:  # the header is a Python literal: its parser raises many kinds
         raise FormatError(f"{name}: not an NPY file, or its header is broken: {error}") from error
     if dtype.hasobject:
         raise FormatError(f"{name}: the array holds Python objects: save it as numbers")
-    if min(shape, default=0) < 0:
-        raise FormatError(f"{name}: the header says shape {shape}")
+    shown = shortened(str(shape))
+    if not all(type(length) is int and length >= 0 for length in shape) or not dtype.itemsize:
+        raise FormatError(f"{name}: the header says shape {shown} of {dtype}")
     count = math.prod(shape)
-    data = read_exactly(stream, count * dtype.itemsize, name, f"{dtype} array of shape {shape}")
+    what = f"{dtype} array of shape {shown}"
+    data = read_exactly(stream, count * dtype.itemsize, name, what)
     flat = np.frombuffer(bytearray(data), dtype, count) if data else np.empty(count, dtype)
-    return flat.reshape(shape, order="F" if by_columns else "C")
+    try:
+        return flat.reshape(shape, order="F" if by_columns else "C")
+    except ValueError as error:  # of more axes than there are, or of none and endless ones
+        raise FormatError(f"{name}: the header says shape {shown}: {error}") from error
 
 
 def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype]:

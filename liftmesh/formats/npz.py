@@ -6,20 +6,24 @@ Nothing is unpickled: a file cannot run code.
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 import zlib
 from collections.abc import Mapping
 from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from liftmesh.arrays import as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, InputError
 from liftmesh.formats.format import Format
+from liftmesh.formats.lines import shortened
 from liftmesh.formats.npy_array import read_array
 from liftmesh.formats.sheet import Sheet
+from liftmesh.formats.streams import remaining
 from liftmesh.formats.triangles import checked_faces
 
 Array = NDArray[Any]
@@ -89,9 +93,7 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
     if key is None and len(arrays) == 1:
         return _points_alone(next(iter(arrays.values())), name)
     if key is None:
-        raise FormatError(
-            f"{name}: no array is called points: there are {', '.join(sorted(arrays)) or 'none'}"
-        )
+        raise FormatError(f"{name}: no array is called points: there are {_listed(arrays)}")
     return _cloud(_points(arrays.pop(key), name), arrays, name)
 
 
@@ -111,24 +113,35 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     Raises
     ------
     FormatError
-        An attribute has the name of one of these, or holds Python objects.
+        An attribute has the name of one of these, or one that would be unpacked elsewhere, or holds
+        Python objects.
     """
     parts = {"colors": cloud.colors, "normals": cloud.normals, "faces": cloud.faces}
     arrays = {key: values for key, values in parts.items() if values is not None}
     for key, values in cloud.attributes.items():
-        if key in _RESERVED or values.dtype.hasobject:
+        leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
+        if key in _RESERVED or values.dtype.hasobject or leads_out:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
-    save: Any = np.savez_compressed if compressed else np.savez
-    save(stream, points=cloud.points, **arrays, **cloud.attributes)
+    _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
+
+
+def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: bool) -> None:
+    """Do what ``numpy.savez`` does, which takes some names for its own options."""
+    method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                npy.write_array(member, np.asanyarray(values), allow_pickle=False)
 
 
 def _members(stream: BinaryIO, name: str) -> dict[str, Array]:
     try:
+        size = remaining(stream)
         with zipfile.ZipFile(stream) as archive:
+            members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+            _check_sizes(members, size, name)
             return {
-                each.filename.removesuffix(".npy"): _member(archive, each, name)
-                for each in archive.infolist()
-                if each.filename.endswith(".npy")
+                each.filename.removesuffix(".npy"): _member(archive, each, name) for each in members
             }
     except FormatError:
         raise
@@ -136,11 +149,30 @@ def _members(stream: BinaryIO, name: str) -> dict[str, Array]:
         raise FormatError(f"{name}: not a whole NPZ file: {error}") from error
 
 
+def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
+    """Refuse sizes that lie, and members that share their bytes to become many times as large."""
+    names: set[str] = set()
+    for each in members:
+        where = f"{name}: {shortened(each.filename)}"
+        if each.file_size > _DENSEST * (each.compress_size + 1):
+            raise FormatError(
+                f"{where}: {each.file_size} bytes cannot come of {each.compress_size}"
+            )
+        size -= each.compress_size
+        if size < 0:
+            raise FormatError(f"{where}: the members hold more bytes than the file")
+        if each.filename in names:
+            raise FormatError(f"{where}: the file holds two arrays of this name")
+        names.add(each.filename)
+
+
 def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> Array:
-    where = f"{name}: {info.filename}"
-    if info.file_size > _DENSEST * (info.compress_size + 1):
-        raise FormatError(f"{where}: {info.file_size} bytes cannot come of {info.compress_size}")
+    where = f"{name}: {shortened(info.filename)}"
     return read_array(io.BytesIO(archive.read(info)), where)
+
+
+def _listed(arrays: Mapping[str, Array]) -> str:
+    return shortened(", ".join(sorted(arrays))) or "none"
 
 
 def _points_alone(array: Array, name: str) -> Cloud:

@@ -86,7 +86,7 @@ class _HeaderReader:
         self._name = name
         self.number = 0
         self._encoding = ""
-        self._elements: list[Element] = []
+        self._elements: dict[str, tuple[int, dict[str, Property]]] = {}
         self._remarks: dict[str, list[str]] = {"comment": [], "obj_info": []}
 
     def read(self) -> Header:
@@ -98,7 +98,7 @@ class _HeaderReader:
             raise self._error("the header has no format line")
         return Header(
             self._encoding,
-            tuple(self._elements),
+            tuple(Element(k, n, tuple(p.values())) for k, (n, p) in self._elements.items()),
             tuple(self._remarks["comment"]),
             tuple(self._remarks["obj_info"]),
             self.number,
@@ -135,18 +135,19 @@ class _HeaderReader:
         count = words[-1] if len(words) == 2 else ""
         if not (count.isascii() and count.isdigit() and len(count) < 19):
             raise self._error("an element line needs a name and a count")
-        if any(each.name == words[0] for each in self._elements):
+        if words[0] in self._elements:
             raise self._error(f"element {shown(words[0])} is there twice")
-        self._elements.append(Element(words[0], int(count)))
+        self._elements[words[0]] = (int(count), {})
 
     def _take_property(self, words: list[str]) -> None:
         if not self._elements:
             raise self._error("a property stands before any element")
-        element = self._elements[-1]
+        element = next(reversed(self._elements))
+        _, properties = self._elements[element]
         added = self._property(words)
-        if any(each.name == added.name for each in element.properties):
-            raise self._error(f"property {shown(added.name)} of {element.name} is there twice")
-        self._elements[-1] = Element(element.name, element.rows, (*element.properties, added))
+        if added.name in properties:
+            raise self._error(f"property {shown(added.name)} of {element} is there twice")
+        properties[added.name] = added
 
     def _property(self, words: list[str]) -> Property:
         if len(words) == 4 and words[0] == "list":

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 import numpy as np
 
 from liftmesh.errors import FormatError
+from liftmesh.formats.lines import shortened
 from liftmesh.formats.ply_ascii import AsciiBody
 from liftmesh.formats.ply_binary import BinaryBody
 from liftmesh.formats.ply_header import Element, Header, read_header
@@ -85,7 +86,7 @@ class _Reading:
         if not {"x", "y"} <= scalars.keys():
             raise FormatError(
                 f"{self._name}: the vertex element has no x and y: its properties are "
-                f"{', '.join(each.name for each in element.properties) or 'none'}"
+                f"{shortened(', '.join(each.name for each in element.properties)) or 'none'}"
             )
         self._skip(element, [each.name for each in element.properties if each.length is not None])
         if element.is_table:

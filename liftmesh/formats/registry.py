@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from liftmesh.errors import FormatError
-from liftmesh.formats import exchange, npz, obj, ply, text
+from liftmesh.formats import exchange, npz, obj, off, ply, text
 from liftmesh.formats.format import Format
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ BUILT_IN: tuple[Format, ...] = (
     text.FORMAT,
     npz.NPY,
     npz.NPZ,
+    off.FORMAT,
     *exchange.FORMATS,
 )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 
 from liftmesh.errors import FormatError
@@ -76,9 +77,9 @@ def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
             f"{name}: line {line}: the header {shown(' '.join(names))} names no column "
             f"{' or '.join(missing)}: call two of its columns x and y"
         )
-    twice = [each for each in found if found.count(each) > 1]
-    if twice:
-        raise FormatError(f"{name}: line {line}: two columns of the header mean {twice[0]!r}")
+    twice = next((each for each, count in Counter(found).items() if count > 1), None)
+    if twice is not None:
+        raise FormatError(f"{name}: line {line}: two columns of the header mean {twice!r}")
     return found
 
 

@@ -199,6 +199,13 @@ def test_alpha_that_says_something_becomes_an_attribute():
     assert np.rint(back.attributes["alpha"] * 255).tolist() == [255, 255, 51, 0]
 
 
+@pytest.mark.parametrize("name", ["positions", "normals", "colors", "alpha"])
+def test_names_that_tensors_keep_for_themselves(name):
+    cloud = Cloud(POINTS, attributes={name: np.arange(4.0)}, faces=FACES)
+    with pytest.raises(InputError, match=f"called '{name}', .*: rename it"):
+        to_tensor(cloud)
+
+
 def test_types_unknown_to_tensors_name_the_attribute():
     cloud = Cloud(POINTS, attributes={"name": np.array(list("abcd"))}, faces=FACES)
     with pytest.raises(InputError, match=r"attribute 'name' has the type <U1"):

@@ -1,4 +1,4 @@
-"""OFF through trimesh: decimals that bring every value back, and files cut short."""
+"""OFF: decimals that bring every value back, and files cut short."""
 
 from __future__ import annotations
 
@@ -33,17 +33,40 @@ def test_files_of_other_programs(head: str, faces: str) -> None:
     ("text", "cause"),
     [
         ("PFF\n", "not a whole off file"),
-        ("OFF\n3 x 0\n", "not a whole off file"),
-        ("OFF\n0 0 0\n", "not a whole off file"),
-        ("OFF\n3 0 0\n0 0 0\n0 0 0\n", "not a whole off file"),
-        ("OFF\n1 0 0\n0 zero 0\n", "'zero'"),
+        ("OFF BINARY\n", "line 1: the counts"),
+        ("OFF\n3 x 0\n", "line 2: the counts of vertices and faces"),
+        ("OFF\n3\n", "line 2: the counts"),
+        ("OFF\n-2 0 0\n0 0 0\n1 0 0\n0 1 0\n", "line 2: the counts"),
+        ("OFF\n0 0 0\n", "no vertices"),
+        ("OFF\n3 0 0\n0 0 0\n0 0 0\n", "line 4: the header promises 3 vertices, but 2 are there"),
+        ("OFF\n1 0 0\n0 zero 0\n", "line 3, value 2: 'zero'"),
+        ("OFF\n1 0 0\n0 0\n", "line 3: a vertex has x, y and z"),
         (f"OFF\n4 2 0\n{SQUARE}3 0 1 2\n", "promises 2 faces, but 1 are there"),
-        (f"OFF\n4 1 0\n{SQUARE}3 0 1 9\n", "face index"),
+        (f"OFF\n4 1 0\n{SQUARE}3 0 1 2\n3 0 2 3\n", "line 8: more rows follow"),
+        (f"OFF\n4 1 0\n{SQUARE}3 0 1 9\n", "face 0 refers to vertex 9"),
+        (f"OFF\n4 1 0\n{SQUARE}3 0 1 -1\n", "face 0 refers to vertex -1"),
+        (f"OFF\n4 2 0\n{SQUARE}3 0 1 2\n4 0 1 2\n", "line 8: '4 0 1 2' is no face"),
+        (f"OFF\n4 1 0\n{SQUARE}3 0 1 1.5\n", "line 7: '3 0 1 1.5' is no face"),
+        (f"OFF\n4 1 0\n{SQUARE}{2**31} 0 1 2\n", "line 7"),
     ],
 )
 def test_broken_files_are_named(text: str, cause: str) -> None:
     with pytest.raises(FormatError, match=f"<stream>: .*{cause}"):
         loaded(text.encode(), "off")
+
+
+def test_faces_of_every_size_are_triangles_in_their_order() -> None:
+    colored = SQUARE.replace(" 0\n", " 0 255 0 0 255\n")
+    mesh = loaded(f"COFF\n4 4 0\n{colored}2 0 1\n4 0 1 2 3 9 9 9\n3 3 2 1\n0\n".encode(), "off")
+    assert mesh.faces is not None
+    assert mesh.faces.tolist() == [[0, 1, 2], [0, 2, 3], [3, 2, 1]]
+    assert mesh.metadata["polygons"] == 1
+    assert mesh.metadata["degenerate_faces"] == 2
+
+
+def test_points_alone() -> None:
+    mesh = loaded(f"OFF 4 0\n{SQUARE}".encode(), "off")
+    assert (len(mesh), mesh.faces) == (4, None)
 
 
 def test_faces_are_needed() -> None:

@@ -8,7 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from liftmesh.cli import exit_codes
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -82,6 +85,60 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     describe(site, project["name"], project["version"], "\n\n".join(groups))
     describe(site, "broken", "1.0", BROKEN)
     return site
+
+
+ONE_WAY = """
+import numpy as np
+from liftmesh import Cloud, Format
+
+def read(stream, name):
+    return Cloud(np.frombuffer(stream.read()).reshape(-1, 3))
+
+def write(stream, cloud):
+    stream.write(cloud.points.tobytes())
+
+READ = Format("bits", (".bits",), read, None, "coordinates as they lie in memory")
+WRITE = Format("dump", (".dump",), None, write, "the same, for another program to read")
+"""
+
+ONE_WAY_USE = """
+import liftmesh
+from liftmesh.cli import main
+
+liftmesh.write("p.dump", liftmesh.read("p.bits"))
+with open("p.bits", "rb") as given, open("p.dump", "rb") as taken:
+    assert given.read() == taken.read()
+for call in (
+    lambda: liftmesh.read("p.dump"),
+    lambda: liftmesh.write("q.bits", liftmesh.read("p.bits")),
+):
+    try:
+        call()
+    except liftmesh.FormatError as error:
+        print(error)
+print(main(["triangulate", "p.bits", "q.bits"]))
+"""
+
+
+def test_formats_of_one_direction(tmp_path: Path) -> None:
+    (tmp_path / "one_way.py").write_text(ONE_WAY)
+    names = "bits = one_way:READ\ndump = one_way:WRITE"
+    describe(tmp_path, "one-way", "1.0", f"[liftmesh.formats]\n{names}\n")
+    (tmp_path / "p.bits").write_bytes(np.eye(3).tobytes())
+    found = subprocess.run(
+        [sys.executable, "-W", "error", "-c", ONE_WAY_USE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    unread, unwritten, code = found.stdout.splitlines()
+    assert unread == "p.dump: dump files cannot be read: the same, for another program to read"
+    assert unwritten.startswith("q.bits: bits files ")
+    assert int(code) == exit_codes.BAD_INPUT
+    assert found.stderr == "liftmesh: error: q.bits: bits files can be read, not written\n"
+    assert not (tmp_path / "q.bits").exists()
 
 
 def describe(site: Path, name: str, version: str, entry_points: str) -> None:

@@ -89,6 +89,13 @@ def test_rounds_go_forth_and_back():
     assert names == [*forth, *forth[::-1], *forth, *forth[::-1], *forth]
 
 
+def test_where_patience_ends_every_method_runs_once(monkeypatch):
+    monkeypatch.setattr(experiments, "PATIENCE", 0.0)
+    names: list[str] = []
+    found = measure(Trial("5.1", 20, seed=1), names.append)
+    assert names == [m.method for m in found] == list(METHODS)
+
+
 def test_different_facets_are_a_bug():
     trial = Trial("5.1", 20, seed=1)
     other = lm.delaunay(Trial("5.1", 20, seed=2).points())

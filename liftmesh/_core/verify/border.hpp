@@ -1,0 +1,16 @@
+// The border of the triangles: one closed curve that never turns inward, and goes round once?
+#pragma once
+
+#include <vector>
+
+#include "team.hpp"
+#include "verify/flaws.hpp"
+#include "verify/subject.hpp"
+
+namespace liftmesh {
+
+// Adds what is wrong to `flaws`. False where the interrupt came first.
+bool follow_border(const Subject& subject, const std::vector<Side>& border, Team& team,
+                   Flaws& flaws);
+
+}  // namespace liftmesh

@@ -1,0 +1,19 @@
+// Rows at one position.
+#pragma once
+
+#include <vector>
+
+#include "team.hpp"
+#include "verify/flaws.hpp"
+#include "verify/sides.hpp"
+#include "verify/subject.hpp"
+
+namespace liftmesh {
+
+// Adds every finite row that has no vertex at its position. False where the interrupt came first.
+bool find_missing(const Subject& subject, const Marks& vertices, Team& team, Flaws& flaws);
+
+// The lowest row at the position of each finite row. False where the interrupt came first.
+bool find_lowest(const Subject& subject, Team& team, std::vector<Row>& lowest);
+
+}  // namespace liftmesh

@@ -1,0 +1,212 @@
+// Two sides that run along one another, in opposite directions, are an inner edge. Where triangles
+// that lie near one another stand near one another in the list, as most programs leave them, nearly
+// all sides find their partner while it still waits in a small table (`OpenSides`). What is left
+// over is dealt out by the names of the edges: O(n log n) whatever the order.
+
+#include "verify/sides.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <iterator>
+#include <span>
+#include <tuple>
+
+#include "input.hpp"
+#include "predicates/orient2d.hpp"
+#include "predicates/ties.hpp"
+#include "verify/open_sides.hpp"
+#include "verify/parts.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+// What one task finds.
+class Finder {
+ public:
+    explicit Finder(const Subject& subject) : subject_(subject) {}
+
+    // Whether it has corners that can be looked at, and turns counter-clockwise.
+    bool look_at(std::size_t triangle) {
+        const std::size_t first = 3 * triangle;
+        const Point a = subject_.point(first), b = subject_.point(first + 1);
+        const Point c = subject_.point(first + 2);
+        if (!(is_finite(a) & is_finite(b) & is_finite(c))) {
+            for (std::size_t place = first; place < first + 3; ++place)
+                if (!is_finite(subject_.point(place))) triangles.add(Flaw::non_finite, {place, 0});
+            return false;
+        }
+        const int turn = orient2d(a, b, c);
+        if (turn <= 0) triangles.add(turn < 0 ? Flaw::clockwise : Flaw::flat, {triangle, 0});
+        return true;
+    }
+
+    // The places of the two sides of an edge: is the apex of the second outside the circle of the
+    // triangle of the first?
+    void look_at(std::size_t one, std::size_t other) {
+        ++inner;
+        const std::size_t first = one - one % 3;
+        const Point a = subject_.point(first), b = subject_.point(first + 1);
+        const Point c = subject_.point(first + 2), d = subject_.point(other);
+        const InCircleFilter filter = incircle_filter(a, b, c, d);
+        const double error = filter.error + subject_.guard.margin();
+        if (-filter.det > error) return;
+        const int side = filter.det > error ? 1 : incircle_exact(a, b, c, d, subject_.guard);
+        if (side < 0) return;
+        const Place place{std::min(one, other), std::max(one, other)};
+        if (side > 0) edges.add(Flaw::delaunay, place);
+        if (side > 0 || sign_of_tie(a, b, c, d) > 0) edges.add(Flaw::canonical, place);
+    }
+
+    std::size_t inner = 0;
+    std::vector<Side> left;  // sides without a partner
+    Flaws triangles, edges;
+
+ private:
+    const Subject& subject_;
+};
+
+// The triangles of one task, one after the other. Corners are fetched ahead of their use, and edges
+// are looked at together, apart from the meetings in which they are found.
+class Passing {
+ public:
+    Passing(const Subject& subject, Marks& is_corner, Finder& found)
+        : subject_(subject), is_corner_(is_corner), found_(found) {}
+
+    void run(std::size_t first, std::size_t last) {
+        constexpr std::size_t ahead = 32;
+        for (std::size_t t = first; t < last; ++t) {
+            const std::size_t later = 3 * std::min(t + ahead, last - 1);
+            for (std::size_t place = later; place < later + 3; ++place)
+                __builtin_prefetch(&subject_.points[subject_.corner(place)]);
+            pass(t);
+            if (met_count_ + 3 > met_.size()) look_at_edges();
+        }
+        look_at_edges();
+        open_.for_each([&](const Side& side) { found_.left.push_back(side); });
+    }
+
+ private:
+    void pass(std::size_t triangle) {
+        if (!found_.look_at(triangle)) return;
+        for (int k = 0; k < 3; ++k) {
+            const Side side = subject_.side(triangle, k);
+            mark(is_corner_[side.tail]);
+            auto& [own, partner] = met_[met_count_];
+            own = side.place;
+            met_count_ +=
+                open_.meet(side, partner, [&](const Side& other) { found_.left.push_back(other); });
+        }
+    }
+
+    void look_at_edges() {
+        for (std::size_t i = 0; i < met_count_; ++i) found_.look_at(met_[i].own, met_[i].partner);
+        met_count_ = 0;
+    }
+
+    // Several threads may meet here. Most marks are there already.
+    static void mark(std::uint8_t& byte) {
+        const std::atomic_ref<std::uint8_t> shared(byte);
+        if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
+    }
+
+    struct Edge {
+        std::uint32_t own, partner;
+    };
+
+    const Subject& subject_;
+    Marks& is_corner_;
+    Finder& found_;
+    OpenSides open_;
+    std::array<Edge, 64> met_;
+    std::size_t met_count_ = 0;
+};
+
+std::uint64_t edge_of(const Side& side) {
+    const auto [low, high] = std::minmax(side.tail, side.head);
+    return std::uint64_t{low} << 32 | high;
+}
+
+bool is_forward(const Side& side) {
+    return side.tail < side.head;
+}
+
+// Sides of one edge: those in one direction, then those in the other.
+template <class It>
+void match(It first, It middle, It last, Finder& found) {
+    for (auto one = first; one != last; ++one)
+        if (one != first && one != middle)
+            found.edges.add(Flaw::doubled, {one->place, std::prev(one)->place});
+    auto back = first, forward = middle;
+    for (; back != middle && forward != last; ++back, ++forward)
+        found.look_at(back->place, forward->place);
+    found.left.insert(found.left.end(), back, middle);
+    found.left.insert(found.left.end(), forward, last);
+}
+
+void match(std::span<Side> sides, Finder& found) {
+    std::sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) {
+        return std::tuple(edge_of(p), is_forward(p), p.place) <
+               std::tuple(edge_of(q), is_forward(q), q.place);
+    });
+    for (auto first = sides.begin(); first != sides.end();) {
+        const auto is_other = [&](const Side& side) { return edge_of(side) != edge_of(*first); };
+        const auto last = std::find_if(first, sides.end(), is_other);
+        match(first, std::find_if(first, last, is_forward), last, found);
+        first = last;
+    }
+}
+
+// Adds up what tasks find, and hands on what they leave.
+template <class Work>
+bool in_tasks(const Subject& subject, std::size_t tasks, Team& team, Sides& sides,
+              std::vector<std::vector<Side>>& left, Work work) {
+    std::vector<Finder> found(tasks, Finder(subject));
+    const bool done = team.run(tasks, [&](std::size_t task) { work(task, found[task]); });
+    left.clear();
+    for (Finder& some : found) {
+        sides.inner += some.inner;
+        sides.triangles.add(some.triangles);
+        sides.edges.add(some.edges);
+        left.push_back(std::move(some.left));
+    }
+    return done;
+}
+
+bool pair(const Subject& subject, Team& team, std::vector<std::vector<Side>>& left, Sides& sides) {
+    const Parts<Side, HashOfEdge> parts(left, team);
+    if (!parts.whole()) return false;
+    const bool done =
+        in_tasks(subject, parts.size(), team, sides, left, [&](std::size_t part, Finder& found) {
+            parts.for_each_handful(part, [&](std::span<Side> some) { match(some, found); });
+        });
+    for (const std::vector<Side>& some : left)
+        sides.border.insert(sides.border.end(), some.begin(), some.end());
+    return done;
+}
+
+}  // namespace
+
+bool pass_triangles(const Subject& subject, Team& team, Marks& is_corner, Sides& sides) {
+    std::vector<std::vector<Side>> left;
+    const auto pass = [&](std::size_t task, Finder& found) {
+        const std::size_t first = task * block, last = std::min(subject.count, first + block);
+        Passing(subject, is_corner, found).run(first, last);
+        team.interrupt().advance(3 * (last - first));
+    };
+    return in_tasks(subject, blocks(subject.count), team, sides, left, pass) &&
+           pair(subject, team, left, sides);
+}
+
+bool sort_sides(const Subject& subject, Team& team, Sides& sides) {
+    std::vector<std::vector<Side>> all(blocks(subject.count));
+    const bool done = team.run(all.size(), [&](std::size_t task) {
+        const std::size_t last = std::min(subject.count, (task + 1) * block);
+        for (std::size_t t = task * block; t < last; ++t)
+            for (int k = 0; k < 3; ++k) all[task].push_back(subject.side(t, k));
+    });
+    return done && pair(subject, team, all, sides);
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,44 @@
+// The triangulation that is verified: positions, and triangles over them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "point.hpp"
+#include "predicates/incircle.hpp"
+
+namespace liftmesh {
+
+// A side of a triangle, as the triangle has it on its left. `place` is that of the corner it faces.
+struct Side {
+    Row tail, head;
+    std::uint32_t place;
+};
+
+struct Subject {
+    const Point* points;
+    std::size_t rows;
+    const std::int32_t* simplices;  // count x 3
+    std::size_t count;
+    Guard guard;  // of the points
+
+    Row corner(std::size_t place) const { return static_cast<Row>(simplices[place]); }
+    Point point(std::size_t place) const { return points[corner(place)]; }
+
+    Side side(std::size_t triangle, int k) const {
+        const std::size_t first = 3 * triangle;
+        constexpr int next[] = {1, 2, 0, 1};
+        return {corner(first + next[k]), corner(first + next[k + 1]),
+                static_cast<std::uint32_t>(first + k)};
+    }
+};
+
+// Triangles, or rows, that are looked at as one task. The number does not depend on the threads,
+// and so nothing that is found does.
+inline constexpr std::size_t block = std::size_t{1} << 15;
+
+inline std::size_t blocks(std::size_t count) {
+    return (count + block - 1) / block;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,199 @@
+// What is looked at, and why that is enough:
+//
+// - every triangle turns counter-clockwise;
+// - the sides fall into pairs that run along one another in opposite directions, and a border;
+// - the border is one closed curve that never turns inward and goes round once.
+//
+// Walk across the plane and count the triangles that lie over you. The number changes only where
+// you cross a side, and crossing a pair of sides changes nothing: so it is the number of times that
+// the border goes round you, which is 1 inside and 0 outside. Each triangle counts 1 and none less:
+// so they cover the inside of a convex polygon, and no two overlap.
+//
+// - every row has a vertex at its position: so the polygon is the convex hull of the points;
+// - across every inner edge, the apex of one triangle is not inside the circle of the other: so no
+//   point is inside the circle of any triangle (Delaunay, 1934).
+//
+// Nothing of this is shared with the engines but the predicates. Corners at one position may be
+// several rows, as in meshes whose triangles share no vertices: where triangles do not hold
+// together as they are, corners are named by the lowest row of their position instead.
+
+#include "verify/verify.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "buffer.hpp"
+#include "floating_point.hpp"
+#include "predicates/orient2d.hpp"
+#include "scale.hpp"
+#include "verify/border.hpp"
+#include "verify/positions.hpp"
+#include "verify/sides.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+class Verification {
+ public:
+    Verification(const Input& input, const std::int32_t* simplices, std::size_t count, Team& team)
+        : input_(input),
+          simplices_(simplices),
+          team_(team),
+          points_(allocate<Point>(input.rows)),
+          corners_(allocate<std::int32_t>(3 * count)),
+          subject_{points_.get(), input.rows, corners_.get(), count, Guard::anywhere()},
+          is_corner_(input.rows) {}
+
+    Verdict run(bool skip_non_finite) {
+        if (!read_points()) return interrupted();
+        if (verdict_.skipped > 0 && !skip_non_finite) {
+            verdict_.status = Status::non_finite;
+            return std::move(verdict_);
+        }
+        return look() ? std::move(verdict_) : interrupted();
+    }
+
+ private:
+    static Verdict interrupted() {
+        Verdict verdict;
+        verdict.status = Status::interrupted;
+        return verdict;
+    }
+
+    bool look() {
+        if (!read_corners()) return false;
+        if (verdict_.flaws.any(Flaw::index)) return true;
+        Sides sides;
+        if (!pass_triangles(subject_, team_, is_corner_, sides)) return false;
+        verdict_.flaws.add(sides.triangles);
+        if (verdict_.flaws.any(Flaw::non_finite)) return true;
+        Flaws border;
+        if (!follow_border(subject_, sides.border, team_, border)) return false;
+        if (sides.border.empty() || border.any()) {
+            sides = {};
+            border = {};
+            if (!merge_positions() || !sort_sides(subject_, team_, sides) ||
+                !follow_border(subject_, sides.border, team_, border))
+                return false;
+        }
+        verdict_.flaws.add(sides.edges);
+        verdict_.flaws.add(border);
+        verdict_.inner = sides.inner;
+        verdict_.border = sides.border.size();
+        return count_vertices();
+    }
+
+    // In blocks: work(first, last, task).
+    template <class Work>
+    bool in_blocks(std::size_t count, Work work) {
+        return team_.run(blocks(count), [&](std::size_t task) {
+            work(task * block, std::min(count, (task + 1) * block), task);
+        });
+    }
+
+    bool read_points() {
+        std::vector<Range> ranges(blocks(input_.rows));
+        std::vector<std::vector<std::size_t>> skipped(ranges.size());
+        const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
+            team_.interrupt().advance(last - first);
+            for (std::size_t row = first; row < last; ++row) {
+                const Point p = points_[row] = input_[row];
+                if (is_finite(p)) {
+                    ranges[task].add(p);
+                } else {
+                    skipped[task].push_back(row);
+                }
+            }
+        };
+        if (!in_blocks(input_.rows, read)) return false;
+        Range range;
+        for (const Range& some : ranges) range.add(some);
+        for (const std::vector<std::size_t>& rows : skipped) {
+            if (verdict_.skipped == 0 && !rows.empty()) verdict_.row = rows.front();
+            verdict_.skipped += rows.size();
+        }
+        const Scale scale(range);
+        subject_.guard = scale.guard;
+        return !scale.moves || move(scale);
+    }
+
+    // Believes no scale that the way back does not lead from.
+    bool move(const Scale& scale) {
+        std::atomic<bool> lossless = true;
+        const bool done = in_blocks(input_.rows, [&](std::size_t first, std::size_t last, auto) {
+            for (std::size_t row = first; row < last; ++row) {
+                const Point p = points_[row];
+                const Point moved = points_[row] = scale(p);
+                const Point back{moved.x / scale.second / scale.first,
+                                 moved.y / scale.second / scale.first};
+                if (is_finite(p) && !(back == p)) lossless = false;
+            }
+        });
+        if (!lossless) throw std::logic_error("points that were scaled are not the same points");
+        return done;
+    }
+
+    // From here on corners are our own: no one can change them meanwhile.
+    bool read_corners() {
+        std::vector<Flaws> found(blocks(subject_.count));
+        const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
+            for (std::size_t place = 3 * first; place < 3 * last; ++place) {
+                corners_[place] = simplices_[place];
+                if (subject_.corner(place) >= subject_.rows)
+                    found[task].add(Flaw::index, {place, 0});
+            }
+        };
+        const bool done = in_blocks(subject_.count, read);
+        for (const Flaws& some : found) verdict_.flaws.add(some);
+        return done;
+    }
+
+    // Names each corner by the lowest row of its position.
+    bool merge_positions() {
+        std::vector<Row> lowest;
+        if (!find_lowest(subject_, team_, lowest)) return false;
+        Marks kept(subject_.rows);
+        for (std::size_t row = 0; row < subject_.rows; ++row) {
+            if (!is_corner_[row]) continue;
+            kept[lowest[row]] = 1;
+            verdict_.merged += lowest[row] != row;
+        }
+        if (verdict_.merged == 0) return true;
+        is_corner_ = std::move(kept);
+        return in_blocks(subject_.count, [&](std::size_t first, std::size_t last, auto) {
+            for (std::size_t place = 3 * first; place < 3 * last; ++place)
+                corners_[place] = static_cast<std::int32_t>(lowest[subject_.corner(place)]);
+        });
+    }
+
+    bool count_vertices() {
+        for (const std::uint8_t corner : is_corner_) verdict_.vertices += corner;
+        return verdict_.vertices + verdict_.skipped == subject_.rows ||
+               find_missing(subject_, is_corner_, team_, verdict_.flaws);
+    }
+
+    const Input& input_;
+    const std::int32_t* simplices_;
+    Team& team_;
+    Buffer<Point> points_;
+    Buffer<std::int32_t> corners_;
+    Subject subject_;
+    Marks is_corner_;
+    Verdict verdict_;
+};
+
+}  // namespace
+
+Verdict verify(const Input& input, const std::int32_t* simplices, std::size_t count,
+               bool skip_non_finite, Threads threads, Interrupt& interrupt) {
+    const IeeeArithmetic ieee;
+    Team team(threads.for_rows(std::max(input.rows, count)), interrupt);
+    interrupt.expect(input.rows + 3 * count);
+    return Verification(input, simplices, count, team).run(skip_non_finite);
+}
+
+}  // namespace liftmesh

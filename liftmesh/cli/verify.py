@@ -1,0 +1,120 @@
+"""``liftmesh verify``: whether a mesh is the Delaunay triangulation of its vertices."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liftmesh.cli import exit_codes, files, options, terminal
+
+if TYPE_CHECKING:
+    from liftmesh.certificate import Certificate
+    from liftmesh.cloud import Cloud
+
+SHORT_HELP = "Verify that a mesh is the Delaunay triangulation of its vertices."
+HELP = (
+    "Anybody's mesh, seen from above, exactly: every triangle counter-clockwise, sides that fit "
+    "together, a convex border, every row a vertex, every circle empty. The exit code is 1 if "
+    "anything is wrong, and the first places are named."
+)
+EXAMPLES = [
+    "liftmesh verify mesh.ply",
+    "liftmesh verify mesh.obj --certificate mesh.json",
+    "liftmesh verify mesh.ply --json",
+]
+SHOWN = 3  # offenders of a flaw
+
+
+def run(
+    source: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Mesh; - reads stdin (see --from).")
+    ],
+    certificate: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write what was found as JSON, with SHA-256 sums."),
+    ] = None,
+    plane: options.Plane = "xy",
+    nonfinite: options.SkipNonFinite = "error",
+    threads: options.Threads = None,
+    source_format: options.SourceFormat = None,
+    json: options.Json = False,
+) -> None:
+    """Read a mesh, verify it, write the certificate that was asked for, and say what was found.
+
+    Parameters
+    ----------
+    source : Path
+        FILE.
+    certificate : Path, optional
+        File to write.
+    plane : str
+        As in `liftmesh.triangulate`.
+    nonfinite : str
+        As in `liftmesh.verify`.
+    threads : int, optional
+        As in `liftmesh.verify`.
+    source_format : str, optional
+        Format, in place of the suffix.
+    json : bool
+        Print JSON.
+    """
+    frame = options.parse_plane(plane)
+    options.check_threads(threads)
+    files.check_apart(source, certificate)
+    cloud = files.read(source, source_format)
+    with files.about(source):
+        found = _verify(cloud, source, frame, nonfinite, threads)
+    if certificate is not None:
+        _write(certificate, found)
+    if json:
+        terminal.as_json(found.as_dict())
+    else:
+        _say(found)
+    if not found.valid:
+        raise typer.Exit(exit_codes.DIFFERENT)
+
+
+def _verify(
+    cloud: Cloud, source: Path, plane: Any, nonfinite: options.NonFinite, threads: int | None
+) -> Certificate:
+    from liftmesh.errors import InputError  # noqa: PLC0415 - help and --version do without
+    from liftmesh.plane import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.verification import verify  # noqa: PLC0415 - as above
+
+    if cloud.faces is None or not len(cloud.faces):
+        raise InputError(
+            f"{source}: holds no triangles: make some with liftmesh triangulate {source} OUT"
+        )
+    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
+        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
+        return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads)
+
+
+def _write(path: Path, found: Certificate) -> None:
+    from liftmesh.formats.atomic import replacing  # noqa: PLC0415 - help and --version do without
+
+    with replacing(path) as stream:
+        stream.write(found.to_json().encode())
+
+
+def _say(found: Certificate) -> None:
+    terminal.sentence(_verdict(found), "good" if found.valid else "bad")
+    for flaw in found.flaws:
+        terminal.item(flaw.text)
+        for place in flaw.first[:SHOWN]:
+            terminal.item(f"such as: {place.text}")
+    terminal.blank()
+    counts = ("rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges")
+    lines = [(name.replace("_", " "), f"{getattr(found, name):,}") for name in counts]
+    sums = [("points", found.points_sha256), ("triangles", found.simplices_sha256)]
+    terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
+
+
+def _verdict(found: Certificate) -> str:
+    if found.canonical:
+        return "Valid, and canonical: these are the triangles that liftmesh makes."
+    if found.valid:
+        return "Valid: a Delaunay triangulation, with other choices among cocircular points."
+    return "Not valid: this is not the Delaunay triangulation of these points."

@@ -1,0 +1,202 @@
+"""Disks that are full and places that refuse: old files intact, no debris, and what is wrong."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from commands import COMMAND, PLAIN, ROOT, TERRAIN
+from faults.children import output
+
+import liftmesh
+from liftmesh import Cloud
+from liftmesh.cli import exit_codes
+from liftmesh.formats.atomic import replacing
+
+FORMATS = ["ply", "obj", "npz", "off", "stl", "glb", "gltf"]
+
+
+def run(
+    *words: object, cwd: Path, most_bytes: int | None = None, stdout: int = subprocess.PIPE
+) -> subprocess.CompletedProcess[str]:
+    """Run a command whose files may not grow beyond a size, as if the disk were full there."""
+
+    def limit() -> None:
+        if most_bytes is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+
+    return subprocess.run(
+        [*COMMAND, *map(str, words)],
+        cwd=cwd,
+        stdout=stdout,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=PLAIN,
+        timeout=60,
+        check=False,
+        preexec_fn=limit,
+    )
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj", "glb"])
+def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
+    # The terrain's mesh takes megabytes in every format.
+    target = tmp_path / f"mesh.{kind}"
+    target.write_bytes(b"old")
+    done = run("triangulate", TERRAIN, target.name, cwd=tmp_path, most_bytes=300_000)
+    assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
+    assert done.stderr == f"liftmesh: error: {target}: File too large\n"
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
+    program = """
+        import signal, sys
+        import numpy as np, liftmesh
+        mesh = liftmesh.triangulate(np.random.default_rng(0).random((30, 3)))
+        for target in sys.argv[1:]:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY,) * 2)
+            size = liftmesh.write(target, mesh).bytes
+            old = open(target, "rb").read()
+            for most in [*range(0, size, size // 20), size - 1]:
+                resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
+                try:
+                    liftmesh.write(target, mesh)
+                except OSError as error:
+                    assert error.filename == target, error
+                else:
+                    raise SystemExit(f"{most} bytes were enough for {size}")
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+            liftmesh.write(target, mesh)
+            print(open(target, "rb").read() == old)
+    """
+    targets = [tmp_path / f"mesh.{kind}" for kind in FORMATS]
+    assert output(program, *targets) == "True\n" * len(FORMATS)
+    assert len(list(tmp_path.iterdir())) == len(FORMATS)
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_device_that_is_full(kind: str) -> None:
+    cloud = liftmesh.triangulate(np.random.default_rng(0).random((10_000, 3)))
+    for target in (Path("/dev/full"), "/dev/full"):
+        with pytest.raises(OSError, match="No space left on device: '/dev/full'"):
+            liftmesh.write(target, cloud, format=kind)
+    with (
+        pytest.raises(OSError, match="No space left"),
+        open("/dev/full", "wb", buffering=0) as stream,  # noqa: PTH123 - a device
+    ):
+        liftmesh.write(stream, cloud, format=kind)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["triangulate", "data/hill.csv", "-", "--format", "ply"],
+        ["triangulate", "data/jacksboro.ply", "-", "--format", "obj"],
+        ["info", "data/hill.csv"],
+        ["info", "data/hill.csv", "--json"],
+        ["compare", "data/hill.csv"],
+        ["--version"],
+    ],
+)
+def test_an_output_that_is_full(words: list[str]) -> None:
+    full = os.open("/dev/full", os.O_WRONLY)
+    done = run(*words, cwd=ROOT, stdout=full)
+    os.close(full)
+    assert done.returncode == exit_codes.BAD_INPUT
+    assert done.stderr == "liftmesh: error: stdout: No space left on device\n"
+
+
+UNPRIVILEGED = """
+import os, sys
+from liftmesh.cli import main
+main(["triangulate", "cloud.xyz", "first.ply"])  # imports what others may not read
+os.remove("first.ply")
+if os.getuid() == 0:  # to whom nothing is read-only
+    os.setgid(65534)
+    os.setuid(65534)
+for place in ("locked/mesh.ply", "open/old.ply", "locked/old.ply"):
+    print(main(["triangulate", "cloud.xyz", place]), flush=True)
+"""
+
+
+def test_places_that_are_read_only() -> None:
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "cloud.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n")
+        for inner in ("locked", "open"):
+            (folder / inner).mkdir()
+            (folder / inner / "old.ply").write_bytes(b"old")
+            (folder / inner / "old.ply").chmod(0o444)
+        (folder / "locked").chmod(0o555)
+        (folder / "open").chmod(0o777)
+        folder.chmod(0o755)
+        command = [sys.executable, "-c", UNPRIVILEGED]
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, env=PLAIN, check=True
+        )
+        assert done.stdout.split()[-3:] == [str(exit_codes.BAD_INPUT)] * 3
+        first, second, third = done.stderr.splitlines()
+        assert first.endswith(f"{folder}/locked: cannot write here: the folder is read-only")
+        for line, inner in ((second, "open"), (third, "locked")):
+            reason = "cannot replace this file: it is read-only"
+            assert line.endswith(f"{folder}/{inner}/old.ply: {reason}")
+        for inner in ("locked", "open"):
+            assert [each.name for each in (folder / inner).iterdir()] == ["old.ply"]
+            assert (folder / inner / "old.ply").read_bytes() == b"old"
+
+
+def test_a_folder_that_may_be_written_but_not_listed() -> None:
+    program = """
+        import io, os, sys
+        import numpy as np, liftmesh
+        liftmesh.write(io.BytesIO(), np.eye(3), format="ply")  # imports what others may not read
+        if os.getuid() == 0:
+            os.setgid(65534)
+            os.setuid(65534)
+        print(liftmesh.write(sys.argv[1], np.eye(3)).bytes > 0)
+    """
+    with TemporaryDirectory() as name:
+        Path(name).chmod(0o755)
+        folder = Path(name) / "drop"
+        folder.mkdir()
+        folder.chmod(0o333)
+        assert output(program, folder / "mesh.ply") == "True\n"
+
+
+def test_a_folder_that_takes_the_place_of_the_target_meanwhile(tmp_path: Path) -> None:
+    target = tmp_path / "mesh.ply"
+
+    def overtaken() -> None:
+        with replacing(target) as stream:
+            stream.write(b"new")
+            target.mkdir()
+
+    with pytest.raises(IsADirectoryError, match=r"directory: '.*mesh.ply'"):
+        overtaken()
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
+    program = """
+        import sys
+        import numpy as np, liftmesh
+        cloud = np.full((2000, 3), float(sys.argv[2]))
+        for _ in range(60):
+            liftmesh.write(sys.argv[1], cloud)
+            assert len(np.unique(liftmesh.read(sys.argv[1]).points)) == 1
+    """
+    target = tmp_path / "mesh.ply"
+    command = [sys.executable, "-c", program.replace("\n        ", "\n"), str(target)]
+    children = [subprocess.Popen([*command, str(k)]) for k in range(3)]
+    assert [child.wait(timeout=60) for child in children] == [0, 0, 0]
+    assert [each.name for each in tmp_path.iterdir()] == ["mesh.ply"]
+    assert len(liftmesh.read(target)) == 2000
+    assert isinstance(liftmesh.read(target), Cloud)

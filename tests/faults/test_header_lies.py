@@ -1,0 +1,122 @@
+"""Files that promise more than they hold: an error with its place, soon, and in little memory."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from faults.children import output
+from faults.lies import all_lies, glb, gltf_tree, overlapping
+from file_samples import loaded
+
+from liftmesh import FormatError
+
+MOST_MEMORY = 200_000_000
+
+READ_ALL = """
+    import io, json, sys, time, warnings
+    sys.path.insert(0, sys.argv[1])
+    from faults.lies import all_lies
+    import liftmesh, trimesh, scipy.spatial
+    warnings.simplefilter("ignore")
+    lies = all_lies()
+    for kind in ("npy", "npz", "ply", "obj", "stl", "gltf"):  # what they import is no part of it
+        try:
+            liftmesh.read(io.BytesIO(b"0" * 200), format=kind)
+        except liftmesh.FormatError:
+            pass
+    limit(int(sys.argv[2]))
+    before = status("VmHWM")
+    for kind, data, _ in lies:
+        begin = time.perf_counter()
+        try:
+            told = len(liftmesh.read(io.BytesIO(data), format=kind))
+        except Exception as error:
+            told = f"{type(error).__name__}: {error}"
+        print(json.dumps([told, time.perf_counter() - begin]))
+    print(status("VmHWM") - before)
+"""
+
+
+def test_lies_of_headers_are_told_with_their_place_in_little_memory() -> None:
+    lies = all_lies()
+    tests = Path(__file__).resolve().parent.parent
+    *lines, grown = output(READ_ALL, tests, MOST_MEMORY).splitlines()
+    assert len(lines) == len(lies) > 150
+    wrong = []
+    for (kind, data, cause), line in zip(lies, lines, strict=True):
+        told, seconds = json.loads(line)
+        form = rf"FormatError: <stream>: .*({cause})"
+        if not isinstance(told, str) or not re.match(form, told) or seconds > 5:
+            wrong.append((kind, data[-120:], told, seconds))
+        assert len(str(told)) < 1000
+    assert wrong == []
+    assert int(grown) < MOST_MEMORY / 2
+
+
+@pytest.mark.parametrize("kind", ["gltf", "glb"])
+def test_the_tree_that_the_lies_change_is_true(kind: str) -> None:
+    data = glb(gltf_tree()) if kind == "glb" else json.dumps(gltf_tree()).encode()
+    assert loaded(data, kind).points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
+def test_two_arrays_of_one_name_are_not_one() -> None:
+    data = overlapping(b"").replace(b"0001.npy", b"0000.npy")
+    with pytest.raises(FormatError, match="two arrays of this name"):
+        loaded(data, "npz")
+
+
+# What would take minutes if each name were compared with all before it, or each line were copied
+# onto all before it.
+MANY = 30_000
+LONG = {
+    "properties": (
+        "ply",
+        b"ply\nformat ascii 1.0\nelement vertex 1\n"
+        + b"".join(b"property float a%d\n" % k for k in range(MANY))
+        + b"end_header\n",
+        "no x and y",
+    ),
+    "elements": (
+        "ply",
+        b"ply\nformat ascii 1.0\n"
+        + b"".join(b"element a%d 0\n" % k for k in range(MANY))
+        + b"end_header\n",
+        "no vertex element",
+    ),
+    "columns": (
+        "csv",
+        b"x,y," + b",".join(b"a%d" % k for k in range(MANY)) + b"\n1,2\n",
+        "line 2: expected",
+    ),
+    "continued lines": ("obj", b"v 0 0\n" + b"a\\\n" * 10 * MANY, "line 1"),
+    "continued lines beyond a block": (
+        "obj",
+        b"v 0 0\n" + b"#" * (4 << 20) + b"\\\n" + b"a\\\n" * MANY,
+        "line 1",
+    ),
+    "one long line": ("xyz", b"1 " * MANY + b"\n1\n", "line 2: expected"),
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_no_file_takes_time_beyond_its_size(name: str) -> None:
+    program = """
+        import io, sys, time
+        sys.path.insert(0, sys.argv[1])
+        from faults.test_header_lies import LONG
+        import liftmesh
+        kind, data, _ = LONG[sys.argv[2]]
+        begin = time.thread_time()
+        try:
+            liftmesh.read(io.BytesIO(data), format=kind)
+        except liftmesh.FormatError as error:
+            print(time.thread_time() - begin, error)
+    """
+    tests = Path(__file__).resolve().parent.parent
+    seconds, message = output(program, tests, name).split(maxsplit=1)
+    assert float(seconds) < 5
+    assert re.search(LONG[name][2], message)
+    assert len(message) < 1000

@@ -1,0 +1,135 @@
+"""Signals in the midst of writing: the old file stays, and nothing lies beside it."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from faults.amid import begun, ended, wait_until, writes
+
+import liftmesh
+from liftmesh import Cloud
+from liftmesh.cli import exit_codes
+from liftmesh.formats import atomic
+
+LIBRARY = """
+import sys
+import numpy as np
+import liftmesh
+from liftmesh.formats import atomic
+if sys.argv[1] == "named":  # as on a file system without nameless files
+    atomic._NAMELESS = 0
+liftmesh.write("mesh.obj", np.random.default_rng(0).random((600_000, 3)))
+"""
+COMMAND_LINE = """
+import sys
+from liftmesh.cli import main
+from liftmesh.formats import atomic
+if sys.argv[1] == "named":
+    atomic._NAMELESS = 0
+sys.exit(main(["triangulate", "../cloud.npy", "mesh.obj"]))
+"""
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("kill")
+    np.save(folder / "cloud.npy", np.random.default_rng(0).random((300_000, 3)))
+    return folder
+
+
+@pytest.fixture
+def folder(place: Path) -> Path:
+    inner = place / "inner"
+    shutil.rmtree(inner, ignore_errors=True)
+    inner.mkdir()
+    (inner / "mesh.obj").write_bytes(b"old")
+    return inner
+
+
+def names_in(folder: Path) -> list[str]:
+    return sorted(each.name for each in folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("program", "sent", "codes", "complaint"),
+    [
+        (LIBRARY, signal.SIGKILL, {-signal.SIGKILL}, ""),
+        (LIBRARY, signal.SIGTERM, {-signal.SIGTERM}, ""),
+        (LIBRARY, signal.SIGINT, {-signal.SIGINT}, "KeyboardInterrupt"),
+        (COMMAND_LINE, signal.SIGKILL, {-signal.SIGKILL}, ""),
+        (COMMAND_LINE, signal.SIGTERM, {exit_codes.TERMINATED}, "ended by SIGTERM"),
+        (COMMAND_LINE, signal.SIGINT, {exit_codes.INTERRUPTED}, "error: interrupted"),
+    ],
+    ids=["library KILL", "library TERM", "library INT", "KILL", "TERM", "INT"],
+)
+def test_a_signal_amid_writing_leaves_the_old_file_alone(
+    program: str, sent: int, codes: set[int], complaint: str, folder: Path
+) -> None:
+    child = begun("nameless", cwd=folder, program=program)
+    wait_until(child, lambda: writes(child, folder))
+    code, out, err, seconds = ended(child, sent)
+    assert code in codes
+    assert out == ""
+    assert complaint in err
+    assert seconds < 1
+    assert names_in(folder) == ["mesh.obj"]
+    assert (folder / "mesh.obj").read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_without_nameless_files_only_what_cannot_be_heard_leaves_a_part(
+    sent: int, folder: Path
+) -> None:
+    child = begun("named", cwd=folder, program=COMMAND_LINE)
+    wait_until(child, lambda: writes(child, folder))
+    ended(child, sent)
+    debris = [name for name in names_in(folder) if name != "mesh.obj"]
+    assert len(debris) == (1 if sent == signal.SIGKILL else 0)
+    assert all(name.startswith(".liftmesh-") for name in debris)
+    assert (folder / "mesh.obj").read_bytes() == b"old"
+    # Nobody trips over it: the next file has a name of its own meanwhile.
+    liftmesh.write(folder / "mesh.obj", Cloud(np.eye(3)))
+    assert len(liftmesh.read(folder / "mesh.obj")) == 3
+    assert names_in(folder) == sorted([*debris, "mesh.obj"])
+
+
+def test_without_nameless_files_an_error_leaves_no_part(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(atomic, "_NAMELESS", 0)
+    (folder / "mesh.obj").chmod(0o640)
+    late = Cloud(np.zeros((2, 3)), colors=np.array([[0.0, 0, 0], [0, 9, 0]]))
+    with pytest.raises(liftmesh.FormatError, match="row 1"):
+        liftmesh.write(folder / "mesh.obj", late)
+    assert names_in(folder) == ["mesh.obj"]
+    liftmesh.write(folder / "mesh.obj", Cloud(np.eye(3)))
+    assert (folder / "mesh.obj").stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize("what", ["removed", "renamed", "replaced"])
+@pytest.mark.parametrize("way", ["nameless", "named"])
+def test_a_folder_that_vanishes_amid_writing_is_told(what: str, way: str, folder: Path) -> None:
+    child = begun(way, cwd=folder, program=COMMAND_LINE)
+    wait_until(child, lambda: writes(child, folder))
+    child.send_signal(signal.SIGSTOP)
+    elsewhere = folder.parent / f"elsewhere {way} {what}"
+    if what == "removed":
+        shutil.rmtree(folder)
+    else:
+        folder.rename(elsewhere)
+    if what == "replaced":
+        folder.mkdir()
+    code, out, err, _ = ended(child, signal.SIGCONT)
+    assert (code, out) == (exit_codes.BAD_INPUT, "")
+    assert err == (
+        f"liftmesh: error: {folder}: cannot write here: the folder was moved or removed meanwhile\n"
+    )
+    if what != "removed":
+        assert names_in(elsewhere) == ["mesh.obj"]
+        assert (elsewhere / "mesh.obj").read_bytes() == b"old"
+    if what == "replaced":
+        assert names_in(folder) == []

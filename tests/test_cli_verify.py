@@ -1,0 +1,114 @@
+"""``liftmesh verify`` as a person runs it, and the checker that does without liftmesh."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clouds import FAMILIES
+from commands import liftmesh as run
+
+import liftmesh
+from liftmesh import Cloud
+
+ROOT = Path(__file__).resolve().parent.parent
+CHECKER = ROOT / "scripts" / "check_certificate.py"
+
+
+def mesh(path: Path, points: np.ndarray, simplices: np.ndarray) -> Path:
+    space = np.column_stack((points, np.zeros(len(points))))
+    liftmesh.write(path, Cloud(space, faces=np.asarray(simplices, dtype=np.int32)))
+    return path
+
+
+def check(*arguments: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-I", str(CHECKER), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("suffix", ["ply", "obj"])
+@pytest.mark.parametrize("family", ["uniform", "lattice", "integer-circles", "denormal-lattice"])
+def test_a_certificate_holds_without_liftmesh(tmp_path: Path, family: str, suffix: str) -> None:
+    points = FAMILIES[family](300, np.random.default_rng(1))
+    path = mesh(tmp_path / f"mesh.{suffix}", points, liftmesh.delaunay(points).simplices)
+    found = run("verify", path, "--certificate", tmp_path / "mesh.json")
+    assert found.returncode == 0, found.stderr
+    assert found.stdout.startswith("Valid, and canonical")
+    checked = check(tmp_path / "mesh.json", path)
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    assert checked.stdout.endswith("triangles, canonical.\n")
+
+
+def test_other_choices_are_told_by_both(tmp_path: Path) -> None:
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    path = mesh(tmp_path / "mesh.obj", square, [[0, 1, 2], [0, 2, 3]])
+    found = run("verify", path, "--certificate", tmp_path / "mesh.json")
+    assert found.returncode == 0
+    assert found.stdout.startswith("Valid: a Delaunay triangulation, with other choices")
+    assert check(tmp_path / "mesh.json", path).stdout.endswith("valid, not canonical.\n")
+
+
+def test_what_is_wrong_is_named_and_ends_with_1(tmp_path: Path) -> None:
+    points = np.random.default_rng(2).random((30, 2))
+    path = mesh(tmp_path / "mesh.ply", points, liftmesh.delaunay(points).simplices[1:])
+    found = run("verify", path, "--certificate", tmp_path / "mesh.json")
+    assert found.returncode == 1
+    assert found.stdout.startswith("Not valid")
+    assert "- " in found.stdout
+    assert "row" in found.stdout
+    assert check(tmp_path / "mesh.json", path).returncode == 0  # it says so, and so it is
+
+
+def test_a_certificate_that_lies_is_found_out(tmp_path: Path) -> None:
+    points = np.random.default_rng(2).random((30, 2))
+    right = liftmesh.delaunay(points).simplices
+    path = mesh(tmp_path / "mesh.ply", points, right[1:])
+    run("verify", path, "--certificate", tmp_path / "mesh.json")
+    values = json.loads((tmp_path / "mesh.json").read_text())
+    for lie in ({"valid": True}, {"canonical": True}):
+        (tmp_path / "lie.json").write_text(json.dumps(values | lie))
+        found = check(tmp_path / "lie.json", path)
+        assert found.returncode == 1
+        assert "The certificate is wrong" in found.stdout
+    other = mesh(tmp_path / "other.ply", points, right)
+    found = check(tmp_path / "mesh.json", other)
+    assert found.returncode == 1
+    assert "speaks of another mesh: simplices_sha256" in found.stdout
+
+
+def test_json_is_the_certificate(tmp_path: Path) -> None:
+    points = np.random.default_rng(2).random((30, 2))
+    triangulation = liftmesh.delaunay(points)
+    path = mesh(tmp_path / "mesh.ply", points, triangulation.simplices)
+    found = run("verify", path, "--json", "--threads", "2")
+    assert json.loads(found.stdout) == json.loads(triangulation.verify().to_json())
+
+
+def test_a_mesh_in_another_plane(tmp_path: Path) -> None:
+    points = np.random.default_rng(2).random((200, 3)) * (1, 0.01, 1)
+    cloud = tmp_path / "wall.ply"
+    liftmesh.write(cloud, Cloud(points))
+    assert run("triangulate", cloud, tmp_path / "mesh.ply", "--plane", "fit").returncode == 0
+    assert run("verify", tmp_path / "mesh.ply", "--plane", "fit").returncode == 0
+    assert run("verify", tmp_path / "mesh.ply").returncode == 1
+
+
+def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
+    cloud = tmp_path / "cloud.xyz"
+    cloud.write_text("0 0 0\n1 0 0\n0 1 0\n")
+    found = run("verify", cloud)
+    assert found.returncode == 3
+    assert "cloud.xyz: holds no triangles: make some with liftmesh triangulate" in found.stderr
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [np.nan, 0.0]])
+    path = mesh(tmp_path / "mesh.ply", points, [[0, 1, 2]])
+    found = run("verify", path)
+    assert found.returncode == 3
+    assert "mesh.ply: row 3 is not finite" in found.stderr
+    assert run("verify", path, "--nonfinite", "skip").returncode == 0
+    before = path.read_bytes()
+    assert run("verify", path, "--certificate", path).returncode == 2
+    assert path.read_bytes() == before

@@ -1,0 +1,146 @@
+"""Arithmetic as it is written: a kernel whose products and sums were fused is caught.
+
+Contraction makes one instruction of a product and a sum, and one rounding of two. GCC does it by
+itself wherever the processor has such an instruction. The filters' bounds are proved for the
+roundings that the source shows, and what is computed should not depend on the compiler. So the
+build forbids it, and the kernel asks itself at its import (`floating_point.hpp`).
+
+Here the same sources are compiled with the project's own option and with the opposite, both for a
+processor that has the instruction, and both are run on this one: on x86 it needs to know FMA, as
+all do that were made since 2013.
+
+How much depends on it? The last test is what a search found: a fused filter computes other numbers,
+but its bounds still hold, since fusing leaves roundings out and adds none. No sign is known to go
+wrong. What goes is the proof, and that every machine takes the same steps: in gift wrapping another
+number of tests stays undecided.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import twin
+from numpy.typing import NDArray
+from test_predicates import nearly_cocircular
+
+from liftmesh import _kernel
+
+CORE = Path(__file__).resolve().parent.parent / "liftmesh" / "_core"
+PROGRAMS = Path(__file__).parent / "contraction"
+PREDICATES = [CORE / f"predicates/{name}.cpp" for name in ("orient2d", "incircle", "ties")]
+FUSING = "-ffp-contract=fast"
+FUSED = re.compile(r"\s(?:vfn?m(?:add|sub)\w+|fn?m(?:add|sub)|fml[as])\s")
+
+
+def fused_instructions(binary: Path) -> int:
+    """Count them in a program or library, on x86 and on ARM."""
+    command = ["objdump", "--disassemble", "--no-show-raw-insn", binary]
+    return len(
+        FUSED.findall(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    )
+
+
+def options() -> list[str]:
+    """What the build tells the compiler about contraction, for all that includes the kernel."""
+    listed = (CORE / "CMakeLists.txt").read_text("utf-8")
+    (public,) = re.findall(r"target_compile_options\(liftmesh_core PUBLIC ([^\n]*)", listed)
+    return public.split()
+
+
+def build(target: Path, contraction: list[str], *sources: Path) -> Path:
+    """Compile optimised code for a processor that can fuse."""
+    able = ["-mfma"] if platform.machine() in {"x86_64", "AMD64"} else []
+    compiler = shlex.split(os.environ.get("CXX", "c++"))
+    flags = ["-std=c++20", "-O3", *able, *contraction, f"-I{CORE}"]
+    subprocess.run([*compiler, *flags, *sources, "-o", target], check=True)
+    return target
+
+
+class TestTheProbe:
+    SOURCES = (PROGRAMS / "probe.cpp", CORE / "floating_point.cpp")
+
+    def says(self, program: Path) -> list[str]:
+        done = subprocess.run([program], capture_output=True, text=True, check=True)
+        return done.stdout.splitlines()
+
+    def test_it_says_nothing_of_a_build_with_the_projects_options(self, tmp_path):
+        program = build(tmp_path / "probe", options(), *self.SOURCES)
+        assert self.says(program) == ["rounds as written"]
+        assert fused_instructions(program) == 0
+
+    def test_it_tells_a_build_that_may_fuse_and_the_remedy(self, tmp_path):
+        program = build(tmp_path / "probe", [FUSING], *self.SOURCES)
+        found, refusal = self.says(program)
+        assert found == "contracts"
+        assert "-ffp-contract=off" in refusal
+        assert fused_instructions(program) > 0
+
+    @pytest.mark.parametrize("fuses", ["caller", "kernel"])
+    def test_it_asks_the_caller_and_the_kernel_each_for_itself(self, fuses, tmp_path):
+        """A header is compiled into both: neither answers for the other."""
+        of_caller, of_kernel = (
+            [FUSING] if fuses == part else options() for part in ("caller", "kernel")
+        )
+        caller = build(tmp_path / "caller.o", [*of_caller, "-c"], self.SOURCES[0])
+        kernel = build(tmp_path / "kernel.o", [*of_kernel, "-c"], self.SOURCES[1])
+        found, *refusal = self.says(build(tmp_path / "probe", options(), caller, kernel))
+        assert found == ("contracts" if fuses == "caller" else "rounds as written")
+        assert len(refusal) == (fuses == "kernel")
+
+
+class TestTheKernelHere:
+    def test_no_instruction_of_it_fuses(self):
+        assert fused_instructions(Path(_kernel.__file__)) == 0
+
+    def test_it_asks_itself_at_its_import(self):
+        module = (CORE / "bindings.cpp").read_text("utf-8").partition("NB_MODULE(")[2]
+        assert "refuse_contraction(liftmesh::contracts());" in module.partition("m.def(")[0]
+
+    def test_every_target_that_computes_has_the_option(self):
+        """It is public: whatever links to the library is compiled with it, the module too."""
+        listed = (CORE / "CMakeLists.txt").read_text("utf-8")
+        assert options() == ["-ffp-contract=off"]
+        targets = re.findall(r"(?:add_library|nanobind_add_module)\((\w+)", listed)
+        linked = re.findall(r"target_link_libraries\((\w+) PRIVATE liftmesh_core\)", listed)
+        assert sorted(targets) == sorted(["liftmesh_core", *linked])
+
+
+def hard_questions() -> NDArray[np.float64]:
+    """Within the window of the filters: near a circle, on a small lattice, near a line."""
+    rng = np.random.default_rng(53)
+    lattice = rng.integers(-4, 5, (800, 4, 2)) * 2.0 ** rng.integers(-40, 40, (800, 1, 1))
+    along = rng.uniform(-1, 1, (800, 4, 1)) * rng.uniform(0.1, 1, (800, 1, 2))
+    line = along + rng.integers(-1, 2, along.shape) * np.spacing(along)
+    return np.concatenate((nearly_cocircular((800, 4, 2), rng), lattice + 0.1, line))
+
+
+def test_a_fused_filter_computes_other_numbers_and_still_keeps_its_bounds(tmp_path) -> None:
+    asked = hard_questions()
+    answers = []
+    for contraction in (options(), [FUSING]):
+        program = build(tmp_path / "filters", contraction, PROGRAMS / "filters.cpp", *PREDICATES)
+        done = subprocess.run([program], input=asked.tobytes(), capture_output=True, check=True)
+        answers.append(np.frombuffer(done.stdout).reshape(-1, 9))
+    exact = twin.rational(asked)
+    turn, side = twin.turns(exact), twin.sides(exact)
+    for answer in answers:
+        assert len(answer) == len(asked)
+        for filtered, truth in zip(
+            np.split(answer[:, :6], 3, axis=1), (turn, side, side), strict=True
+        ):
+            value, error = filtered.T
+            certain = np.abs(value) > error
+            np.testing.assert_array_equal(np.sign(value[certain]), truth[certain])
+            assert 0 < np.count_nonzero(certain) < len(asked)
+        np.testing.assert_array_equal(answer[:, 6], turn)
+        np.testing.assert_array_equal(answer[:, 7], side)
+    as_written, fused = answers
+    assert (as_written[:, 4] != fused[:, 4]).any()
+    np.testing.assert_array_equal(as_written[:, 6:], fused[:, 6:])

@@ -1,0 +1,321 @@
+"""`verify`: right results pass, each kind of damage is named where it is, nothing wrong gets by."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from hashlib import sha256
+
+import numpy as np
+import pytest
+from benchmark.verify import flaw as second_opinion
+from clouds import FAMILIES
+from hypothesis import given, settings, strategies as st
+from meshes import oracle_triangles
+from numpy.typing import NDArray
+from oracle import counter_clockwise, exact
+from scipy.spatial import Delaunay
+
+import liftmesh
+from liftmesh import Certificate, InputError, NonFiniteError
+
+Rows = NDArray[np.int32]
+
+POINTS = np.random.default_rng(5).random((40, 2))
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+THREADS = range(1, 9)
+
+
+def kinds(certificate: Certificate) -> dict[str, int]:
+    return {flaw.kind: flaw.count for flaw in certificate.flaws}
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_what_delaunay_makes_is_valid_and_canonical(family: str) -> None:
+    points = FAMILIES[family](3000, np.random.default_rng(1))
+    triangulation = liftmesh.delaunay(points)
+    certificate = triangulation.verify()
+    assert certificate
+    assert certificate.canonical, str(certificate)
+    assert certificate.rows == len(points)
+    assert certificate.duplicates == len(triangulation.duplicates)
+    assert certificate.vertices == len(points) - len(triangulation.duplicates)
+    assert certificate.hull_edges == len(triangulation.convex_hull)
+    assert certificate.edges == certificate.vertices + certificate.triangles - 1
+    assert certificate.euler_characteristic == 1
+
+
+def test_the_order_of_triangles_and_corners_does_not_matter() -> None:
+    points = np.random.default_rng(3).random((60_000, 2))
+    random = np.random.default_rng(4)
+    simplices = random.permutation(liftmesh.delaunay(points).simplices)
+    turn = (random.integers(0, 3, len(simplices))[:, None] + np.arange(3)) % 3
+    assert liftmesh.verify(points, np.take_along_axis(simplices, turn, axis=1)).canonical
+
+
+def test_other_choices_on_a_circle_are_valid_but_not_canonical() -> None:
+    certificate = liftmesh.verify(SQUARE, [[0, 1, 2], [0, 2, 3]])
+    assert certificate
+    assert not certificate.canonical
+    (flaw,) = certificate.flaws
+    assert (flaw.kind, flaw.count) == ("canonical", 1)
+    assert flaw.first[0].rows == (0, 1, 2, 3)
+    assert flaw.first[0].side == 0
+    assert liftmesh.verify(SQUARE, [[0, 1, 3], [1, 2, 3]]).canonical
+
+
+def test_scipys_triangles_are_judged() -> None:
+    assert liftmesh.verify(POINTS, Delaunay(POINTS).simplices).canonical
+    grid = np.indices((8, 8)).reshape(2, -1).T.astype(float)
+    certificate = liftmesh.verify(grid, Delaunay(grid).simplices)
+    assert certificate.valid
+    assert not certificate.canonical
+
+
+def flipped(simplices: Rows) -> Rows:
+    """Exchange the diagonal of the first convex quadrilateral for the other one."""
+    neighbors = liftmesh.delaunay(POINTS).neighbors
+    for row, other in zip(*np.nonzero(neighbors >= 0), strict=True):
+        a, b, c = np.roll(simplices[row], -other)
+        (d,) = set(simplices[neighbors[row, other]]) - {b, c}
+        pair = np.array([[a, b, d], [a, d, c]], dtype=np.int32)
+        if (liftmesh.orient2d(*np.moveaxis(POINTS[pair], 1, 0)) > 0).all():
+            return np.vstack((np.delete(simplices, [row, neighbors[row, other]], axis=0), pair))
+    raise AssertionError("no side can be flipped")
+
+
+def inner_triangle(simplices: Rows) -> int:
+    hull = liftmesh.delaunay(POINTS).convex_hull[:, 0]
+    return int(np.flatnonzero(~np.isin(simplices, hull).any(axis=1))[0])
+
+
+def without_a_point(simplices: Rows) -> Rows:
+    inner = np.argmin(np.linalg.norm(POINTS - 0.5, axis=1))
+    kept = np.delete(np.arange(len(POINTS)), inner)
+    return kept[liftmesh.delaunay(POINTS[kept]).simplices].astype(np.int32)
+
+
+def hull_triangle_gone(simplices: Rows) -> Rows:
+    """Take out a triangle with one side on the border: its apex turns the border inward."""
+    neighbors = liftmesh.delaunay(POINTS).neighbors
+    hull = set(liftmesh.delaunay(POINTS).convex_hull[:, 0].tolist())
+    for row in np.flatnonzero((neighbors < 0).sum(axis=1) == 1):
+        apex = simplices[row, np.argmin(neighbors[row])]
+        if apex not in hull:
+            return np.delete(simplices, row, axis=0)
+    raise AssertionError("no such triangle")
+
+
+DAMAGE = {
+    "a side flipped": (flipped, "delaunay"),
+    "a triangle turned": (lambda t: np.vstack((t[:-1], t[-1:, ::-1])), "clockwise"),
+    "a triangle without area": (lambda t: np.vstack((t, [[0, 0, 1]])), "flat"),
+    "an inner triangle gone": (lambda t: np.delete(t, inner_triangle(t), axis=0), "pieces"),
+    "a border triangle gone": (hull_triangle_gone, "hull"),
+    "a triangle twice": (lambda t: np.vstack((t, t[:1])), "doubled"),
+    "all twice": (lambda t: np.vstack((t, t)), "doubled"),
+    "a point left out": (without_a_point, "missing"),
+    "a row that is none": (lambda t: np.vstack((t[1:], [[0, 1, 40]])), "index"),
+    "a negative row": (lambda t: np.vstack((t[1:], [[0, -1, 2]])), "index"),
+    "no triangles": (lambda t: t[:0], "empty"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_damage_is_named(damage: str) -> None:
+    spoil, kind = DAMAGE[damage]
+    rows = spoil(liftmesh.delaunay(POINTS).simplices)
+    certificate = liftmesh.verify(POINTS, rows)
+    assert not certificate
+    assert not certificate.canonical
+    assert kind in kinds(certificate), str(certificate)
+    assert str(certificate).startswith("not valid: ")
+    assert second_opinion(POINTS, rows) != ""
+
+
+def test_offenders_have_rows_coordinates_and_exact_sides() -> None:
+    rows = flipped(liftmesh.delaunay(POINTS).simplices)
+    (flaw,) = (f for f in liftmesh.verify(POINTS, rows).flaws if f.kind == "delaunay")
+    assert flaw.count >= 1
+    for place in flaw.first:
+        assert place.points == tuple(map(tuple, POINTS[list(place.rows)].tolist()))
+        assert place.side == liftmesh.incircle(*place.points) == 1
+        one, other = place.triangles
+        assert tuple(rows[one]) == place.rows[:3]
+        assert place.rows[3] in rows[other]
+
+
+def test_a_border_that_goes_round_twice_is_found() -> None:
+    """Ten triangles around one vertex, through twice the full turn: all turn the right way."""
+    angle = np.arange(10) * 4 * np.pi / 10
+    rim = np.column_stack((np.cos(angle), np.sin(angle))) * (1 + np.arange(10) / 1e9)[:, None]
+    points = np.vstack(([[0, 0]], rim))
+    fan = [[0, 1 + i, 1 + (i + 1) % 10] for i in range(10)]
+    certificate = liftmesh.verify(points, fan)
+    assert not certificate
+    assert {"winding", "hull"} & kinds(certificate).keys(), str(certificate)
+    star = np.vstack(([[0, 0]], [[4, 0], [-3, 3], [0, -4], [3, 3], [-4, 0], [1, -9]]))
+    assert not liftmesh.verify(star, [[0, 1 + i, 1 + (i + 1) % 6] for i in range(6)])
+
+
+def test_a_mesh_whose_triangles_share_no_vertices() -> None:
+    triangulation = liftmesh.delaunay(POINTS)
+    corners = POINTS[triangulation.simplices].reshape(-1, 2)
+    certificate = liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
+    assert certificate.canonical
+    assert certificate.vertices == len(POINTS)
+    assert certificate.merged == certificate.duplicates == len(corners) - len(POINTS)
+    corners[5] += 1e-9
+    assert not liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
+
+
+def test_rows_that_are_not_finite() -> None:
+    points = np.vstack((POINTS, [[np.nan, 0], [0, np.inf]]))
+    simplices = liftmesh.delaunay(POINTS).simplices
+    with pytest.raises(NonFiniteError, match="row 40 is not finite"):
+        liftmesh.verify(points, simplices)
+    certificate = liftmesh.verify(points, simplices, nonfinite="skip")
+    assert certificate.canonical
+    assert certificate.skipped == 2
+    assert liftmesh.delaunay(points, nonfinite="skip").verify().canonical
+    spoilt = np.vstack((simplices, [[0, 1, 41]]))
+    certificate = liftmesh.verify(points, spoilt, nonfinite="skip")
+    assert kinds(certificate) == {"non-finite": 1}
+    assert "row 41 (0.0, inf)" in certificate.flaws[0].first[0].text
+    assert json.loads(certificate.to_json())["flaws"][0]["first"][0]["points"][2][1] == "inf"
+
+
+def test_duplicates_need_no_vertex_of_their_own_and_others_do() -> None:
+    points = np.vstack((POINTS, POINTS[:7], [[-0.0, 0.5], [0.0, 0.5]]))
+    simplices = liftmesh.delaunay(points).simplices
+    assert liftmesh.verify(points, simplices).duplicates == 8
+    certificate = liftmesh.verify(np.vstack((points, [[0.5, 0.5]])), simplices)
+    assert kinds(certificate) == {"missing": 1}
+    assert certificate.flaws[0].first[0].rows == (49,)
+    named_by_others = np.where(simplices < 7, simplices + 40, simplices)
+    assert liftmesh.verify(points, named_by_others).canonical
+
+
+@pytest.mark.parametrize("dtype", [np.int16, np.uint32, np.int64, np.uint64, ">i4"])
+def test_whole_numbers_of_any_kind(dtype: str) -> None:
+    simplices = liftmesh.delaunay(POINTS).simplices
+    certificate = liftmesh.verify(POINTS, simplices.astype(dtype))
+    assert certificate == liftmesh.verify(POINTS, simplices)
+    assert certificate.simplices_sha256 == sha256(simplices.astype("<i4").tobytes()).hexdigest()
+    assert certificate.points_sha256 == sha256(POINTS.astype("<f8").tobytes()).hexdigest()
+
+
+def test_rows_beyond_what_the_kernel_counts() -> None:
+    certificate = liftmesh.verify(POINTS, [[0, 1, 2**32 + 2]])
+    assert kinds(certificate) == {"index": 1}
+    assert "names row 4294967298" in certificate.flaws[0].first[0].text
+
+
+@pytest.mark.parametrize(
+    "points", [POINTS.astype(np.float32), np.asfortranarray(POINTS), np.repeat(POINTS, 3, 0)[::3]]
+)
+def test_points_of_other_layouts(points: NDArray[np.floating]) -> None:
+    assert liftmesh.delaunay(points).verify().canonical
+    assert liftmesh.verify(np.c_[points, points[:, 0]], liftmesh.delaunay(points).simplices)
+
+
+@pytest.mark.parametrize("simplices", [[0, 1, 2], [[0, 1]], [[0, 1, 2, 3]], [[0.0, 1.0, 2.0]]])
+def test_other_shapes_are_refused(simplices: object) -> None:
+    with pytest.raises(InputError, match=r"simplices need the shape \(m, 3\)"):
+        liftmesh.verify(POINTS, simplices)
+
+
+def test_unknown_options_are_refused() -> None:
+    with pytest.raises(InputError, match="nonfinite is 'drop'"):
+        liftmesh.verify(POINTS, [[0, 1, 2]], nonfinite="drop")
+    with pytest.raises(InputError, match="threads"):
+        liftmesh.verify(POINTS, [[0, 1, 2]], threads=0)
+
+
+@settings(max_examples=200)
+@given(
+    st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=3, max_size=9),
+    st.lists(
+        st.tuples(st.integers(0, 8), st.integers(0, 8), st.integers(0, 8)), min_size=1, max_size=9
+    ),
+    st.booleans(),
+)
+def test_what_it_accepts_is_right(
+    places: list[tuple[int, int]], triples: list[tuple[int, int, int]], start_right: bool
+) -> None:
+    """Canonical exactly where the set of triangles is the oracle's, each one once."""
+    points = np.array(places, dtype=float)
+    try:
+        right = liftmesh.delaunay(points).simplices
+    except liftmesh.DegenerateInputError:
+        right = np.empty((0, 3), dtype=np.int32)
+    triangles = np.array([t for t in triples if max(t) < len(points)], dtype=np.int32)
+    tried = np.vstack((right, triangles.reshape(-1, 3)[:1] if start_right else right[:0]))
+    for rows in (right, tried, triangles.reshape(-1, 3)):
+        corners = [tuple(exact(places)[i] for i in row) for row in rows.tolist()]
+        named = [counter_clockwise(*c) for c in corners if len({*c}) == 3]
+        whole = len({*named}) == len(rows) and {*named} == oracle_triangles(points)
+        turned = all((liftmesh.orient2d(*points[row]) > 0) for row in rows)
+        assert liftmesh.verify(points, rows).canonical == (whole and turned and len(rows) > 0)
+
+
+@pytest.mark.parametrize("family", ["uniform", "lattice", "duplicates", "circle"])
+def test_certificates_are_the_same_for_any_number_of_threads(family: str) -> None:
+    points = FAMILIES[family](70_000, np.random.default_rng(2))
+    right = liftmesh.delaunay(points).simplices
+    shuffled = np.random.default_rng(3).permutation(right)
+    for rows in (right, shuffled, shuffled[1:], np.vstack((right, shuffled[:40, ::-1]))):
+        found = [liftmesh.verify(points, rows, threads=threads) for threads in THREADS]
+        assert all(one == found[0] for one in found)
+
+
+def test_a_stranger_to_the_same_position_hash_is_no_duplicate() -> None:
+    """Positions whose products of bits collide meet, and are told apart."""
+    x = np.arange(1, 3000).astype(float)
+    points = np.column_stack((x, np.zeros_like(x)))
+    points = np.vstack((points, points[:, ::-1]))
+    assert liftmesh.delaunay(points).verify().canonical
+
+
+def test_progress_is_told_and_can_end_the_run() -> None:
+    points = np.random.default_rng(6).random((400_000, 2))
+    simplices = liftmesh.delaunay(points).simplices
+    told: list[float] = []
+    assert liftmesh.verify(points, simplices, progress=told.append)
+    assert told[-1] == 1.0
+    assert told == sorted(told)
+
+    def end(share: float) -> None:
+        raise RuntimeError(share)
+
+    with pytest.raises(RuntimeError):
+        liftmesh.verify(points, simplices, progress=end)
+
+
+def test_ctrl_c_ends_a_run() -> None:
+    program = """
+import os, signal, threading
+import numpy as np, liftmesh
+points = np.random.default_rng(0).random((3_000_000, 2))
+simplices = liftmesh.delaunay(points).simplices
+threading.Timer(0.15, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    while True:
+        liftmesh.verify(points, simplices, threads=2)
+except KeyboardInterrupt:
+    print("interrupted", bool(liftmesh.delaunay(points[:100]).verify()))
+"""
+    found = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert found.stdout == "interrupted True\n"
+
+
+def test_a_certificate_travels_as_json() -> None:
+    certificate = liftmesh.delaunay(POINTS).verify()
+    values = json.loads(certificate.to_json())
+    assert values == json.loads(json.dumps(certificate.as_dict()))
+    assert values["valid"] is values["canonical"] is True
+    assert values["counts"]["triangles"] == certificate.triangles
+    assert values["liftmesh"] == liftmesh.__version__
