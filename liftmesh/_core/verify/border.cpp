@@ -4,89 +4,98 @@
 #include <numeric>
 #include <utility>
 
+#include "buffer.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-constexpr Row nowhere = ~Row{0};
-
 class Border {
  public:
-    Border(const Subject& subject, Team& team, Flaws& flaws)
-        : subject_(subject), team_(team), flaws_(flaws), next_(subject.rows, nowhere) {}
+    Border(const Subject& subject, const std::vector<Side>& border, Team& team)
+        : subject_(subject), border_(border), team_(team), next_(allocate<Row>(subject.rows)) {}
 
-    bool follow(const std::vector<Side>& border) {
-        for (const Side& side : border) {
-            if (next_[side.tail] != nowhere) flaws_.add(Flaw::pinched, {side.tail, 0});
+    bool look(Flaws& flaws) {
+        std::fill_n(next_.get(), subject_.rows, nowhere);
+        for (const Side& side : border_) {
+            if (next_[side.tail] != nowhere) flaws.add(Flaw::pinched, {side.tail, 0});
             next_[side.tail] = side.head;
         }
-        if (flaws_.any(Flaw::pinched)) return true;
-        const std::size_t curves = find_curves(border);
-        if (curves > 1 || border.empty()) return true;
-        return look_at_turns();
+        if (flaws.any(Flaw::pinched) || border_.empty()) return true;
+        Flaws turns;
+        std::size_t rounds = 0;
+        if (!look_at_turns(turns, rounds)) return false;
+        if (rounds == 1 && !turns.any()) return true;
+        if (find_pieces(flaws)) return true;
+        flaws.add(turns);
+        if (!turns.any()) flaws.add(Flaw::winding, {border_.front().tail, rounds});
+        return true;
     }
 
  private:
-    // The last of them stays in `curve_`. Each triangle's sides close up, so do those that are
-    // left.
-    std::size_t find_curves(const std::vector<Side>& border) {
-        std::vector<Row> starts;
-        for (const Side& side : border) {
-            if (next_[side.tail] == nowhere) continue;
-            curve_.clear();
-            starts.push_back(side.tail);
-            for (Row at = side.tail; at != nowhere; at = std::exchange(next_[at], nowhere))
-                curve_.push_back(at);
-            curve_.pop_back();  // the first once more
-        }
-        if (starts.size() > 1)
-            for (const Row start : starts) flaws_.add(Flaw::pieces, {start, 0});
-        return starts.size();
-    }
-
-    bool look_at_turns() {
-        std::vector<Flaws> found(blocks(curve_.size()));
+    // A curve that only turns left has one row in each round that comes before both its neighbours
+    // in the order by x, then y. So has each of several curves: one such row in all is one curve.
+    bool look_at_turns(Flaws& flaws, std::size_t& rounds) const {
+        std::vector<Flaws> found(blocks(border_.size()));
         std::vector<std::size_t> least(found.size());
         const bool done = team_.run(found.size(), [&](std::size_t task) {
-            const std::size_t last = std::min(curve_.size(), (task + 1) * block);
-            for (std::size_t i = task * block; i < last; ++i) least[task] += turn(i, found[task]);
+            const std::size_t last = std::min(border_.size(), (task + 1) * block);
+            for (std::size_t i = task * block; i < last; ++i) {
+                __builtin_prefetch(&next_[border_[std::min(i + 2 * ahead, last - 1)].head]);
+                fetch(border_[std::min(i + ahead, last - 1)]);
+                least[task] += turn(border_[i], found[task]);
+            }
         });
-        for (const Flaws& some : found) flaws_.add(some);
-        const std::size_t rounds = std::accumulate(least.begin(), least.end(), std::size_t{0});
-        if (done && rounds != 1 && !flaws_.any(Flaw::hull))
-            flaws_.add(Flaw::winding, {curve_.front(), rounds});
+        for (const Flaws& some : found) flaws.add(some);
+        rounds = std::accumulate(least.begin(), least.end(), std::size_t{0});
         return done;
     }
 
-    // Looks at the turn of the curve at its row i. Whether the row comes before both its neighbours
-    // in the order by x, then y: a curve that only turns left has one such row for each round.
-    bool turn(std::size_t i, Flaws& flaws) const {
-        const Row row = curve_[i];
-        const Row before = curve_[i == 0 ? curve_.size() - 1 : i - 1];
-        const Row after = curve_[i + 1 == curve_.size() ? 0 : i + 1];
-        const Point a = subject_.points[before], b = subject_.points[row];
+    void fetch(const Side& side) const {
+        for (const Row row : {side.tail, side.head, next_[side.head]})
+            __builtin_prefetch(&subject_.points[row]);
+    }
+
+    // Looks at the turn of the curve at the head of a side. Whether that is a least row.
+    bool turn(const Side& side, Flaws& flaws) const {
+        const Row after = next_[side.head];
+        const Point a = subject_.points[side.tail], b = subject_.points[side.head];
         const Point c = subject_.points[after];
-        const int side = orient2d(a, b, c);
+        const int sign = orient2d(a, b, c);
         const bool goes_on = before_xy(a, b) == before_xy(b, c);  // and does not turn back
-        if (side < 0 || (side == 0 && !goes_on))
-            flaws.add(Flaw::hull, {row, std::uint64_t{before} << 32 | after});
+        if (sign < 0 || (sign == 0 && !goes_on))
+            flaws.add(Flaw::hull, {side.head, std::uint64_t{side.tail} << 32 | after});
         return before_xy(b, a) && before_xy(b, c);
     }
 
+    // Follows the border. Where it is several curves, they are what is wrong.
+    bool find_pieces(Flaws& flaws) {
+        std::vector<Row> starts;
+        for (const Side& side : border_) {
+            if (next_[side.tail] == nowhere) continue;
+            starts.push_back(side.tail);
+            for (Row at = side.tail; at != nowhere;) at = std::exchange(next_[at], nowhere);
+        }
+        if (starts.size() == 1) return false;
+        for (const Row start : starts) flaws.add(Flaw::pieces, {start, 0});
+        return true;
+    }
+
+    static constexpr std::size_t ahead = 16;
+    static constexpr Row nowhere = ~Row{0};
+
     const Subject& subject_;
+    const std::vector<Side>& border_;
     Team& team_;
-    Flaws& flaws_;
-    std::vector<Row> next_;
-    std::vector<Row> curve_;
+    Buffer<Row> next_;  // of each row that the border goes through
 };
 
 }  // namespace
 
 bool follow_border(const Subject& subject, const std::vector<Side>& border, Team& team,
                    Flaws& flaws) {
-    return Border(subject, team, flaws).follow(border);
+    return Border(subject, border, team).look(flaws);
 }
 
 }  // namespace liftmesh

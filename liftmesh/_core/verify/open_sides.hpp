@@ -35,9 +35,8 @@ class OpenSides {
         const unsigned back = ways_with(set, ends(side.head, side.tail));
         const unsigned free = ways_with(set, nothing);
         const bool met = back != 0;
-        const unsigned candidates = (met ? back : free) | 1u << (ways - 1);
-        const int way = std::countr_zero(candidates);
-        if ((back | free) == 0) leaves(waiting(set, way));
+        int way = std::countr_zero((met ? back : free) | 1u << (ways - 1));
+        if ((back | free) == 0) leaves(waiting(set, way = longest_waiting(set)));
         partner = set.place[way];
         set.ends[way] = met ? nothing : ends(side.tail, side.head);
         set.place[way] = side.place;
@@ -67,6 +66,11 @@ class OpenSides {
         unsigned found = 0;
         for (int way = 0; way < ways; ++way) found |= unsigned{set.ends[way] == value} << way;
         return found;
+    }
+
+    // Places are met in ascending order.
+    static int longest_waiting(const Set& set) {
+        return static_cast<int>(std::min_element(set.place, set.place + ways) - set.place);
     }
 
     static Side waiting(const Set& set, int way) {

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "input.hpp"
 #include "predicates/orient2d.hpp"
@@ -34,18 +35,49 @@ class Finder {
         const Point c = subject_.point(first + 2);
         if (!(is_finite(a) & is_finite(b) & is_finite(c))) {
             for (std::size_t place = first; place < first + 3; ++place)
-                if (!is_finite(subject_.point(place))) triangles.add(Flaw::non_finite, {place, 0});
+                if (!is_finite(subject_.point(place)))
+                    triangles.add(Flaw::non_finite, {subject_.given(place), 0});
             return false;
         }
         const int turn = orient2d(a, b, c);
-        if (turn <= 0) triangles.add(turn < 0 ? Flaw::clockwise : Flaw::flat, {triangle, 0});
+        if (turn <= 0)
+            triangles.add(turn < 0 ? Flaw::clockwise : Flaw::flat, {subject_.given(first) / 3, 0});
         return true;
     }
 
-    // The places of the two sides of an edge: is the apex of the second outside the circle of the
-    // triangle of the first?
-    void look_at(std::size_t one, std::size_t other) {
-        ++inner;
+    // The places of the two sides of an edge. Edges are looked at together, apart from the meetings
+    // in which they are found, so that what they need is fetched meanwhile.
+    void meet(std::uint32_t one, std::uint32_t other) {
+        for (const std::uint32_t place : {one, other})
+            __builtin_prefetch(&subject_.simplices[place]);
+        met_[met_count_++] = {one, other};
+        if (met_count_ == met_.size()) look_at_met();
+    }
+
+    void look_at_met() {
+        for (std::size_t i = 0; i < met_count_; ++i) fetch(met_[i]);
+        for (std::size_t i = 0; i < met_count_; ++i) look_at(met_[i]);
+        inner += std::exchange(met_count_, 0);
+    }
+
+    std::size_t inner = 0;
+    std::vector<Side> left;  // sides without a partner
+    Flaws triangles, edges;
+
+ private:
+    struct Edge {
+        std::uint32_t one, other;
+    };
+
+    void fetch(Edge edge) const {
+        const std::size_t first = edge.one - edge.one % 3;
+        for (const std::size_t place : {first, first + 1, first + 2, std::size_t{edge.other}})
+            __builtin_prefetch(&subject_.points[subject_.corner(place)]);
+    }
+
+    // Is the apex of the one side outside the circle of the triangle of the other?
+    void look_at(Edge edge) {
+        const auto [one, other] = edge;
         const std::size_t first = one - one % 3;
         const Point a = subject_.point(first), b = subject_.point(first + 1);
         const Point c = subject_.point(first + 2), d = subject_.point(other);
@@ -54,21 +86,18 @@ class Finder {
         if (-filter.det > error) return;
         const int side = filter.det > error ? 1 : incircle_exact(a, b, c, d, subject_.guard);
         if (side < 0) return;
-        const Place place{std::min(one, other), std::max(one, other)};
+        const auto [low, high] = std::minmax({subject_.given(one), subject_.given(other)});
+        const Place place{low, high};
         if (side > 0) edges.add(Flaw::delaunay, place);
         if (side > 0 || sign_of_tie(a, b, c, d) > 0) edges.add(Flaw::canonical, place);
     }
 
-    std::size_t inner = 0;
-    std::vector<Side> left;  // sides without a partner
-    Flaws triangles, edges;
-
- private:
     const Subject& subject_;
+    std::array<Edge, 64> met_;
+    std::size_t met_count_ = 0;
 };
 
-// The triangles of one task, one after the other. Corners are fetched ahead of their use, and edges
-// are looked at together, apart from the meetings in which they are found.
+// The triangles of one task, one after the other. Corners are fetched ahead of their use.
 class Passing {
  public:
     Passing(const Subject& subject, Marks& is_corner, Finder& found)
@@ -81,9 +110,8 @@ class Passing {
             for (std::size_t place = later; place < later + 3; ++place)
                 __builtin_prefetch(&subject_.points[subject_.corner(place)]);
             pass(t);
-            if (met_count_ + 3 > met_.size()) look_at_edges();
         }
-        look_at_edges();
+        found_.look_at_met();
         open_.for_each([&](const Side& side) { found_.left.push_back(side); });
     }
 
@@ -93,16 +121,10 @@ class Passing {
         for (int k = 0; k < 3; ++k) {
             const Side side = subject_.side(triangle, k);
             mark(is_corner_[side.tail]);
-            auto& [own, partner] = met_[met_count_];
-            own = side.place;
-            met_count_ +=
-                open_.meet(side, partner, [&](const Side& other) { found_.left.push_back(other); });
+            std::uint32_t partner = 0;
+            if (open_.meet(side, partner, [&](const Side& other) { found_.left.push_back(other); }))
+                found_.meet(side.place, partner);
         }
-    }
-
-    void look_at_edges() {
-        for (std::size_t i = 0; i < met_count_; ++i) found_.look_at(met_[i].own, met_[i].partner);
-        met_count_ = 0;
     }
 
     // Several threads may meet here. Most marks are there already.
@@ -111,16 +133,10 @@ class Passing {
         if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
     }
 
-    struct Edge {
-        std::uint32_t own, partner;
-    };
-
     const Subject& subject_;
     Marks& is_corner_;
     Finder& found_;
     OpenSides open_;
-    std::array<Edge, 64> met_;
-    std::size_t met_count_ = 0;
 };
 
 std::uint64_t edge_of(const Side& side) {
@@ -140,7 +156,7 @@ void match(It first, It middle, It last, Finder& found) {
             found.edges.add(Flaw::doubled, {one->place, std::prev(one)->place});
     auto back = first, forward = middle;
     for (; back != middle && forward != last; ++back, ++forward)
-        found.look_at(back->place, forward->place);
+        found.meet(back->place, forward->place);
     found.left.insert(found.left.end(), back, middle);
     found.left.insert(found.left.end(), forward, last);
 }
@@ -180,6 +196,7 @@ bool pair(const Subject& subject, Team& team, std::vector<std::vector<Side>>& le
     const bool done =
         in_tasks(subject, parts.size(), team, sides, left, [&](std::size_t part, Finder& found) {
             parts.for_each_handful(part, [&](std::span<Side> some) { match(some, found); });
+            found.look_at_met();
         });
     for (const std::vector<Side>& some : left)
         sides.border.insert(sides.border.end(), some.begin(), some.end());

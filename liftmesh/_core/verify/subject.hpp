@@ -20,10 +20,16 @@ struct Subject {
     std::size_t rows;
     const std::int32_t* simplices;  // count x 3
     std::size_t count;
-    Guard guard;  // of the points
+    Guard guard;                           // of the points
+    const std::uint32_t* order = nullptr;  // the number each triangle was given, where not its own
 
     Row corner(std::size_t place) const { return static_cast<Row>(simplices[place]); }
     Point point(std::size_t place) const { return points[corner(place)]; }
+
+    // The place where the caller has the corner.
+    std::size_t given(std::size_t place) const {
+        return order == nullptr ? place : 3 * std::size_t{order[place / 3]} + place % 3;
+    }
 
     Side side(std::size_t triangle, int k) const {
         const std::size_t first = 3 * triangle;

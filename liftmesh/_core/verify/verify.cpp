@@ -30,6 +30,7 @@
 #include "predicates/orient2d.hpp"
 #include "scale.hpp"
 #include "verify/border.hpp"
+#include "verify/gather.hpp"
 #include "verify/positions.hpp"
 #include "verify/sides.hpp"
 
@@ -67,6 +68,7 @@ class Verification {
     bool look() {
         if (!read_corners()) return false;
         if (verdict_.flaws.any(Flaw::index)) return true;
+        if (!gather_triangles()) return false;
         Sides sides;
         if (!pass_triangles(subject_, team_, is_corner_, sides)) return false;
         verdict_.flaws.add(sides.triangles);
@@ -152,6 +154,17 @@ class Verification {
         return done;
     }
 
+    bool gather_triangles() {
+        Gathered gathered;
+        if (!gather(subject_, team_, gathered)) return false;
+        if (gathered.order == nullptr) return true;
+        corners_ = std::move(gathered.simplices);
+        order_ = std::move(gathered.order);
+        subject_.simplices = corners_.get();
+        subject_.order = order_.get();
+        return true;
+    }
+
     // Names each corner by the lowest row of its position.
     bool merge_positions() {
         std::vector<Row> lowest;
@@ -181,6 +194,7 @@ class Verification {
     Team& team_;
     Buffer<Point> points_;
     Buffer<std::int32_t> corners_;
+    Buffer<std::uint32_t> order_;
     Subject subject_;
     Marks is_corner_;
     Verdict verdict_;

@@ -1,0 +1,133 @@
+// A kd tree learnt from a sample of the points sends each triangle to the cell of one of its
+// corners: a counting sort, which is stable however the triangles are shared out. Whether that is
+// worth the while, a few stretches of the list tell.
+
+#include "verify/gather.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <utility>
+
+#include "cuts.hpp"
+#include "verify/open_sides.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+// The sides of so many points' triangles fit the table of those that wait.
+constexpr std::size_t cell_population = 1024;
+constexpr int deepest = 13;
+constexpr std::size_t sample_per_cell = 8;
+
+// Evenly spread, and out of step with whatever repeats.
+std::size_t somewhere(std::size_t i, std::size_t count) {
+    const std::uint64_t turned = (i + 1) * 0x9e3779b97f4a7c15u;
+    return static_cast<std::size_t>(((turned >> 32) * count) >> 32);
+}
+
+// Do too few sides find a partner in the stretches?
+bool is_scattered(const Subject& subject) {
+    constexpr std::size_t stretches = 8, length = std::size_t{1} << 12;
+    if (subject.count < 2 * stretches * length) return false;
+    std::size_t paired = 0;
+    for (std::size_t i = 0; i < stretches; ++i) {
+        OpenSides open;
+        const std::size_t first = somewhere(i, subject.count - length);
+        for (std::size_t t = first; t < first + length; ++t) {
+            for (int k = 0; k < 3; ++k) {
+                std::uint32_t partner = 0;
+                paired += 2 * open.meet(subject.side(t, k), partner, [](const Side&) {});
+            }
+        }
+    }
+    return 100 * paired < 65 * 3 * stretches * length;  // of those on a circle, two thirds do
+}
+
+class Gathering {
+ public:
+    Gathering(const Subject& subject, Team& team)
+        : subject_(subject),
+          team_(team),
+          cuts_(learn_cuts()),
+          row_cells_(allocate<std::uint16_t>(subject.rows)),
+          cells_(allocate<std::uint16_t>(subject.count)) {}
+
+    bool run(Gathered& gathered) {
+        if (!find_cells()) return false;
+        const std::size_t shares = std::min(blocks(subject_.count), 4 * std::size_t{team_.size()});
+        std::vector<std::vector<std::uint32_t>> next(shares);  // where the next of a cell goes
+        const bool counted = for_each_share(shares, [&](std::size_t i, auto first, auto last) {
+            next[i].assign(cuts_.cells(), 0);
+            for (std::size_t t = first; t < last; ++t) ++next[i][cells_[t] = cell_of(t)];
+        });
+        if (!counted) return false;
+        std::uint32_t at = 0;
+        for (std::size_t cell = 0; cell < cuts_.cells(); ++cell)
+            for (auto& share : next) at += std::exchange(share[cell], at);
+        gathered.simplices = allocate<std::int32_t>(3 * subject_.count);
+        gathered.order = allocate<std::uint32_t>(subject_.count);
+        return for_each_share(shares, [&](std::size_t i, auto first, auto last) {
+            for (std::size_t t = first; t < last; ++t) {
+                const std::size_t to = next[i][cells_[t]]++;
+                std::copy_n(subject_.simplices + 3 * t, 3, &gathered.simplices[3 * to]);
+                gathered.order[to] = static_cast<std::uint32_t>(t);
+            }
+        });
+    }
+
+ private:
+    Cuts learn_cuts() {
+        const int depth = std::clamp(
+            static_cast<int>(std::bit_width(subject_.rows / cell_population)), 0, deepest);
+        std::vector<Point> sample;
+        for (std::size_t i = 0; i < sample_per_cell << depth; ++i)
+            sample.push_back(subject_.points[somewhere(i, subject_.rows)]);
+        return Cuts(std::move(sample), depth, team_);
+    }
+
+    bool find_cells() {
+        return team_.run(blocks(subject_.rows), [&](std::size_t task) {
+            constexpr std::size_t abreast = 8;
+            const std::size_t last = std::min(subject_.rows, (task + 1) * block);
+            for (std::size_t row = task * block; row < last; row += abreast) {
+                Abreast<abreast> points{};
+                const std::size_t count = std::min(abreast, last - row);
+                for (std::size_t i = 0; i < count; ++i)
+                    points[i] = {subject_.points[row + i].x, subject_.points[row + i].y};
+                const auto cells = cuts_.cells(points);
+                for (std::size_t i = 0; i < count; ++i)
+                    row_cells_[row + i] = static_cast<std::uint16_t>(cells[i]);
+            }
+        });
+    }
+
+    // Triangles that share a side share two of three corners, and mostly the cell that comes last.
+    std::uint16_t cell_of(std::size_t triangle) const {
+        const auto cell = [&](std::size_t place) { return row_cells_[subject_.corner(place)]; };
+        return std::max({cell(3 * triangle), cell(3 * triangle + 1), cell(3 * triangle + 2)});
+    }
+
+    // Calls work(share, first triangle, end).
+    template <class Work>
+    bool for_each_share(std::size_t shares, Work work) {
+        return team_.run(shares, [&](std::size_t i) {
+            work(i, subject_.count * i / shares, subject_.count * (i + 1) / shares);
+        });
+    }
+
+    const Subject& subject_;
+    Team& team_;
+    Cuts cuts_;
+    Buffer<std::uint16_t> row_cells_;
+    Buffer<std::uint16_t> cells_;  // of the triangles
+};
+
+}  // namespace
+
+bool gather(const Subject& subject, Team& team, Gathered& gathered) {
+    return !is_scattered(subject) || Gathering(subject, team).run(gathered);
+}
+
+}  // namespace liftmesh
