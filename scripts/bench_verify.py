@@ -1,0 +1,178 @@
+"""Time `verify` beside the default build of the same points, whoever made the triangles.
+
+    python scripts/bench_verify.py                                    a million rows
+    python scripts/bench_verify.py --n 100000 --peers shull triangle scipy
+    python scripts/bench_verify.py --distributions uniform circle --threads 1
+
+The triangles are liftmesh's, the same ones shuffled, and those of the peers that are named. In a
+fresh process for each list, verifying and building take turns; memory is what each holds at most in
+a process of its own, beyond the points and the triangles it is given, results included. A ratio
+below 1 means that verifying is faster than building.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any, TypeAlias
+
+import numpy as np
+from benchmark.contest import SEED
+from benchmark.contestants import KEEP_MEMORY
+from benchmark.peers import OURS, PEERS, Triangles
+from benchmark.worker import memory
+from distributions import DISTRIBUTIONS, Points
+from rich.console import Console
+from rich.table import Table
+
+import liftmesh
+
+Call: TypeAlias = Callable[[], Any]
+
+SHUFFLED = "shuffled"
+USUAL = ("uniform", "gaussian", "clusters", "lattice", "utm-lattice", "circle", "two-columns")
+MAKERS = [name for name, peer in PEERS.items() if peer.triangulates and name not in (OURS, "CGAL")]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Median seconds of a call, and bytes that it held at most beyond its input."""
+
+    seconds: float
+    bytes: int
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A list of triangles, what building and verifying took, and the answer."""
+
+    build: Cost
+    verify: Cost
+    answer: str
+
+
+def main() -> None:
+    """Measure what the command line asks for, and print a table for each number of threads."""
+    options = read_options()
+    console = Console() if os.isatty(1) else Console(width=110)
+    with TemporaryDirectory() as folder, console.status("") as status:
+        for threads in options.threads:
+            table = empty_table(threads)
+            for distribution in options.distributions:
+                points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
+                for maker, triangles in lists_of(points, options.peers):
+                    status.update(f"{distribution}, {maker}")
+                    judged = judge(points, triangles, threads, options.repeat, Path(folder))
+                    table.add_row(distribution, maker, *cells(judged, len(points)))
+            console.print(table)
+
+
+def read_options() -> Namespace:
+    """Parse the command line."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("--n", type=int, default=1_000_000, metavar="ROWS")
+    add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=USUAL, metavar="D")
+    add("--peers", nargs="*", choices=MAKERS, default=[], metavar="P", help=", ".join(MAKERS))
+    add("--threads", nargs="+", type=int, default=[1, 2], metavar="K")
+    add("--repeat", type=int, default=5, help="rounds")
+    return parser.parse_args()
+
+
+def lists_of(points: Points, peers: list[str]) -> Iterator[tuple[str, Triangles]]:
+    """Give triangles of the points with the name of who made them, all counter-clockwise."""
+    ours = liftmesh.delaunay(points).simplices
+    yield OURS, ours
+    yield SHUFFLED, np.random.default_rng(SEED).permutation(ours)
+    for name in peers:
+        triangles, *_ = PEERS[name].rows(PEERS[name].prepare(1)(points), points)
+        turned = liftmesh.orient2d(*np.moveaxis(points[triangles], 1, 0)) < 0
+        yield name, np.where(turned[:, None], triangles[:, ::-1], triangles).astype(np.int32)
+
+
+def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folder: Path) -> Judged:
+    """Verify and build, in turns in one fresh process, and for the peaks in one each."""
+    files = folder / "points", folder / "triangles"
+    points.tofile(files[0])
+    triangles.tofile(files[1])
+    held = {name: run("peak", name, *files, threads)["held"] for name in ("build", "verify")}
+    told = run("turns", rounds, *files, threads)
+    costs = {name: Cost(told[name], held[name]) for name in held}
+    return Judged(**costs, answer=told["answer"])
+
+
+def run(*words: object) -> dict[str, Any]:
+    """Ask a process of this script for a job."""
+    command = [sys.executable, __file__, *map(str, words)]
+    environment = os.environ | {"GLIBC_TUNABLES": KEEP_MEMORY}
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env=environment)
+    return json.loads(done.stdout)
+
+
+def calls_on(points_file: str, triangles_file: str, threads: str) -> dict[str, Call]:
+    points = np.fromfile(points_file).reshape(-1, 2)
+    triangles = np.fromfile(triangles_file, np.int32).reshape(-1, 3)
+    liftmesh.verify(points[:3], [[0, 1, 2]])  # loads what there is to load
+    return {
+        "build": lambda: liftmesh.delaunay(points, threads=int(threads)),
+        "verify": lambda: liftmesh.verify(points, triangles, threads=int(threads)),
+    }
+
+
+def take_turns(rounds: str, *case: str) -> dict[str, Any]:
+    """Time both, B V B V; the first turns are not on the clock."""
+    calls = calls_on(*case)
+    calls["build"]()
+    certificate = calls["verify"]()
+    seconds: dict[str, list[float]] = {name: [] for name in calls}
+    for _ in range(int(rounds)):
+        for name, call in calls.items():
+            start = perf_counter()
+            result = call()
+            seconds[name].append(perf_counter() - start)
+            del result
+    answer = ("canonical" if certificate.canonical else "valid") if certificate else "not valid"
+    return {name: median(taken) for name, taken in seconds.items()} | {"answer": answer}
+
+
+def peak_of(name: str, *case: str) -> dict[str, Any]:
+    """Give the bytes that the first call of a process holds at most."""
+    call = calls_on(*case)[name]
+    before = memory("VmRSS")
+    call()
+    return {"held": max(0, memory("VmHWM") - before)}
+
+
+JOBS: dict[str, Callable[..., dict[str, Any]]] = {"turns": take_turns, "peak": peak_of}
+
+
+def empty_table(threads: int) -> Table:
+    table = Table(title=f"threads: {threads}", title_justify="left")
+    for column in ("points", "triangles", "answer"):
+        table.add_column(column)
+    for column in ("build s", "verify s", "ratio", "build B/row", "verify B/row"):
+        table.add_column(column, justify="right")
+    return table
+
+
+def cells(judged: Judged, rows: int) -> list[str]:
+    build, verify = judged.build, judged.verify
+    seconds = [f"{build.seconds:.3f}", f"{verify.seconds:.3f}"]
+    held = [f"{cost.bytes / rows:.0f}" for cost in (build, verify)]
+    return [judged.answer, *seconds, f"{verify.seconds / build.seconds:.2f}", *held]
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] and sys.argv[1] in JOBS:
+        print(json.dumps(JOBS[sys.argv[1]](*sys.argv[2:])))
+    else:
+        main()

@@ -1,0 +1,37 @@
+"""The script that times `verify` beside the build."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import bench_verify
+import numpy as np
+
+import liftmesh
+
+POINTS = np.random.default_rng(8).random((2000, 2))
+
+
+def test_both_are_timed_and_the_answer_is_told(tmp_path: Path) -> None:
+    triangles = liftmesh.delaunay(POINTS).simplices
+    judged = bench_verify.judge(POINTS, triangles, 2, 2, tmp_path)
+    assert judged.answer == "canonical"
+    assert judged.verify.seconds > 0 < judged.build.seconds
+    assert bench_verify.judge(POINTS, triangles[1:], 1, 1, tmp_path).answer == "not valid"
+
+
+def test_peers_triangles_are_listed_counter_clockwise() -> None:
+    found = dict(bench_verify.lists_of(POINTS, ["scipy", "matplotlib"]))
+    assert list(found) == ["liftmesh", "shuffled", "scipy", "matplotlib"]
+    assert all(liftmesh.verify(POINTS, triangles) for triangles in found.values())
+
+
+def test_a_table_is_printed() -> None:
+    words = ["--n", "300", "--distributions", "circle", "--threads", "2", "--repeat", "1"]
+    done = subprocess.run(
+        [sys.executable, bench_verify.__file__, *words], capture_output=True, text=True, check=True
+    )
+    assert "threads: 2" in done.stdout
+    assert done.stdout.count("canonical") == 2
