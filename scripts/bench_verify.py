@@ -61,19 +61,19 @@ class Judged:
 
 
 def main() -> None:
-    """Measure what the command line asks for, and print a table for each number of threads."""
+    """Measure what the command line asks for, and print a table for each kind of points."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=110)
-    with TemporaryDirectory() as folder, console.status("") as status:
-        for threads in options.threads:
-            table = empty_table(threads)
-            for distribution in options.distributions:
-                points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
-                for maker, triangles in lists_of(points, options.peers):
-                    status.update(f"{distribution}, {maker}")
+    for distribution in options.distributions:
+        points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
+        table = empty_table(f"{distribution}, {len(points):,} rows")
+        with TemporaryDirectory() as folder, console.status("") as status:
+            for maker, triangles in lists_of(points, options.peers):
+                for threads in options.threads:
+                    status.update(f"{distribution}: triangles of {maker}, threads: {threads}")
                     judged = judge(points, triangles, threads, options.repeat, Path(folder))
-                    table.add_row(distribution, maker, *cells(judged, len(points)))
-            console.print(table)
+                    table.add_row(maker, f"{threads}", *cells(judged, len(points)))
+        console.print(table)
 
 
 def read_options() -> Namespace:
@@ -155,10 +155,8 @@ def peak_of(name: str, *case: str) -> dict[str, Any]:
 JOBS: dict[str, Callable[..., dict[str, Any]]] = {"turns": take_turns, "peak": peak_of}
 
 
-def empty_table(threads: int) -> Table:
-    table = Table(title=f"threads: {threads}", title_justify="left")
-    for column in ("points", "triangles", "answer"):
-        table.add_column(column)
+def empty_table(title: str) -> Table:
+    table = Table("triangles", "threads", "answer", title=title, title_justify="left")
     for column in ("build s", "verify s", "ratio", "build B/row", "verify B/row"):
         table.add_column(column, justify="right")
     return table

@@ -33,5 +33,5 @@ def test_a_table_is_printed() -> None:
     done = subprocess.run(
         [sys.executable, bench_verify.__file__, *words], capture_output=True, text=True, check=True
     )
-    assert "threads: 2" in done.stdout
+    assert "circle, 300 rows" in done.stdout
     assert done.stdout.count("canonical") == 2
