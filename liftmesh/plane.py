@@ -24,6 +24,7 @@ from liftmesh.errors import DegenerateInputError, InputError
 Vector = NDArray[np.float64]
 
 _ROWS = 1 << 14  # measured at a time: what is computed on the way stays in the cache
+_DECOMPOSED_AT_ONCE = 1 << 19
 _RIGID = 1e-9
 _NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding, not tilt
 
@@ -289,13 +290,22 @@ def _fit(points: Vector) -> tuple[Vector, Vector]:
     centred -= base
     shift = centred.mean(axis=0)
     centred -= shift
-    _, spread, directions = np.linalg.svd(np.linalg.qr(centred, mode="r"))
+    _, spread, directions = np.linalg.svd(_triangle(centred))
     if spread[1] <= len(rows) * np.finfo(np.float64).eps * spread[0]:
         raise DegenerateInputError(
             "a plane cannot be fitted: all finite rows are equal or on one line; "
             "give plane='xy', a normal or a matrix"
         )
     return _upward(directions[2]), np.ldexp(base + shift, exponent)
+
+
+def _triangle(rows: Vector) -> Vector:
+    """Make the triangle of the QR decomposition, in parts between which Ctrl-C is heard."""
+    triangle: Any = rows[:0]
+    for start in range(0, len(rows), _DECOMPOSED_AT_ONCE):
+        part = rows[start : start + _DECOMPOSED_AT_ONCE]
+        triangle = np.linalg.qr(np.concatenate((triangle, part)), mode="r")
+    return np.asarray(triangle)
 
 
 def _upward(normal: Vector) -> Vector:

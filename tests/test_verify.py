@@ -259,7 +259,7 @@ def test_other_shapes_are_refused(simplices: object) -> None:
 
 def test_unknown_options_are_refused() -> None:
     with pytest.raises(InputError, match="nonfinite is 'drop'"):
-        liftmesh.verify(POINTS, [[0, 1, 2]], nonfinite="skip")
+        liftmesh.verify(POINTS, [[0, 1, 2]], nonfinite="drop")
     with pytest.raises(InputError, match="threads"):
         liftmesh.verify(POINTS, [[0, 1, 2]], threads=0)
 

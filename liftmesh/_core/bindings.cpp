@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -57,7 +58,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         if (requested_ || now < due_) return requested_;
         due_ = now + std::chrono::milliseconds(50);
         const nb::gil_scoped_acquire gil;
-        requested_ = PyErr_CheckSignals() != 0 || !told();
+        requested_ = PyErr_CheckSignals() != 0 || !told() || forked();
         return requested_;
     }
     void expect(std::size_t work) override { expected_ = work; }
@@ -79,7 +80,18 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         return false;
     }
 
+    // Nor can the child of a fork made by a signal's handler, or by `progress`, go on: it has none
+    // of the threads of the run.
+    bool forked() const {
+        if (getpid() == process_) return false;
+        PyErr_SetString(PyExc_RuntimeError,
+                        "the process was forked amid a run, which goes on in the parent alone: "
+                        "fork before or after it");
+        return true;
+    }
+
     nb::handle progress_;
+    pid_t process_ = getpid();
     Clock::time_point due_ = Clock::now() + std::chrono::milliseconds(50);
     bool requested_ = false;
     std::size_t expected_ = 0;
@@ -88,8 +100,8 @@ class PythonInterrupt final : public liftmesh::Interrupt {
 
 template <class T>
 nb::object adopt(liftmesh::Buffer<T> values, std::size_t rows, std::size_t columns) {
+    const nb::capsule owner(values.get(), [](void* p) noexcept { liftmesh::Free()(p); });
     T* data = values.release();
-    const nb::capsule owner(data, [](void* p) noexcept { liftmesh::Free()(p); });
     const std::size_t shape[2] = {rows, columns};
     return nb::cast(nb::ndarray<nb::numpy, const T>(data, columns == 1 ? 1 : 2, shape, owner));
 }

@@ -132,7 +132,7 @@ class Arrangement {
 
     bool scatter() {
         order_.sites = allocate<Site>(order_.count);
-        const bool done = team_.run(shares_.size(), [&](std::size_t i) {
+        const bool done = touch_sites() && team_.run(shares_.size(), [&](std::size_t i) {
             if (order_.scale.moves) {
                 scatter(shares_[i], [&](std::size_t row) { return order_.scale(input_[row]); });
             } else {
@@ -141,6 +141,20 @@ class Arrangement {
         });
         cell_of_.reset();
         return done;
+    }
+
+    // The first points to be scattered would touch all of the memory, and no interrupt is heard
+    // while the system looks for that much: it is asked for it piece by piece.
+    bool touch_sites() {
+        constexpr std::size_t piece = (std::size_t{1} << 21) / sizeof(Site);
+        constexpr std::size_t page = (std::size_t{1} << 12) / sizeof(Site);
+        const std::size_t count = order_.count;
+        return team_.run((count + piece - 1) / piece,
+                         [&, sites = order_.sites.get()](std::size_t i) {
+                             const std::size_t end = std::min(count, (i + 1) * piece);
+                             for (std::size_t site = i * piece; site < end; site += page)
+                                 sites[site] = {};
+                         });
     }
 
     // A row that is not finite any more, as somebody writes to it meanwhile, must not leave the
@@ -176,26 +190,30 @@ class Arrangement {
         for (const std::vector<Duplicate>& pairs : found)
             order_.duplicates.insert(order_.duplicates.end(), pairs.begin(), pairs.end());
         if (order_.duplicates.empty()) return true;
-        close_up(distinct);
-        return sort_duplicates();
+        return close_up(distinct) && sort_duplicates();
     }
 
-    void close_up(const std::vector<std::size_t>& distinct) {
+    bool close_up(const std::vector<std::size_t>& distinct) {
         Site* sites = order_.sites.get();
         std::size_t kept = 0;
         for (std::size_t cell = 0; cell < distinct.size(); ++cell) {
+            if (team_.interrupt().requested()) return false;
             const std::size_t start = std::exchange(order_.cell_starts[cell], kept);
             if (kept != start) std::copy_n(sites + start, distinct[cell], sites + kept);
             kept += distinct[cell];
         }
         order_.cell_starts.back() = order_.count = kept;
+        return true;
     }
 
     // By row: each goes to the place of its row, and the places are read in turn.
     bool sort_duplicates() {
         constexpr Row none = ~Row{0};
         std::vector<Row> kept(input_.rows, none);
-        for (const Duplicate& pair : order_.duplicates) kept[pair.row] = pair.kept;
+        const auto place = [&](std::size_t i) {
+            kept[order_.duplicates[i].row] = order_.duplicates[i].kept;
+        };
+        if (!for_each_in_blocks(order_.duplicates.size(), team_.interrupt(), place)) return false;
         order_.duplicates.clear();
         return for_each_in_blocks(kept.size(), team_.interrupt(), [&](std::size_t row) {
             if (kept[row] != none) order_.duplicates.push_back({static_cast<Row>(row), kept[row]});

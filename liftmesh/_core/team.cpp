@@ -13,10 +13,14 @@ namespace liftmesh {
 
 namespace {
 
-std::atomic<unsigned> busy = 0;  // threads at work in all teams of the process
+std::atomic<unsigned> busy = 0;   // threads at work in all teams of the process
+std::atomic<unsigned> forks = 0;  // that lead from the first process to this one
 
-// The child of a fork has none of them.
-[[maybe_unused]] const int forgotten = pthread_atfork(nullptr, nullptr, [] { busy = 0; });
+// The child of a fork has none of the threads but the one that forked.
+[[maybe_unused]] const int forgotten = pthread_atfork(nullptr, nullptr, [] {
+    busy = 0;
+    ++forks;
+});
 
 unsigned claim(Threads threads) {
     unsigned taken = busy.load();
@@ -29,16 +33,30 @@ unsigned claim(Threads threads) {
 
 }  // namespace
 
-Team::Team(Threads threads, Interrupt& interrupt) : heard_(interrupt), size_(claim(threads)) {}
+Team::Team(Threads threads, Interrupt& interrupt)
+    : heard_(interrupt),
+      workers_(std::make_unique<Workers>()),
+      size_(claim(threads)),
+      forks_(forks) {}
 
+// In a child that was forked amid the run nobody is left to be joined, and who waited at the time
+// of the fork would be waited for: the workers are forgotten as they are.
 Team::~Team() {
+    if (forked()) {
+        static_cast<void>(workers_.release());
+        return;
+    }
     {
         const std::lock_guard lock(mutex_);
         dismissed_ = true;
     }
-    begin_.notify_all();
-    for (std::thread& worker : workers_) worker.join();
+    workers_->begin.notify_all();
+    for (std::thread& worker : workers_->threads) worker.join();
     busy -= size_;
+}
+
+bool Team::forked() const {
+    return forks != forks_;
 }
 
 bool Team::Heard::requested() {
@@ -49,11 +67,12 @@ bool Team::Heard::requested() {
 
 // A system that has no thread left for us gets the same result from fewer.
 void Team::hire() {
+    std::vector<std::thread>& hired = workers_->threads;
     try {
-        while (workers_.size() + 1 < size_) workers_.emplace_back([this] { serve(); });
+        while (hired.size() + 1 < size_) hired.emplace_back([this] { serve(); });
     } catch (const std::system_error&) {
-        busy -= size_ - static_cast<unsigned>(workers_.size()) - 1;
-        size_ = static_cast<unsigned>(workers_.size()) + 1;
+        busy -= size_ - static_cast<unsigned>(hired.size()) - 1;
+        size_ = static_cast<unsigned>(hired.size()) + 1;
     }
 }
 
@@ -63,13 +82,13 @@ void Team::serve() {
     for (;;) {
         {
             std::unique_lock lock(mutex_);
-            begin_.wait(lock, [&] { return dismissed_ || round_ != round; });
+            workers_->begin.wait(lock, [&] { return dismissed_ || round_ != round; });
             if (dismissed_) return;
             round = round_;
         }
         take_tasks();
         const std::lock_guard lock(mutex_);
-        if (--working_ == 0) end_.notify_one();
+        if (--working_ == 0) workers_->end.notify_one();
     }
 }
 
@@ -87,21 +106,22 @@ void Team::take_tasks() {
 }
 
 bool Team::run(std::size_t tasks, const std::function<void(std::size_t)>& work) {
-    if (tasks > 1 && size_ > 1 && workers_.empty()) hire();
+    if (forked()) return false;
+    if (tasks > 1 && size_ > 1 && workers_->threads.empty()) hire();
     work_ = &work;
     tasks_ = tasks;
     next_ = 0;
-    const bool alone = tasks < 2 || workers_.empty();
+    const bool alone = tasks < 2 || workers_->threads.empty();
     if (!alone) {
         {
             const std::lock_guard lock(mutex_);
-            working_ = workers_.size();
+            working_ = workers_->threads.size();
             ++round_;
         }
-        begin_.notify_all();
+        workers_->begin.notify_all();
     }
     take_tasks();
-    if (!alone) wait();
+    if (!alone && !forked()) wait();
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     return !heard_.requested();
 }
@@ -109,9 +129,10 @@ bool Team::run(std::size_t tasks, const std::function<void(std::size_t)>& work) 
 void Team::wait() {
     constexpr std::chrono::milliseconds now_and_then(20);
     std::unique_lock lock(mutex_);
-    while (!end_.wait_for(lock, now_and_then, [&] { return working_ == 0; })) {
+    while (!workers_->end.wait_for(lock, now_and_then, [&] { return working_ == 0; })) {
         lock.unlock();
         heard_.requested();
+        if (forked()) return;
         lock.lock();
     }
 }

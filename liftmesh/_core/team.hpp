@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -63,17 +64,23 @@ class Team {
         std::atomic<bool> requested_ = false;
     };
 
+    struct Workers {
+        std::vector<std::thread> threads;
+        std::condition_variable begin, end;
+    };
+
+    bool forked() const;
     void hire();
     void serve();
     void take_tasks();
     void wait();
 
     Heard heard_;
+    std::unique_ptr<Workers> workers_;
     unsigned size_;
-    std::vector<std::thread> workers_;
+    unsigned forks_;
 
     std::mutex mutex_;
-    std::condition_variable begin_, end_;
     std::size_t round_ = 0;    // counts the lists; guarded by the mutex, as the next three
     std::size_t working_ = 0;  // workers not yet through with the list
     bool dismissed_ = false;

@@ -80,11 +80,11 @@ def _explain(error: BaseException) -> tuple[int, str]:
         return exit_codes.USAGE, f"{error.format_message()}{_where_to_look(error)}"
     if isinstance(error, LiftmeshError):
         return exit_codes.BAD_INPUT, _in_options(str(error))
+    if out_of_memory(error):  # some are OSError as well
+        return exit_codes.BAD_INPUT, "not enough memory"
     if isinstance(error, OSError):
         named = f"{error.filename}: " if error.filename else ""
         return exit_codes.BAD_INPUT, f"{named}{error.strerror or error}"
-    if out_of_memory(error):
-        return exit_codes.BAD_INPUT, "not enough memory"
     kind = type(error).__name__
     return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
 

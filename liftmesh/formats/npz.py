@@ -10,6 +10,7 @@ import re
 import zipfile
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -128,10 +129,25 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
 def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: bool) -> None:
     """Do what ``numpy.savez`` does, which takes some names for its own options."""
     method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
-    with zipfile.ZipFile(stream, "w", method) as archive:
+    archive = zipfile.ZipFile(stream, "w", method)
+    try:
         for name, values in arrays.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                npy.write_array(member, np.asanyarray(values), allow_pickle=False)
+            _write_array(archive, f"{name}.npy", np.asanyarray(values))
+        archive.close()
+    finally:
+        archive.fp = None  # or it would still end the file, and complain of what is missing
+
+
+def _write_array(archive: zipfile.ZipFile, name: str, values: Array) -> None:
+    member = archive.open(name, "w", force_zip64=True)
+    try:
+        npy.write_array(member, values, allow_pickle=False)
+    except BaseException:
+        # The stream may be no more: one in memory that finds no room to grow is closed.
+        with suppress(OSError, ValueError):
+            member.close()
+        raise
+    member.close()
 
 
 def _members(stream: BinaryIO, name: str) -> dict[str, Array]:

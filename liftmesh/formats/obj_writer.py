@@ -40,8 +40,10 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
     Raises
     ------
     FormatError
-        A colour is not between 0 and 1, or a comment is not one line.
+        There are no points, a colour is not between 0 and 1, or a comment is not one line.
     """
+    if not len(cloud):
+        raise FormatError("a cloud without points cannot be written as OBJ: write PLY or NPZ")
     for comment in ["liftmesh", *([comments] if isinstance(comments, str) else comments)]:
         if not comment.isprintable():
             raise FormatError(f"comment {comment!r} cannot stand in an OBJ file: give single lines")
@@ -57,7 +59,7 @@ def _colors(cloud: Cloud) -> list[Array]:
     if cloud.colors is None:
         return []
     rgb = cloud.colors[:, :3]
-    return [_EIGHT_BITS[rgb] if rgb.dtype == np.uint8 else unit(rgb)]
+    return [np.take(_EIGHT_BITS, rgb) if rgb.dtype == np.uint8 else unit(rgb)]
 
 
 def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:

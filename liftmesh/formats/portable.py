@@ -8,6 +8,7 @@ and otherwise in the smallest of them that holds every value exactly.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -69,7 +70,8 @@ def scalar_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     columns: dict[str, Array] = {}
     for name, values in attributes.items():
         _check_name(name)
-        flat = portable(np.asarray(values).reshape(len(values), -1), f"attribute {name!r}")
+        width = math.prod(values.shape[1:])  # which numpy cannot tell where there are no rows
+        flat = portable(np.asarray(values).reshape(len(values), width), f"attribute {name!r}")
         names = [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(flat.shape[1])]
         taken = columns.keys() & set(names)
         if taken:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
+_ROWS = 1 << 18  # copied at a time: Ctrl-C is heard in between
+
 
 @dataclass(frozen=True, slots=True)
 class Ragged:
@@ -22,7 +24,10 @@ class Ragged:
     @classmethod
     def uniform(cls, rows: Array) -> Ragged:
         """Copy an (m, k) array: m rows of k values."""
-        return cls(np.broadcast_to(np.int64(rows.shape[1]), len(rows)), rows.flatten())
+        copy = np.empty(rows.shape, rows.dtype)
+        for start in range(0, len(rows), _ROWS):
+            copy[start : start + _ROWS] = rows[start : start + _ROWS]
+        return cls(np.broadcast_to(np.int64(rows.shape[1]), len(rows)), copy.reshape(-1))
 
     @classmethod
     def empty(cls, dtype: np.dtype) -> Ragged:

@@ -7,8 +7,16 @@ import subprocess
 import sys
 import textwrap
 
-# NumPy's own threads would each take address space of their own.
-ALONE = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+# NumPy's own threads would each take address space of their own, and so would malloc's pools; what
+# is freed goes back to the system at once, so that what is held can be seen from outside.
+ALONE = {
+    **os.environ,
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MALLOC_ARENA_MAX": "1",
+    "MALLOC_MMAP_THRESHOLD_": "65536",
+    "MALLOC_TRIM_THRESHOLD_": "65536",
+}
 
 # What programs need to measure and to limit themselves.
 MEASURES = """

@@ -185,7 +185,7 @@ class Verification {
 
     bool count_vertices() {
         for (const std::uint8_t corner : is_corner_) verdict_.vertices += corner;
-        return verdict_.vertices + verdict_.skipped == subject_.rows ||
+        return verdict_.vertices + verdict_.merged + verdict_.skipped == subject_.rows ||
                find_missing(subject_, is_corner_, team_, verdict_.flaws);
     }
 

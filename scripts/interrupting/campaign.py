@@ -1,0 +1,195 @@
+"""Who interrupts: a job is run whole once, then again and again with SIGINT at another moment."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from process_state import MEGA, RETURNING, State
+
+from interrupting.jobs import COMMANDS
+
+SCRIPTS = Path(__file__).resolve().parent.parent
+LEAK = 64 * MEGA  # what a process may hold more than after its whole run
+LONGEST = 600.0
+INTERRUPTED = 130
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """One interrupt: when it came, where it met the job, and how long the prompt took."""
+
+    delay: float
+    place: str
+    seconds: float
+    faults: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A job, the seconds of its whole run, and what the interrupts came to."""
+
+    job: str
+    whole: float
+    hits: tuple[Hit, ...]
+
+
+def delays(whole: float, rounds: int, random_: random.Random) -> list[float]:
+    """Give a moment in each of as many equal parts of a run."""
+    return [whole * 0.97 * (k + random_.random()) / rounds for k in range(rounds)]
+
+
+def interrupt_job(job: str, folder: Path, rounds: int, seed: int) -> Course:
+    """Interrupt a job of the library, again and again in one process."""
+    with _worker(job, folder) as child:
+        whole = _attempt(child, None)
+        files, held = _files(folder), _state(whole)
+        moments = delays(whole["seconds"], rounds, random.Random(f"{job} {seed}"))
+        hits = tuple(_hit(child, moment, held, folder, files) for moment in moments)
+    return Course(job, whole["seconds"], hits)
+
+
+@contextmanager
+def _worker(job: str, folder: Path) -> Iterator[subprocess.Popen[str]]:
+    child = subprocess.Popen(
+        [sys.executable, "-m", "interrupting.worker", job, str(folder)],
+        cwd=SCRIPTS,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, **RETURNING},
+    )
+    try:
+        _answer(child)
+        yield child
+    finally:
+        child.kill()
+        child.communicate()
+
+
+def _answer(child: subprocess.Popen[str]) -> dict[str, Any]:
+    line = child.stdout.readline()
+    if not line:
+        raise SystemExit(f"the process ended: {child.wait()}")
+    return json.loads(line)
+
+
+def _attempt(child: subprocess.Popen[str], delay: float | None) -> dict[str, Any]:
+    """Let a job run, interrupt it after a delay, and add the seconds until the prompt."""
+    child.stdin.write("again\n")
+    child.stdin.flush()
+    _answer(child)
+    sent = None
+    if delay is not None:
+        time.sleep(delay)
+        sent = time.monotonic()
+        child.send_signal(signal.SIGINT)
+    answer = _answer(child)
+    return {**answer, "until": answer["ended"] - sent if sent else 0.0}
+
+
+def _hit(child: subprocess.Popen[str], delay: float, held: State, folder: Path, files: Any) -> Hit:
+    answer = _attempt(child, delay)
+    if not answer["place"]:
+        return Hit(delay, "done before", 0.0)
+    return Hit(
+        delay,
+        answer["place"],
+        answer["until"],
+        (*_faults(_state(answer), held), *_changes(folder, files)),
+    )
+
+
+def _state(answer: dict[str, Any]) -> State:
+    return State(answer["resident"], answer["files"], answer["threads"])
+
+
+def _faults(found: State, held: State) -> Iterator[str]:
+    if found.resident > held.resident + LEAK:
+        yield f"{(found.resident - held.resident) / MEGA:.0f} MB more are held"
+    if found.files != held.files:
+        yield f"{found.files - held.files} more files are open"
+    if found.threads != held.threads:
+        yield f"{found.threads - held.threads} more threads are there"
+
+
+def _files(folder: Path) -> dict[str, int]:
+    """Say which files there are, and how large: all of them whole, so another size is a part."""
+    return {str(path): path.stat().st_size for path in folder.rglob("*") if path.is_file()}
+
+
+def _changes(folder: Path, before: dict[str, int]) -> Iterator[str]:
+    after = _files(folder)
+    for name in sorted(before.keys() | after.keys()):
+        if before.get(name) != after.get(name):
+            yield f"{name} was {'changed' if name in before else 'left'}"
+
+
+def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> Course:
+    """Interrupt a command, each time in a process of its own."""
+    words = COMMANDS[job]
+    child, began = _begun(words, folder)
+    code = child.wait(LONGEST)
+    whole = time.monotonic() - began
+    child.communicate()
+    if code:
+        raise SystemExit(f"{job}: a whole run ended with {code}")
+    files = _files(folder)
+    moments = delays(whole, rounds, random.Random(f"{job} {seed}"))
+    return Course(job, whole, tuple(_killed(words, each, folder, files) for each in moments))
+
+
+def _begun(words: tuple[str, ...], folder: Path) -> tuple[subprocess.Popen[str], float]:
+    """Start a command, and wait until it has its file open: imports are no part of the work."""
+    child = subprocess.Popen(
+        [sys.executable, "-m", "liftmesh", *words],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    source = str(folder / words[1])
+    while source not in _open_files(child.pid) and child.poll() is None:
+        time.sleep(0.001)
+    return child, time.monotonic()
+
+
+def _open_files(process: int) -> list[str]:
+    names = []
+    with suppress(OSError):
+        for each in Path(f"/proc/{process}/fd").iterdir():
+            with suppress(OSError):
+                names.append(str(each.readlink()))
+    return names
+
+
+def _killed(words: tuple[str, ...], delay: float, folder: Path, files: dict[str, int]) -> Hit:
+    child, began = _begun(words, folder)
+    time.sleep(max(0.0, began + delay - time.monotonic()))
+    opened = _open_files(child.pid)
+    sent = time.monotonic()
+    child.send_signal(signal.SIGINT)
+    out, err = child.communicate(timeout=LONGEST)
+    seconds = time.monotonic() - sent
+    if child.returncode == 0 or (child.returncode == -signal.SIGINT and out):  # as Python exits
+        return Hit(delay, "done before", 0.0)
+    faults = list(_changes(folder, files))
+    if (child.returncode, out, err) != (INTERRUPTED, "", "liftmesh: error: interrupted\n"):
+        faults.append(f"exit code {child.returncode}, {out!r}, {err[-500:]!r}")
+    return Hit(delay, _stage(opened, folder, words), seconds, tuple(faults))
+
+
+def _stage(opened: list[str], folder: Path, words: tuple[str, ...]) -> str:
+    if str(folder / words[1]) in opened:
+        return "reading"
+    return "writing" if any(name.startswith(str(folder / "out")) for name in opened) else "working"

@@ -1,0 +1,115 @@
+"""Work of so many rows: what is read, triangulated, verified and written in a campaign."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+import liftmesh
+
+Heard: TypeAlias = Callable[[float], None]
+Action: TypeAlias = Callable[[Heard], object]
+SEED = 5
+OLD = b"old"
+
+
+# What is read, by the name of the job.
+FILES = {
+    "read PLY": "mesh.ply",
+    "read PLY, text": "text.ply",
+    "read OBJ": "cloud.obj",
+    "read XYZ": "cloud.xyz",
+    "read NPY": "cloud.npy",
+    "read NPZ": "cloud.npz",
+}
+
+# Of the command line: its words; the second is the file that is read.
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "liftmesh triangulate, PLY": ("triangulate", "cloud.ply", "out/mesh.ply"),
+    "liftmesh triangulate, text": ("triangulate", "cloud.xyz", "out/mesh.obj"),
+    "liftmesh verify": ("verify", "mesh.ply"),
+}
+
+
+def prepare(folder: Path, rows: int, jobs: Sequence[str]) -> None:
+    """Write the files that the jobs read, and the old ones that they would replace."""
+    points = np.random.default_rng(SEED).random((rows, 3))
+    mesh = liftmesh.triangulate(points)
+    np.save(folder / "cloud.npy", points)
+    np.save(folder / "faces.npy", mesh.faces)
+    for name in {FILES.get(job) or COMMANDS.get(job, ("", "cloud.npy"))[1] for job in jobs}:
+        _make(folder / name, mesh)
+    (folder / "out").mkdir()
+    for name in ("mesh.ply", "text.ply", "mesh.obj", "mesh.npz"):
+        (folder / "out" / name).write_bytes(OLD)
+
+
+def _make(path: Path, mesh: liftmesh.Surface) -> None:
+    content = mesh if path.stem == "mesh" else mesh.vertices
+    if path.suffix == ".xyz":
+        text = path.with_suffix(".text")
+        liftmesh.write(text, content, format="ply", encoding="ascii")
+        _without_header(text, path)
+        text.unlink()
+    elif path.suffix != ".npy":
+        liftmesh.write(path, content, **({"encoding": "ascii"} if path.stem == "text" else {}))
+
+
+def _without_header(source: Path, target: Path) -> None:
+    with source.open("rb") as lines, target.open("wb") as copy:
+        while lines.readline() != b"end_header\n":
+            pass
+        shutil.copyfileobj(lines, copy)
+
+
+def _reading(name: str, folder: Path) -> Action:
+    return lambda _: liftmesh.read(folder / name)
+
+
+def _writing(name: str, folder: Path, **options: Any) -> Action:
+    mesh = liftmesh.Cloud(np.load(folder / "cloud.npy"), faces=np.load(folder / "faces.npy"))
+    return lambda _: liftmesh.write(folder / "out" / name, mesh, **options)
+
+
+def _delaunay(folder: Path, threads: int | None) -> Action:
+    points = np.load(folder / "cloud.npy")[:, :2]
+    return lambda heard: liftmesh.delaunay(points, threads=threads, progress=heard)
+
+
+def _triangulate(folder: Path) -> Action:
+    points = np.load(folder / "cloud.npy")
+    points[: len(points) // 5, :2] = points[-(len(points) // 5) :, :2]  # rows that overhang
+    options: dict[str, Any] = {"plane": "fit", "duplicates": "mean"}
+    return lambda heard: liftmesh.triangulate(points, **options, progress=heard)
+
+
+def _verify(folder: Path, threads: int | None) -> Action:
+    points, faces = np.load(folder / "cloud.npy"), np.load(folder / "faces.npy")
+    return lambda heard: liftmesh.verify(points, faces, threads=threads, progress=heard)
+
+
+def _find_simplex(folder: Path) -> Action:
+    points = np.ascontiguousarray(np.load(folder / "cloud.npy")[:, :2])
+    few = liftmesh.delaunay(points[: len(points) // 10])
+    return lambda _: few.find_simplex(points)
+
+
+# By name: what makes it ready, and gives what is interrupted.
+JOBS: dict[str, Callable[[Path], Action]] = {
+    **{job: partial(_reading, name) for job, name in FILES.items()},
+    "delaunay, 1 thread": partial(_delaunay, threads=1),
+    "delaunay": partial(_delaunay, threads=None),
+    "triangulate": _triangulate,
+    "verify, 1 thread": partial(_verify, threads=1),
+    "verify": partial(_verify, threads=None),
+    "find_simplex": _find_simplex,
+    "write PLY": partial(_writing, "mesh.ply"),
+    "write PLY, text": partial(_writing, "text.ply", encoding="ascii"),
+    "write OBJ": partial(_writing, "mesh.obj"),
+    "write NPZ": partial(_writing, "mesh.npz"),
+}

@@ -1,0 +1,100 @@
+"""Call liftmesh again and again in one process: what it holds must stay flat.
+
+    python scripts/soak.py                     100,000 small calls and 20 of a million rows
+    python scripts/soak.py --calls 5000 --large 3 --rows 100000
+
+Small calls are of every kind, on up to some hundred rows of several families, among them broken
+files, wrong options, and calls ended in their midst by a signal's handler or by `progress`; large
+ones triangulate, verify, look up, write and read. Memory, open files and threads are printed as
+they go. Exits with 1 unless they are flat: after a fifth as warm-up, the least memory of the later
+half is no more than `--most` megabytes above that of the earlier half (for large calls, a sixteenth
+of what the arrays of one call take), and no file or thread is left.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+from process_state import MEGA, RETURNING, State
+from soaking.calls import Enough, large_call, small_call
+from soaking.flat import faults, growth
+
+SAMPLES = 40
+SHOWN = 10
+HELD = 116 + 24 + 12 + 24 + 16  # bytes a row, about: the kernel's peak, and the arrays
+
+
+def main() -> None:
+    """Make all calls, and judge."""
+    if not RETURNING.items() <= os.environ.items():  # malloc reads them when a process begins
+        os.execve(sys.executable, sys.orig_argv, {**os.environ, **RETURNING})
+    options = read_options()
+    sys.unraisablehook = pass_over
+    found = [
+        *judged("small", small(options), options.most * MEGA),
+        *judged("large", large(options), options.rows * HELD / 16 + options.most * MEGA),
+    ]
+    print("; ".join(found) or "flat")
+    raise SystemExit(int(bool(found)))
+
+
+def read_options() -> Namespace:
+    """Parse the command line."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("--calls", type=int, default=100_000)
+    add("--large", type=int, default=20)
+    add("--rows", type=int, default=1_000_000, help="of a large call")
+    add("--most", type=float, default=3.0, metavar="MB")
+    add("--seed", type=int, default=0)
+    return parser.parse_args()
+
+
+def pass_over(unraisable: sys.UnraisableHookArgs) -> None:
+    """Say nothing of exceptions of ours that no one can hear, as where an object is thrown away."""
+    if not isinstance(unraisable.exc_value, Enough):
+        sys.__unraisablehook__(unraisable)
+
+
+def small(options: Namespace) -> Iterator[State]:
+    """Make small calls, and yield samples."""
+    rng = np.random.default_rng(options.seed)
+    raised: Counter[str] = Counter()
+    for number in range(1, options.calls + 1):
+        raised[small_call(rng)] += 1
+        if number % max(options.calls // SAMPLES, 1) == 0:
+            yield State.now()
+    print(", ".join(f"{count:,} {name or 'went well'}" for name, count in raised.most_common()))
+
+
+def large(options: Namespace) -> Iterator[State]:
+    """Make large calls, with a sample after each."""
+    rng = np.random.default_rng(options.seed)
+    for number in range(options.large):
+        large_call(number, options.rows, rng)
+        yield State.now()
+
+
+def judged(name: str, samples: Iterator[State], most: float) -> list[str]:
+    """Print some of the samples as they come, and what is wrong with them all."""
+    began, taken = time.monotonic(), []
+    for sample in samples:
+        taken.append(sample)
+        if len(taken) % max(SAMPLES // SHOWN, 1) == 0 or name == "large":
+            print(
+                f"{name} {time.monotonic() - began:6.0f} s  {sample.resident / MEGA:7.1f} MB  "
+                f"{sample.files} files  {sample.threads} threads",
+                flush=True,
+            )
+    print(f"{name}: {growth(taken) / MEGA:+.1f} MB in {time.monotonic() - began:.0f} s", flush=True)
+    return [f"{name} calls: {fault}" for fault in faults(taken, int(most))]
+
+
+if __name__ == "__main__":
+    main()

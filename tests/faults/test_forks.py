@@ -1,0 +1,97 @@
+"""Processes that come of others: a fork amid a run is refused in the child, and harms nobody."""
+
+from __future__ import annotations
+
+import pytest
+from faults.children import output
+
+FORK_AMID = """
+    import os, signal, sys, warnings
+    import numpy as np, liftmesh
+    warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
+
+    way, threads = sys.argv[1], int(sys.argv[2])
+    os.environ["LIFTMESH_NUM_THREADS"] = "3"
+    points = np.random.default_rng(0).random((1_500_000, 2))
+    few = points[:100_000]
+    expected = liftmesh.delaunay(few).simplices
+    simplices = liftmesh.delaunay(points).simplices
+    parent, child, most = os.getpid(), None, 0
+
+    def fork(*_):
+        global child
+        if child is None:
+            child = os.fork()
+
+    def look(_):
+        global most
+        most = max(most, len(os.listdir("/proc/self/task")))
+
+    if way == "signal":
+        signal.signal(signal.SIGALRM, fork)
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+    runs = {
+        "delaunay": lambda: liftmesh.delaunay(points, threads=threads, progress=fork).simplices,
+        "verify": lambda: bool(liftmesh.verify(points, simplices, threads=threads, progress=fork)),
+        "signal": lambda: liftmesh.delaunay(points, threads=threads).simplices,
+    }
+    try:
+        found = np.array_equal(runs[way](), True if way == "verify" else simplices)
+    except RuntimeError as error:
+        found = str(error)
+    if os.getpid() != parent:  # nothing is left of the run, and threads are to be had again
+        right = np.array_equal(liftmesh.delaunay(few).simplices, expected)
+        liftmesh.delaunay(points, progress=look)
+        os._exit(0 if "forked amid a run" in str(found) and right and most == 3 else 1)
+    print(found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("way", "threads"), [("delaunay", 1), ("delaunay", 3), ("verify", 3), ("signal", 3)]
+)
+def test_a_fork_amid_a_run_leaves_the_run_to_the_parent(way: str, threads: int) -> None:
+    assert output(FORK_AMID, way, threads) == "True 0\n"
+
+
+def test_results_travel_between_processes_that_were_spawned() -> None:
+    program = """
+        import multiprocessing, sys, types
+        import numpy as np, liftmesh
+
+        # What is pickled must be found by its name in the other process: the library's own is.
+        context = multiprocessing.get_context("spawn")
+        sys.modules["__main__"].__spec__ = None
+        clouds = [np.random.default_rng(k).random((9000, 2)) for k in range(3)]
+        with context.Pool(1) as pool:
+            found = pool.map(liftmesh.delaunay, clouds)
+            pairs = [(cloud, each.simplices) for cloud, each in zip(clouds, found)]
+            proofs = pool.starmap(liftmesh.verify, pairs)
+        expected = [liftmesh.delaunay(cloud) for cloud in clouds]
+        print(all(np.array_equal(a.simplices, b.simplices) for a, b in zip(found, expected)))
+        print(all(p == e.verify() for p, e in zip(proofs, expected)))
+    """
+    assert output(program) == "True\nTrue\n"
+
+
+def test_python_threads_share_arrays() -> None:
+    program = """
+        import sys
+        from concurrent.futures import ThreadPoolExecutor
+        import numpy as np, liftmesh
+
+        points = np.random.default_rng(0).random((60_000, 2))
+        tri = liftmesh.delaunay(points)
+        proof = tri.verify()
+        jobs = [
+            lambda: np.array_equal(liftmesh.delaunay(points).simplices, tri.simplices),
+            lambda: np.array_equal(liftmesh.delaunay(points, threads=3).simplices, tri.simplices),
+            lambda: liftmesh.verify(points, tri.simplices) == proof,
+            lambda: liftmesh.verify(points, tri.simplices, threads=3) == proof,
+            lambda: tri.find_simplex(points).min() >= 0,
+        ]
+        sys.setswitchinterval(1e-5)
+        with ThreadPoolExecutor(5) as pool:
+            print(all(pool.map(lambda job: job(), jobs * 6)))
+    """
+    assert output(program) == "True\n"

@@ -1,0 +1,183 @@
+"""Too little memory, at one limit after the other: MemoryError, and a process that goes on.
+
+Each limit lets the allocations before some point succeed and the one there fail, in the kernel, in
+NumPy or in Python, until one is enough. Left out is what NumPy or OpenBLAS do not survive:
+planes that are fitted, and the formats of single precision (arrays of unlike shapes or types).
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from faults.children import output
+
+import liftmesh
+from liftmesh.cli import exit_codes
+
+SWEEP = """
+    import io, json, sys
+    import numpy as np, liftmesh
+    from liftmesh import verify
+
+    name, rows, most, limits = sys.argv[1], *map(int, sys.argv[2:])
+    random = np.random.default_rng(0)
+    cloud = liftmesh.Cloud(random.random((rows, 3)), colors=np.zeros((rows, 3), np.uint8))
+    points = cloud.points
+    planar = np.ascontiguousarray(points[:, :2])
+    few = random.random((50, 2))
+
+    def read(data, form):
+        return liftmesh.read(io.BytesIO(data), format=form).points
+
+    def wrote(form):
+        stream = io.BytesIO()
+        mesh = cloud
+        if form == "off":
+            corners = np.arange(rows // 3 * 3, dtype=np.int32)
+            mesh = liftmesh.Cloud(points, faces=corners.reshape(-1, 3))
+        liftmesh.write(stream, mesh, format=form)
+        return np.frombuffer(stream.getbuffer(), np.uint8)
+
+    def text():
+        stream = io.BytesIO()
+        np.savetxt(stream, points)
+        return stream.getvalue()
+
+    verb, _, kind = name.partition(" ")
+    data = (text() if kind == "xyz" else wrote(kind).tobytes()) if verb == "read" else b""
+    tri = liftmesh.delaunay(planar) if verb in ("find", "check") else None
+    runs = {
+        "delaunay": lambda: liftmesh.delaunay(planar, threads=int(kind)).simplices,
+        "wrap": lambda: liftmesh.delaunay(planar, method=kind).simplices,
+        "hull": lambda: liftmesh.lower_hull(points).faces,
+        "surface": lambda: liftmesh.triangulate(cloud, plane=(1, 2, 3), duplicates="mean").faces,
+        "check": lambda: np.array([bool(verify(planar, tri.simplices, threads=int(kind)))]),
+        "find": lambda: tri.find_simplex(planar),
+        "predicates": lambda: liftmesh.orient2d(planar, planar[::-1], planar[0]),
+        "read": lambda: read(data, kind),
+        "write": lambda: wrote(kind),
+    }
+    run = runs[verb]
+
+    def small():
+        return liftmesh.triangulate(few).report.triangles
+
+    small()
+    expected, before = run().copy(), None
+    outcomes, others = "", []
+    for number in range(1, limits + 1):
+        limit(most * number**2 // limits**2)
+        try:
+            outcomes += "o" if np.array_equal(run(), expected) else "?"
+        except MemoryError:
+            outcomes += "M"
+        except Exception as error:
+            outcomes += "X"
+            others.append(repr(error))
+        unlimited()
+        assert small() > 50
+        before = before or held()
+    print(json.dumps([outcomes, others, held() - before]))
+"""
+MEGA = 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "most"),
+    [
+        ("delaunay 1", 100_000, 30 * MEGA),
+        ("delaunay 3", 100_000, 70 * MEGA),
+        ("wrap lfres-indexed", 10_000, 5 * MEGA),
+        ("hull", 20_000, 20 * MEGA),
+        ("surface", 50_000, 40 * MEGA),
+        ("find", 50_000, 8 * MEGA),
+        ("check 1", 50_000, 40 * MEGA),
+        ("check 3", 50_000, 60 * MEGA),
+        ("predicates", 200_000, 20 * MEGA),
+        *((f"read {kind}", 5_000, 8 * MEGA) for kind in ("ply", "obj", "npz", "xyz")),
+        ("read off", 5_000, 8 * MEGA),
+        *((f"write {kind}", 5_000, 8 * MEGA) for kind in ("ply", "obj", "npz", "off")),
+    ],
+)
+def test_a_lack_of_memory_is_an_error_and_no_end(name: str, rows: int, most: int) -> None:
+    outcomes, others, leaked = json.loads(output(SWEEP, name, rows, most, 12))
+    assert others == []
+    assert set(outcomes) == {"M", "o"}
+    assert leaked < 3 * MEGA
+
+
+COMMAND_LINE = """
+    import json, os, sys
+    from pathlib import Path
+    import numpy  # whose own libraries end a process that has no room for them
+    from liftmesh.cli import main
+
+    words, imported, most, limits = sys.argv[1].split(), *map(int, sys.argv[2:])
+    target = Path(words[-1])
+    report = sys.stdout
+
+    def forked(more):
+        child = os.fork()
+        if child == 0:
+            for number, name in ((1, "told"), (2, "complaint")):
+                os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+            if more is not None:
+                limit(more)
+            code = main(words)
+            sys.stdout.flush()
+            os._exit(code)
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+    def outcome(more):
+        target.write_bytes(b"old")
+        code = forked(more)
+        written = "old" if target.read_bytes() == b"old" else target.read_bytes() == whole
+        texts = [Path(name).read_text() for name in ("told", "complaint")]
+        return code, *texts, written, len(os.listdir())
+
+    if imported:
+        main(["info", "cloud.npy", "--json"])
+        main([*words[:-1], "elsewhere.ply"])
+    forked(None)
+    whole = target.read_bytes()
+    outcomes = [outcome(most * number // limits) for number in range(limits + 1)]
+    print()
+    print(json.dumps(outcomes))
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "imported", "most", "limits"),
+    [
+        ("triangulate cloud.npy mesh.ply", 0, 40 * MEGA, 8),
+        ("triangulate cloud.npy mesh.ply", 1, 6 * MEGA, 10),
+        ("verify mesh.obj --certificate mesh.json", 1, 20 * MEGA, 8),
+    ],
+)
+def test_a_command_says_so_in_one_line(
+    words: str,
+    imported: int,
+    most: int,
+    limits: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    mesh = liftmesh.triangulate(np.random.default_rng(0).random((10_000, 3)))
+    np.save(tmp_path / "cloud.npy", mesh.vertices)
+    mesh.save(tmp_path / "mesh.obj")
+    monkeypatch.chdir(tmp_path)
+    *_, last = output(COMMAND_LINE, words, imported, most, limits).splitlines()
+    failures = [each for each in json.loads(last) if each[0] != exit_codes.DONE]
+    done = [each for each in json.loads(last) if each[0] == exit_codes.DONE]
+    assert len(failures) > 1
+    assert len(done) > 1
+    for code, told, complaint, written, _ in failures:
+        assert (code, told, written) == (exit_codes.BAD_INPUT, "", "old")
+        assert complaint == "liftmesh: error: not enough memory\n"
+    for _, told, complaint, written, _ in done:
+        assert told
+        assert (complaint, written) == ("", True)
+    assert len({files for *_, files in [*failures, *done]}) == 1
