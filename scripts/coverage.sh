@@ -68,7 +68,7 @@ gather() {
 
 failed=0
 if [[ ${1-} != --report ]]; then
-    prepare_machine open3d
+    prepare_machine tests
     install_counting
     begin_counting
     run_tests || failed=1

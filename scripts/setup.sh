@@ -39,7 +39,8 @@ find_python() {
     return 1
 }
 
-# What is missing, one Debian package a line. With "open3d", also what Open3D's wheel loads.
+# What is missing, one Debian package a line. With "tests", also what Open3D's wheel loads, and clang with its
+# sanitizers.
 missing_packages() {
     local python version
     if python=$(find_python); then
@@ -50,8 +51,9 @@ missing_packages() {
         printf '%s\n' python3 python3-venv python3-dev
     fi
     has_compiler || say g++
-    if [[ $1 == open3d && -n $python ]]; then
-        missing_libraries "$python"
+    if [[ $1 == tests ]]; then
+        [[ -z $python ]] || missing_libraries "$python"
+        missing_clang
     fi
 }
 
@@ -64,6 +66,26 @@ sys.exit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file())'
 has_compiler() {
     printf '#include <bit>\n#include <span>\nint main() {}\n' |
         "${CXX:-c++}" -std=c++20 -fsyntax-only -x c++ - 2>/dev/null
+}
+
+# Found out by use. The sanitizers and libFuzzer may be a package of their own, named by clang's version, which is
+# known once clang is there.
+missing_clang() {
+    local program='int main() {}' version
+    local target='extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }'
+    if ! clang_links "$program"; then
+        say clang
+    elif ! clang_links "$target" -fsanitize=fuzzer,address,undefined || ! clang_links "$program" -fsanitize=thread; then
+        version=$("${CLANG:-clang++}" -dumpversion)
+        say "libclang-rt-${version%%.*}-dev"
+    fi
+    command -v llvm-symbolizer >/dev/null || say llvm # reports that name lines
+}
+
+# clang_links PROGRAM FLAG...
+clang_links() {
+    printf '#include <span>\n%s\n' "$1" |
+        "${CLANG:-clang++}" -std=c++20 "${@:2}" -x c++ - -o /dev/null 2>/dev/null
 }
 
 missing_libraries() {
@@ -87,14 +109,14 @@ for library, package in PACKAGES.items():
 PYTHON
 }
 
-# prepare_machine build|open3d: installs what is missing where it may, else says in one line what to install.
+# prepare_machine build|tests: installs what is missing where it may, else says in one line what to install.
 prepare_machine() {
     local packages
     mapfile -t packages < <(missing_packages "$1")
     if ((${#packages[@]} > 0)) && ((EUID == 0)) && command -v apt-get >/dev/null; then
         install_packages "${packages[@]}"
         mapfile -t packages < <(missing_packages "$1")
-        if ((${#packages[@]} > 0)); then # a Python that came just now names more of them
+        if ((${#packages[@]} > 0)); then # a Python or a clang that came just now names more of them
             install_packages "${packages[@]}"
             mapfile -t packages < <(missing_packages "$1")
         fi

@@ -30,7 +30,7 @@ wheel() (
     environment/bin/python "$checker" ./*.whl "$terrain"
 )
 
-prepare_machine open3d
+prepare_machine tests
 make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --editable '.[test]'
 
 check "ruff: lint" .venv-test/bin/ruff check .

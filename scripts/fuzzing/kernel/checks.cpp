@@ -1,0 +1,131 @@
+#include "checks.hpp"
+
+#include <cmath>
+
+#include "demand.hpp"
+#include "gift_wrapping.hpp"
+#include "locate.hpp"
+#include "lower_hull.hpp"
+#include "paper/counts.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace fuzzing {
+
+namespace {
+
+using liftmesh::Delaunay;
+using liftmesh::Row;
+using liftmesh::Status;
+
+liftmesh::Procedure procedure(Check check) {
+    if (check == Check::lf) return liftmesh::Procedure::lf;
+    return check == Check::lfres ? liftmesh::Procedure::lfres : liftmesh::Procedure::lfres_indexed;
+}
+
+// Gift wrapping is cubic.
+std::size_t most_wrapped(const Case& c) {
+    return c.is_wide ? 10 : 36;
+}
+
+// The least triangle whose closure holds the point, by looking at all.
+std::int32_t least_around(const Case& c, const liftmesh::Result& result, Point p) {
+    for (std::size_t t = 0; t < result.triangle_count; ++t) {
+        const auto corner = [&](std::size_t k) {
+            return c.point(static_cast<std::size_t>(result.simplices[3 * t + k % 3]));
+        };
+        const auto has_inside = [&](std::size_t k) {
+            return liftmesh::orient2d(corner(k), corner(k + 1), p) >= 0;
+        };
+        if (has_inside(0) && has_inside(1) && has_inside(2)) return static_cast<std::int32_t>(t);
+    }
+    return -1;
+}
+
+// A vertex, a point between two, or one at which two others meet.
+Point query(Case& c, const Rows& rows) {
+    const auto some = [&] { return c.point(rows[c.dice.below(rows.size())]); };
+    const Point p = some(), q = some();
+    switch (c.dice.below(3)) {
+        case 0:
+            return p;
+        case 1:
+            return {p.x / 2 + q.x / 2, p.y / 2 + q.y / 2};
+        default:
+            return {p.x, q.y};
+    }
+}
+
+// Of the rows at one position, the lowest in space; of these, the first.
+Rows lowest(const Case& c, const Expectation& expected) {
+    Rows stand_in(c.rows());
+    for (const Row row : expected.kept) stand_in[row] = row;
+    for (const liftmesh::Duplicate& pair : expected.merged)
+        if (c.points[pair.row].z < c.points[stand_in[pair.kept]].z) stand_in[pair.kept] = pair.row;
+    Rows rows;
+    for (const Row row : expected.kept) rows.push_back(stand_in[row]);
+    return rows;
+}
+
+Delaunay hull_by(const Case& c, liftmesh::HullMethod method) {
+    Impatient interrupt;
+    liftmesh::paper::Counts counts;
+    return liftmesh::lower_hull(c.input, method, c.threads, interrupt, counts);
+}
+
+}  // namespace
+
+void check_engine(Case& c, const Delaunay& found) {
+    if (found.distinct > most_wrapped(c)) return;
+    const Point q = {c.point(0).x, c.point(c.rows() - 1).y};
+    const bool has_q = std::isfinite(q.x) && std::isfinite(q.y);
+    Impatient interrupt;
+    liftmesh::paper::Counts counts;
+    const Delaunay wrapped =
+        liftmesh::wrap_delaunay(c.input, c.skip_non_finite, procedure(c.check),
+                                has_q ? q : Point{0, 0}, c.threads, interrupt, counts);
+    demand(wrapped.status == found.status, "gift wrapping comes to another status");
+    if (found.status == Status::ok)
+        demand(triangles(wrapped.result) == triangles(found.result),
+               "gift wrapping finds other triangles");
+}
+
+void check_location(Case& c, const Delaunay& found, const Rows& rows) {
+    if (c.is_large()) return;
+    const liftmesh::Locator locator({c.input, found.result.simplices.get(),
+                                     found.result.neighbors.get(), found.result.triangle_count});
+    Impatient interrupt;
+    liftmesh::Patience patience(interrupt);
+    for (int i = 0; i < 32; ++i) {
+        const Point p = query(c, rows);
+        demand(locator.find(p, patience) == least_around(c, found.result, p),
+               "a point is found in another triangle");
+    }
+}
+
+void check_lower_hull(const Case& c, const Expectation& expected) {
+    const Delaunay found = hull_by(c, liftmesh::HullMethod::incremental);
+    check_rows(expected, found);
+    if (found.status != Status::ok) return;
+    const Rows rows = lowest(c, expected);
+    check_structure(c, found.result, rows);
+    if (rows.size() > most_wrapped(c)) return;
+    if (2 * rows.size() <= most_wrapped(c)) check_lower(c, found.result, rows);
+    const Delaunay wrapped = hull_by(c, liftmesh::HullMethod::lf);
+    demand(wrapped.status == found.status, "gift wrapping in space comes to another status");
+    demand(triangles(wrapped.result) == triangles(found.result),
+           "gift wrapping in space finds other facets");
+}
+
+void check_interruption(Case& c, const Delaunay& found) {
+    Impatient interrupt(1 + c.dice.below(30));
+    const Delaunay cut = liftmesh::delaunay(c.input, c.skip_non_finite, c.threads, interrupt);
+    if (cut.status == Status::interrupted) {
+        demand(interrupt.was_requested(), "a run was interrupted by nobody");
+        return;
+    }
+    demand(cut.status == found.status, "a run that could be interrupted comes to another status");
+    if (cut.status == Status::ok)
+        demand(same_bits(cut.result, found.result), "a run that could be interrupted differs");
+}
+
+}  // namespace fuzzing

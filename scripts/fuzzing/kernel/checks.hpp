@@ -1,0 +1,40 @@
+// What is asked of the kernel beyond the triangulation itself, each of a case that has one.
+#pragma once
+
+#include "case.hpp"
+#include "delaunay.hpp"
+#include "expectation.hpp"
+#include "structure.hpp"
+
+namespace fuzzing {
+
+// An interrupt that comes when it is asked for the n-th time.
+class Impatient final : public liftmesh::Interrupt {
+ public:
+    explicit Impatient(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
+    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
+    bool was_requested() const { return asked_ >= patience_; }
+
+ private:
+    std::size_t patience_, asked_ = 0;
+};
+
+// A gift-wrapping engine finds the same triangles.
+void check_engine(Case& c, const liftmesh::Delaunay& found);
+
+// find_simplex: the least triangle that holds a point, for vertices, points between and beyond.
+void check_location(Case& c, const liftmesh::Delaunay& found, const Rows& rows);
+
+// The signs of the predicates, filters and all, are those of their definitions.
+void check_predicates(Case& c, const Rows& rows);
+
+// The lower hull of rows in space: two engines, one result, and nothing below it.
+void check_lower_hull(const Case& c, const Expectation& expected);
+
+// The verifier accepts the triangulation, and no damaged one.
+void check_verification(Case& c, const liftmesh::Delaunay& found);
+
+// A run that is interrupted says so, or is done before.
+void check_interruption(Case& c, const liftmesh::Delaunay& found);
+
+}  // namespace fuzzing

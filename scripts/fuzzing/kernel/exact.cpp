@@ -1,0 +1,131 @@
+#include "exact.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <vector>
+
+#include "integer.hpp"
+
+namespace fuzzing {
+
+namespace {
+
+using Integers = std::vector<Integer>;
+
+struct Parts {
+    std::int64_t mantissa;
+    int exponent;
+};
+
+Parts parts(double value) {
+    int exponent = 0;
+    auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), 53));
+    exponent -= 53;
+    for (; mantissa != 0 && mantissa % 2 == 0; ++exponent) mantissa /= 2;
+    return {mantissa, exponent};
+}
+
+// The values on the coarsest lattice 2^low that holds them all.
+Integers on_lattice(std::initializer_list<double> values) {
+    int low = std::numeric_limits<int>::max();
+    for (const double value : values)
+        if (value != 0) low = std::min(low, parts(value).exponent);
+    Integers result;
+    for (const double value : values) {
+        const Parts p = parts(value);
+        result.push_back(value == 0 ? Integer()
+                                    : Integer(p.mantissa, static_cast<unsigned>(p.exponent - low)));
+    }
+    return result;
+}
+
+int turn_of(const Integers& x, const Integers& y, std::size_t i, std::size_t j, std::size_t k,
+            Integer& result) {
+    result = x[i] * (y[j] - y[k]) + x[j] * (y[k] - y[i]) + x[k] * (y[i] - y[j]);
+    return result.sign();
+}
+
+// The corners from the one that is lifted most.
+std::array<std::size_t, 4> by_lift(const std::array<Point, 4>& corners) {
+    std::array<std::size_t, 4> order = {0, 1, 2, 3};
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        const Point p = corners[i], q = corners[j];
+        return p.x != q.x ? p.x > q.x : p.y > q.y;
+    });
+    return order;
+}
+
+int side_of(const std::array<Point, 4>& corners, const Integers& x, const Integers& y,
+            const Integers& z, bool canonical) {
+    constexpr std::size_t others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
+    Integer determinant;
+    int slope[4];  // the sign with which the determinant grows as a corner is lifted
+    for (std::size_t i = 0; i < 4; ++i) {
+        Integer area;
+        const int sign = turn_of(x, y, others[i][0], others[i][1], others[i][2], area);
+        slope[i] = i % 2 == 0 ? sign : -sign;
+        const Integer term = z[i] * area;
+        determinant = i % 2 == 0 ? determinant + term : determinant - term;
+    }
+    if (determinant.sign() != 0 || !canonical) return determinant.sign();
+    for (const std::size_t i : by_lift(corners))
+        if (slope[i] != 0) return slope[i];
+    return 0;
+}
+
+Integer height(const Integers& x, const Integers& y, std::size_t i, std::size_t q) {
+    const Integer dx = x[i] - x[q], dy = y[i] - y[q];
+    return dx * dx + dy * dy;
+}
+
+// Coordinates of four points, x and y on one lattice.
+struct Coordinates {
+    Integers x, y;
+
+    explicit Coordinates(const std::array<Point, 4>& p) {
+        Integers all = on_lattice({p[0].x, p[1].x, p[2].x, p[3].x, p[0].y, p[1].y, p[2].y, p[3].y});
+        x.assign(all.begin(), all.begin() + 4);
+        y.assign(all.begin() + 4, all.end());
+    }
+};
+
+}  // namespace
+
+int turn(Point a, Point b, Point c) {
+    const Coordinates at({a, b, c, c});
+    Integer area;
+    return turn_of(at.x, at.y, 0, 1, 2, area);
+}
+
+int side(Point a, Point b, Point c, Point d, bool canonical) {
+    const std::array<Point, 4> corners = {a, b, c, d};
+    const Coordinates at(corners);
+    Integers z;
+    for (std::size_t i = 0; i < 4; ++i) z.push_back(at.x[i] * at.x[i] + at.y[i] * at.y[i]);
+    return side_of(corners, at.x, at.y, z, canonical);
+}
+
+int side(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical) {
+    const std::array<Point, 4> corners = {a.planar(), b.planar(), c.planar(), d.planar()};
+    const Coordinates at(corners);
+    return side_of(corners, at.x, at.y, on_lattice({a.z, b.z, c.z, d.z}), canonical);
+}
+
+int compare_heights(Point a, Point b, Point q) {
+    const Coordinates at({a, b, q, q});
+    return (height(at.x, at.y, 0, 2) - height(at.x, at.y, 1, 2)).sign();
+}
+
+int turn_in_oyz(Point a, Point b, Point c, Point q) {
+    const Coordinates at({a, b, c, q});
+    const auto z = [&](std::size_t i) {
+        return height(at.x, at.y, i, 3) - height(at.x, at.y, 0, 3);
+    };
+    return ((at.y[1] - at.y[0]) * z(2) - (at.y[2] - at.y[0]) * z(1)).sign();
+}
+
+}  // namespace fuzzing

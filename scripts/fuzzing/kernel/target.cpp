@@ -1,0 +1,82 @@
+// The fuzz target of the kernel: any bytes at all, and everything that must hold for them.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "case.hpp"
+#include "checks.hpp"
+#include "delaunay.hpp"
+#include "demand.hpp"
+#include "expectation.hpp"
+#include "floating_point.hpp"
+#include "structure.hpp"
+
+namespace fuzzing {
+
+namespace {
+
+using liftmesh::Delaunay;
+using liftmesh::Status;
+
+Delaunay run(const Case& c, liftmesh::Threads threads) {
+    Impatient interrupt;
+    return liftmesh::delaunay(c.input, c.skip_non_finite, threads, interrupt);
+}
+
+void check_triangulation(const Case& c, const Expectation& expected, const Delaunay& found) {
+    const Rows corners = check_structure(c, found.result, expected.kept);
+    demand(corners.size() == expected.kept.size(), "a position is no vertex");
+    check_delaunay(c, found.result);
+}
+
+void check_threads(const Case& c, const Delaunay& found) {
+    const Delaunay alone = run(c, {});
+    demand(alone.status == found.status, "one thread comes to another status");
+    if (found.status == Status::ok)
+        demand(same_bits(alone.result, found.result), "one thread comes to other triangles");
+}
+
+void check_more(Case& c, const Expectation& expected, const Delaunay& found) {
+    const bool whole = found.status == Status::ok;
+    switch (c.check) {
+        case Check::lf:
+        case Check::lfres:
+        case Check::lfres_indexed:
+            return c.rows() > 0 ? check_engine(c, found) : void();
+        case Check::location:
+            return whole ? check_location(c, found, expected.kept) : void();
+        case Check::predicates:
+            return check_predicates(c, expected.kept);
+        case Check::verification:
+            return whole ? check_verification(c, found) : void();
+        case Check::interruption:
+            return check_interruption(c, found);
+        case Check::lower_hull:
+            return check_lower_hull(c, expected);
+    }
+}
+
+void check(Case c) {
+    const liftmesh::IeeeArithmetic ieee;
+    const Expectation expected = expectation(c);
+    const Delaunay found = run(c, c.threads);
+    check_rows(expected, found);
+    if (found.status == Status::ok) check_triangulation(c, expected, found);
+    if (c.threads.limit > 1) check_threads(c, found);
+    check_more(c, expected, found);
+}
+
+}  // namespace
+
+}  // namespace fuzzing
+
+// The sanitizer notes two calls of each allocation, and keeps little of what was freed: millions of
+// small ones would take most of the time otherwise.
+extern "C" const char* __asan_default_options() {
+    return "malloc_context_size=2:quarantine_size_mb=16";
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzzing::check(fuzzing::decode(data, size));
+    return 0;
+}

@@ -1,0 +1,131 @@
+"""What must hold for any bytes that a reader is given, whoever wrote them.
+
+A reader returns a cloud or raises a FormatError whose message begins with the file's name; nothing
+else may escape. A cloud that came from a file holds together, and can be written and read back bit
+for bit: as PLY in both encodings, and as OBJ, as far as OBJ has a place for what it holds. The one
+thing that text cannot bring back is the payload of a NaN.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh import Cloud, FormatError, read, write
+from liftmesh.formats.sheet import COLOR
+
+Array = NDArray[Any]
+
+
+class FindError(AssertionError):
+    """Something that must not happen."""
+
+
+def outcome(data: bytes, kind: str) -> Cloud | str:
+    """Read bytes: a cloud that holds together and comes back from files, or what is wrong."""
+    try:
+        cloud = read(io.BytesIO(data), format=kind)
+    except FormatError as error:
+        message = str(error)
+        demand(message.startswith("<stream>: "), f"the message names no file: {message}")
+        return message
+    _check_whole(cloud)
+    _check_ply(cloud, encoding="binary")
+    _check_ply(cloud, encoding="ascii")
+    _check_obj(cloud)
+    return cloud
+
+
+def demand(condition: bool, what: str) -> None:
+    """Raise a FindError unless the condition holds."""
+    if not condition:
+        raise FindError(what)
+
+
+def _check_whole(cloud: Cloud) -> None:
+    demand(cloud.points.dtype == np.float64, "points are not float64")
+    faces = cloud.faces
+    if faces is not None and faces.size:
+        demand(faces.dtype == np.int32 and faces.shape[1] == 3, "faces are not triples of int32")
+        demand(faces.min() >= 0 and faces.max() < len(cloud), "a face refers to no vertex")
+
+
+def _check_ply(cloud: Cloud, *, encoding: str) -> None:
+    back = _rewritten(cloud, "ply", encoding=encoding, colors="exact")
+    if back is None:
+        return
+    if set(COLOR) <= cloud.attributes.keys():
+        return  # columns that are called colours and cannot be: PLY takes them for such
+    same = _same_bits if encoding == "binary" else _same_values
+    demand(same(back.points, cloud.points), f"PLY ({encoding}) changes points")
+    _compare(back, cloud, ("colors", "normals", "faces"), f"PLY ({encoding})")
+    demand([*back.attributes] == _columns(cloud), f"PLY ({encoding}) renames attributes")
+    for name, values in cloud.attributes.items():
+        if values.ndim == 1:
+            kept = _same_values(back.attributes[name], values)
+            demand(kept, f"PLY ({encoding}) changes attribute {name!r}")
+
+
+def _columns(cloud: Cloud) -> list[str]:
+    """Name the columns that attributes become: several for one that has several values a row."""
+    return [
+        column
+        for name, values in cloud.attributes.items()
+        for column in (
+            [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])]
+        )
+    ]
+
+
+def _check_obj(cloud: Cloud) -> None:
+    back = _rewritten(cloud, "obj")
+    if back is None:
+        return
+    demand(_same_values(back.points, cloud.points), "OBJ changes points")
+    names = ("normals", "faces") if _has_wide_colors(cloud) else ("colors", "normals", "faces")
+    _compare(back, cloud, names, "OBJ")
+
+
+def _has_wide_colors(cloud: Cloud) -> bool:
+    """Whether there are colours that OBJ, which holds three floats, gives back in another form."""
+    colors = cloud.colors
+    return colors is not None and (colors.dtype != np.uint8 or colors.shape[1] != 3)
+
+
+def _rewritten(cloud: Cloud, kind: str, **options: Any) -> Cloud | None:
+    """Write and read again; None where the format says that it cannot hold the cloud."""
+    stream = io.BytesIO()
+    try:
+        write(stream, cloud, format=kind, **options)
+    except FormatError:
+        return None
+    stream.seek(0)
+    try:
+        return read(stream, format=kind)
+    except FormatError as error:
+        raise FindError(f"{kind} that was written cannot be read: {error}") from error
+
+
+def _compare(back: Cloud, cloud: Cloud, names: tuple[str, ...], what: str) -> None:
+    for name in names:
+        ours, theirs = getattr(back, name), getattr(cloud, name)
+        if name == "faces":  # no triangles at all: a list of none, or none
+            ours, theirs = (None if a is None or not len(a) else a for a in (ours, theirs))
+        demand((ours is None) == (theirs is None), f"{what} loses or invents {name}")
+        if ours is not None:  # single precision comes back from text once it is rounded again
+            demand(_same_values(ours.astype(theirs.dtype), theirs), f"{what} changes {name}")
+
+
+def _same_bits(a: Array, b: Array) -> bool:
+    return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+
+
+def _same_values(a: Array, b: Array) -> bool:
+    """Equal as numbers, signs of zero included; a NaN is a NaN, whatever its payload."""
+    if a.dtype.kind != "f" or b.dtype.kind != "f":
+        return np.array_equal(a, b)
+    signs = np.isnan(a) | (np.signbit(a) == np.signbit(b))
+    return np.array_equal(a, b, equal_nan=True) and bool(np.all(signs))

@@ -1,0 +1,54 @@
+"""Take out of a find whatever it does not need."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzing.campaign import reason
+
+if TYPE_CHECKING:
+    from fuzzing.targets import Target
+
+SECONDS = 60.0
+
+
+def shrunk(data: bytes, fails: Callable[[bytes], bool], deadline: float) -> bytes:
+    """Drop pieces, large ones first, as long as it fails and there is time."""
+    size = max(len(data) // 2, 1)
+    while True:
+        at = 0
+        while at < len(data) and time.monotonic() < deadline:
+            without = data[:at] + data[at + size :]
+            if fails(without):
+                data = without
+            else:
+                at += size
+        if size == 1 or time.monotonic() >= deadline:
+            return data
+        size //= 2
+
+
+def shrink(target: Target, find: Path) -> tuple[Path, str]:
+    """Shrink a find; give the smaller file beside it, and what is wrong with it.
+
+    Numbers in what is said may change on the way, the rest may not.
+    """
+    small = find.with_name(f"small-{find.name}{target.suffix}")
+    attempt = find.with_name(f"attempt-{find.name}")
+    told = reason(target, find) or "nothing, when it is run alone"
+
+    def fails(data: bytes) -> bool:
+        attempt.write_bytes(data)
+        return _gist(reason(target, attempt)) == _gist(told)
+
+    small.write_bytes(shrunk(find.read_bytes(), fails, time.monotonic() + SECONDS))
+    attempt.unlink(missing_ok=True)
+    return small, told
+
+
+def _gist(text: str | None) -> str | None:
+    return None if text is None else re.sub(r"0x[0-9a-f]+|[\d.]+|'[^']*'", "", text)

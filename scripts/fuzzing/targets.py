@@ -1,0 +1,54 @@
+"""What can be fuzzed: a program that libFuzzer drives, its options, and where its files are."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzzing.build import FUZZ_TARGET, HERE, OUT, ROOT, built
+
+KINDS = ("ply", "obj", "xyz")
+SCRIPTS = ROOT / "scripts"
+CORPORA = ROOT / "tests" / "corpus"
+
+
+@dataclass(frozen=True)
+class Target:
+    """A fuzz target: libFuzzer's options, and the corpus that is kept in the repository."""
+
+    name: str
+    suffix: str
+    options: tuple[str, ...]
+    seeds: Path
+
+    def command(self) -> list[str]:
+        """Give the command that runs the target, built if need be; options and files follow."""
+        if self.name == "kernel":
+            return [str(built(FUZZ_TARGET))]
+        return [sys.executable, "-m", "fuzzing.readers", self.name]
+
+    @property
+    def folder(self) -> Path:
+        """Where a campaign leaves the corpus that it grows, its logs and its finds."""
+        return OUT / self.name
+
+
+# Large cases are slow: they get the less time the slower they are.
+_OPTIONS = (
+    "-max_len=1024",
+    "-len_control=0",
+    "-entropic_scale_per_exec_time=1",
+    "-timeout=30",
+    "-rss_limit_mb=2048",
+)
+_KERNEL = Target("kernel", ".bin", _OPTIONS, CORPORA / "kernel")
+
+
+def _reader(kind: str) -> Target:
+    words = HERE / "dictionaries" / f"{kind}.dict"
+    options = ("-max_len=4096", "-timeout=10", "-rss_limit_mb=2048", f"-dict={words}")
+    return Target(kind, f".{kind}", options, CORPORA / kind)
+
+
+TARGETS = {each.name: each for each in (_KERNEL, *map(_reader, KINDS))}

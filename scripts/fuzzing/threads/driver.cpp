@@ -1,0 +1,127 @@
+// Runs whatever the kernel does on several threads, for a sanitizer to watch: `driver ROWS`.
+//
+// Results are compared with those of one thread. Runs are interrupted in their middle, and several
+// run at the same time, as they do where Python's threads share one limit.
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "clouds.hpp"
+#include "delaunay.hpp"
+#include "gift_wrapping.hpp"
+#include "paper/counts.hpp"
+#include "verify/verify.hpp"
+
+namespace parallel {
+
+namespace {
+
+using liftmesh::Delaunay;
+using liftmesh::Status;
+using liftmesh::Threads;
+
+// Ends a run when it is asked for the n-th time, and is told how far the run has come.
+class Watched final : public liftmesh::Interrupt {
+ public:
+    explicit Watched(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
+    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
+    void expect(std::size_t work) override { expected_ = work; }
+    void advance(std::size_t work) override { done_ += work; }
+
+ private:
+    std::size_t patience_, asked_ = 0, expected_ = 0;
+    std::atomic<std::size_t> done_ = 0;
+};
+
+void demand(bool condition, const Cloud& cloud, const char* what) {
+    if (condition) return;
+    std::fprintf(stderr, "FIND: %s: %s\n", cloud.name.c_str(), what);
+    std::exit(1);
+}
+
+Delaunay run(const Cloud& cloud, Threads threads, std::size_t patience = ~std::size_t{0}) {
+    Watched interrupt(patience);
+    return liftmesh::delaunay(cloud.input(), true, threads, interrupt);
+}
+
+bool same(const Delaunay& a, const Delaunay& b) {
+    const std::size_t count = a.result.triangle_count;
+    if (a.status != b.status || count != b.result.triangle_count) return false;
+    const auto equal = [&](const auto& x, const auto& y) {
+        return count == 0 || std::memcmp(x.get(), y.get(), 3 * count * sizeof(x[0])) == 0;
+    };
+    return a.skipped == b.skipped && a.duplicates.size() == b.duplicates.size() &&
+           equal(a.result.simplices, b.result.simplices) &&
+           equal(a.result.neighbors, b.result.neighbors);
+}
+
+void on_many_threads(const Cloud& cloud, const Delaunay& alone) {
+    for (const unsigned threads : {2u, 3u, 5u, 8u})
+        demand(same(run(cloud, {threads, false}), alone), cloud, "threads change the result");
+}
+
+void interrupted(const Cloud& cloud, const Delaunay& alone) {
+    for (const std::size_t patience : {1u, 2u, 4u, 9u, 20u, 60u}) {
+        const Delaunay found = run(cloud, {4, false}, patience);
+        demand(found.status == Status::interrupted || same(found, alone), cloud,
+               "a run that could be interrupted comes to another result");
+    }
+}
+
+void at_the_same_time(const Cloud& cloud, const Delaunay& alone) {
+    std::vector<std::thread> callers;
+    std::atomic<int> different = 0;
+    for (int i = 0; i < 4; ++i)
+        callers.emplace_back([&, i] { different += !same(run(cloud, {3, i % 2 == 0}), alone); });
+    for (std::thread& caller : callers) caller.join();
+    demand(different == 0, cloud, "runs at the same time change one another's result");
+}
+
+void verified(const Cloud& cloud, const Delaunay& found) {
+    const liftmesh::Result& result = found.result;
+    const auto verdict = [&](unsigned threads, std::size_t patience) {
+        Watched interrupt(patience);
+        return liftmesh::verify(cloud.input(), result.simplices.get(), result.triangle_count, true,
+                                {threads, false}, interrupt);
+    };
+    const liftmesh::Verdict alone = verdict(1, ~std::size_t{0}), many = verdict(4, ~std::size_t{0});
+    demand(many.status == Status::ok && many.vertices == found.distinct, cloud,
+           "the verifier counts other vertices");
+    demand(many.inner == alone.inner && many.border == alone.border, cloud,
+           "threads change the verdict");
+    for (const std::size_t patience : {1u, 3u, 8u}) verdict(3, patience);
+}
+
+// The other engines arrange their points on several threads.
+void arranged(const Cloud& cloud) {
+    Watched interrupt(40);  // not the wrapping
+    liftmesh::paper::Counts counts;
+    liftmesh::wrap_delaunay(cloud.input(), true, liftmesh::Procedure::lfres_indexed, {0, 0},
+                            {4, false}, interrupt, counts);
+}
+
+void check(const Cloud& cloud) {
+    const Delaunay alone = run(cloud, {});
+    on_many_threads(cloud, alone);
+    interrupted(cloud, alone);
+    at_the_same_time(cloud, alone);
+    arranged(cloud);
+    if (alone.status == Status::ok) verified(cloud, alone);
+    std::printf("%s: %zu rows, %zu triangles\n", cloud.name.c_str(), cloud.points.size(),
+                alone.result.triangle_count);
+    std::fflush(stdout);
+}
+
+}  // namespace
+
+}  // namespace parallel
+
+int main(int, char** arguments) {
+    const std::size_t rows = std::stoul(arguments[1]);
+    for (const parallel::Cloud& cloud : parallel::clouds(rows)) parallel::check(cloud);
+}

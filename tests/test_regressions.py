@@ -1,0 +1,49 @@
+"""Every input that once showed a bug, run again: tests/regressions/README.md says what each was."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+
+import pytest
+from fuzzing.campaign import reason
+from fuzzing.round_trip import outcome
+from fuzzing.targets import TARGETS
+
+FOLDER = Path(__file__).resolve().parent / "regressions"
+TABLE = dict(
+    re.findall(
+        r"^\| `(\d{4}-[^`]+)` \| [^|]+ \| ([^|]+) \|$",
+        (FOLDER / "README.md").read_text("utf-8"),
+        flags=re.MULTILINE,
+    )
+)
+KERNEL = [name for name in TABLE if name.endswith(".bin")]
+FILES = [name for name in TABLE if name not in KERNEL]
+
+
+def test_the_table_has_every_file() -> None:
+    assert sorted(TABLE) == sorted(path.name for path in FOLDER.iterdir() if path.suffix != ".md")
+    assert [int(name[:4]) for name in TABLE] == [*range(1, len(TABLE) + 1)]
+    assert len(KERNEL) >= 3
+    assert len(FILES) >= 16
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_is_read_or_refused(name: str) -> None:
+    path = FOLDER / name
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # NumPy's, of values that do not fit their type
+        found = outcome(path.read_bytes(), path.suffix[1:])
+    if TABLE[name] == "read":
+        assert not isinstance(found, str), found
+    else:
+        assert isinstance(found, str)
+        assert TABLE[name].strip("`") in found
+
+
+@pytest.mark.parametrize("name", KERNEL)
+def test_the_kernel_does_as_it_should(name: str) -> None:
+    assert TABLE[name] == "as it should be"
+    assert reason(TARGETS["kernel"], FOLDER / name) is None
