@@ -54,7 +54,7 @@ def test_the_order_of_triangles_and_corners_does_not_matter() -> None:
     assert liftmesh.verify(points, np.take_along_axis(simplices, turn, axis=1)).canonical
 
 
-@pytest.mark.parametrize("kind", ["clockwise", "flat", "delaunay", "non-finite"])
+@pytest.mark.parametrize("kind", ["clockwise", "flat", "delaunay", "non-finite", "doubled"])
 def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) -> None:
     points = np.random.default_rng(3).random((50_000, 2))
     simplices = liftmesh.delaunay(points).simplices.copy()
@@ -66,6 +66,8 @@ def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) ->
         simplices[rows, 1] = simplices[rows, 0]
     elif kind == "delaunay":
         points[simplices[rows, 0]] = points[simplices[rows]].mean(axis=1)
+    elif kind == "doubled":
+        simplices = np.vstack((simplices, simplices[rows]))
     else:
         points[simplices[rows, 0]] = np.nan
     listed = random.permutation(len(simplices))
@@ -199,6 +201,20 @@ def test_a_mesh_whose_triangles_share_no_vertices() -> None:
     assert certificate.merged == certificate.duplicates == len(corners) - len(POINTS)
     corners[5] += 1e-9
     assert not liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
+
+
+def test_corners_beyond_one_for_each_position_are_counted() -> None:
+    points = [[0, 0], [0, 0], [1, 0], [0, 1]]
+    assert liftmesh.verify(points, [[1, 2, 3]]).merged == 0
+    assert liftmesh.verify(points, [[1, 2, 3], [0, 2, 3]]).merged == 1
+
+
+def test_a_row_that_the_border_passes_often_is_named_once() -> None:
+    (flaw,) = (f for f in liftmesh.verify([[0, 0]], [[0, 0, 0]]).flaws if f.kind == "pinched")
+    assert flaw.count == 1
+    corners = liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]] * 4)
+    (flaw,) = (f for f in corners.flaws if f.kind == "pinched")
+    assert [place.rows for place in flaw.first] == [(0,), (1,), (2,)]
 
 
 def test_rows_that_are_not_finite() -> None:

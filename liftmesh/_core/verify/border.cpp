@@ -17,11 +17,7 @@ class Border {
         : subject_(subject), border_(border), team_(team), next_(allocate<Row>(subject.rows)) {}
 
     bool look(Flaws& flaws) {
-        std::fill_n(next_.get(), subject_.rows, nowhere);
-        for (const Side& side : border_) {
-            if (next_[side.tail] != nowhere) flaws.add(Flaw::pinched, {side.tail, 0});
-            next_[side.tail] = side.head;
-        }
+        link(flaws);
         if (flaws.any(Flaw::pinched) || border_.empty()) return true;
         Flaws turns;
         std::size_t rounds = 0;
@@ -34,6 +30,16 @@ class Border {
     }
 
  private:
+    void link(Flaws& flaws) {
+        std::fill_n(next_.get(), subject_.rows, nowhere);
+        std::vector<Row> again;
+        for (const Side& side : border_)
+            if (std::exchange(next_[side.tail], side.head) != nowhere) again.push_back(side.tail);
+        std::sort(again.begin(), again.end());
+        again.erase(std::unique(again.begin(), again.end()), again.end());
+        for (const Row row : again) flaws.add(Flaw::pinched, {row, 0});
+    }
+
     // A curve that only turns left has one row in each round that comes before both its neighbours
     // in the order by x, then y. So has each of several curves: one such row in all is one curve.
     bool look_at_turns(Flaws& flaws, std::size_t& rounds) const {

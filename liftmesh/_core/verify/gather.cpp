@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cuts.hpp"
+#include "input.hpp"
 #include "verify/open_sides.hpp"
 
 namespace liftmesh {
@@ -81,9 +82,11 @@ class Gathering {
     Cuts learn_cuts() {
         const int depth = std::clamp(
             static_cast<int>(std::bit_width(subject_.rows / cell_population)), 0, deepest);
-        std::vector<Point> sample;
-        for (std::size_t i = 0; i < sample_per_cell << depth; ++i)
-            sample.push_back(subject_.points[somewhere(i, subject_.rows)]);
+        std::vector<Point> sample(sample_per_cell << depth);
+        for (std::size_t i = 0; i < sample.size(); ++i) {
+            const Point p = subject_.points[somewhere(i, subject_.rows)];
+            if (is_finite(p)) sample[i] = p;
+        }
         return Cuts(std::move(sample), depth, team_);
     }
 

@@ -10,7 +10,6 @@
 #include <atomic>
 #include <iterator>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include "input.hpp"
@@ -60,6 +59,12 @@ class Finder {
         inner += std::exchange(met_count_, 0);
     }
 
+    // Two sides that run along one another in the same direction.
+    void name_doubled(std::uint32_t one, std::uint32_t other) {
+        const Place place = in_order(one, other);
+        edges.add(Flaw::doubled, {place.other, place.at});
+    }
+
     std::size_t inner = 0;
     std::vector<Side> left;  // sides without a partner
     Flaws triangles, edges;
@@ -86,14 +91,18 @@ class Finder {
         if (-filter.det > error) return;
         const int side = filter.det > error ? 1 : incircle_exact(a, b, c, d, subject_.guard);
         if (side < 0) return;
-        const auto [low, high] = std::minmax({subject_.given(one), subject_.given(other)});
-        const Place place{low, high};
+        const Place place = in_order(one, other);
         if (side > 0) edges.add(Flaw::delaunay, place);
         if (side > 0 || sign_of_tie(a, b, c, d) > 0) edges.add(Flaw::canonical, place);
     }
 
+    Place in_order(std::uint32_t one, std::uint32_t other) const {
+        const auto [low, high] = std::minmax({subject_.given(one), subject_.given(other)});
+        return {low, high};
+    }
+
     const Subject& subject_;
-    std::array<Edge, 64> met_;
+    std::array<Edge, 64> met_{};
     std::size_t met_count_ = 0;
 };
 
@@ -152,8 +161,7 @@ bool is_forward(const Side& side) {
 template <class It>
 void match(It first, It middle, It last, Finder& found) {
     for (auto one = first; one != last; ++one)
-        if (one != first && one != middle)
-            found.edges.add(Flaw::doubled, {one->place, std::prev(one)->place});
+        if (one != first && one != middle) found.name_doubled(std::prev(one)->place, one->place);
     auto back = first, forward = middle;
     for (; back != middle && forward != last; ++back, ++forward)
         found.meet(back->place, forward->place);
@@ -162,10 +170,11 @@ void match(It first, It middle, It last, Finder& found) {
 }
 
 void match(std::span<Side> sides, Finder& found) {
-    std::sort(sides.begin(), sides.end(), [](const Side& p, const Side& q) {
-        return std::tuple(edge_of(p), is_forward(p), p.place) <
-               std::tuple(edge_of(q), is_forward(q), q.place);
-    });
+    const auto before = [](const Side& p, const Side& q) {
+        return std::pair(edge_of(p), is_forward(p)) < std::pair(edge_of(q), is_forward(q));
+    };
+    if (!std::is_sorted(sides.begin(), sides.end(), before))  // many sides may be one edge's
+        std::sort(sides.begin(), sides.end(), before);
     for (auto first = sides.begin(); first != sides.end();) {
         const auto is_other = [&](const Side& side) { return edge_of(side) != edge_of(*first); };
         const auto last = std::find_if(first, sides.end(), is_other);

@@ -13,6 +13,10 @@
 // - across every inner edge, the apex of one triangle is not inside the circle of the other: so no
 //   point is inside the circle of any triangle (Delaunay, 1934).
 //
+// The rule for ties is the same test after the lift of each point was moved by an infinitesimal of
+// its own, so what passes it across every inner edge is the lower hull of the lifts that were
+// moved, of which there is one: it is canonical.
+//
 // Nothing of this is shared with the engines but the predicates. Corners at one position may be
 // several rows, as in meshes whose triangles share no vertices: where triangles do not hold
 // together as they are, corners are named by the lowest row of their position instead.
@@ -37,6 +41,11 @@
 namespace liftmesh {
 
 namespace {
+
+// Rows that are not finite.
+struct Skipped {
+    std::size_t count = 0, first = 0;
+};
 
 class Verification {
  public:
@@ -99,24 +108,24 @@ class Verification {
 
     bool read_points() {
         std::vector<Range> ranges(blocks(input_.rows));
-        std::vector<std::vector<std::size_t>> skipped(ranges.size());
+        std::vector<Skipped> skipped(ranges.size());
         const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
             team_.interrupt().advance(last - first);
             for (std::size_t row = first; row < last; ++row) {
                 const Point p = points_[row] = input_[row];
                 if (is_finite(p)) {
                     ranges[task].add(p);
-                } else {
-                    skipped[task].push_back(row);
+                } else if (skipped[task].count++ == 0) {
+                    skipped[task].first = row;
                 }
             }
         };
         if (!in_blocks(input_.rows, read)) return false;
         Range range;
         for (const Range& some : ranges) range.add(some);
-        for (const std::vector<std::size_t>& rows : skipped) {
-            if (verdict_.skipped == 0 && !rows.empty()) verdict_.row = rows.front();
-            verdict_.skipped += rows.size();
+        for (const Skipped& rows : skipped) {
+            if (verdict_.skipped == 0) verdict_.row = rows.first;
+            verdict_.skipped += rows.count;
         }
         const Scale scale(range);
         subject_.guard = scale.guard;
@@ -170,11 +179,8 @@ class Verification {
         std::vector<Row> lowest;
         if (!find_lowest(subject_, team_, lowest)) return false;
         Marks kept(subject_.rows);
-        for (std::size_t row = 0; row < subject_.rows; ++row) {
-            if (!is_corner_[row]) continue;
-            kept[lowest[row]] = 1;
-            verdict_.merged += lowest[row] != row;
-        }
+        for (std::size_t row = 0; row < subject_.rows; ++row)
+            if (is_corner_[row]) verdict_.merged += std::exchange(kept[lowest[row]], 1);
         if (verdict_.merged == 0) return true;
         is_corner_ = std::move(kept);
         return in_blocks(subject_.count, [&](std::size_t first, std::size_t last, auto) {

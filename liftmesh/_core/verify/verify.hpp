@@ -16,10 +16,10 @@ struct Verdict {
     std::size_t row = 0;       // the first non-finite row, where that is the status
     std::size_t skipped = 0;   // rows that are not finite
     std::size_t vertices = 0;  // positions that are corners
-    std::size_t merged = 0;    // corners' rows that stand for the position of a lower row
+    std::size_t merged = 0;    // rows that are corners, beyond one for each position
     std::size_t inner = 0;     // edges between two triangles
     std::size_t border = 0;    // sides of one triangle only
-    Flaws flaws;               // where corners are no rows, or not finite, these alone
+    Flaws flaws;               // of sides only where all corners are rows, and finite
 };
 
 // Of count x 3 corners.
