@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
+from benchmark.worker import memory
 from rich.console import Console
 from rich.table import Table
 
@@ -146,14 +147,6 @@ def measured(stages: Iterator[str]) -> Iterator[Stage]:
         seconds = perf_counter() - start
         yield Stage(name, seconds, memory("VmRSS"), memory("VmHWM"))
         start = perf_counter()
-
-
-def memory(field: str) -> int:
-    """Read a size in bytes from the system's account of this process."""
-    for line in Path("/proc/self/status").read_text().splitlines():
-        if line.startswith(field):
-            return int(line.split()[1]) * 1024
-    raise OSError(f"/proc/self/status has no {field}: memory can be measured on Linux only")
 
 
 def table_of(name: str, stages: list[Stage], rows: int, size: int) -> Table:

@@ -3,56 +3,118 @@
     python scripts/check_certificate.py mesh.json mesh.obj
 
 Standard library only. Every coordinate becomes a `fractions.Fraction`, which is exact, and each
-question is answered by its textbook formula; nothing is filtered, scaled or approximated. Takes
-meshes of some ten thousand vertices, OBJ or PLY with coordinates x and y in double precision (what
-liftmesh writes), seen from above. Exit code 0: the certificate says what is so; 1: it does not, or
-it speaks of another mesh.
+question is answered by its textbook formula; nothing is filtered, scaled or approximated.
+
+Exit code 0: the certificate says what is so. 1: it does not, or it speaks of another mesh. 2: it
+cannot be told, and one sentence says why. Taken are meshes of some ten thousand vertices, seen from
+above (no other --plane), all of whose faces are triangles: OBJ, or PLY that is
+binary_little_endian, with the vertices first and then faces of one list each, as liftmesh writes
+them. Of a mesh that is not valid, a certificate has to say so, to name a flaw and to count rows and
+triangles; which flaws, and where, is not looked at.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
+import re
 import struct
 import sys
-from collections import Counter
 from fractions import Fraction
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
-Point = tuple[Fraction, Fraction]
+Row = tuple[float, float]
 Triangle = tuple[int, int, int]
-TYPES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
-TYPES |= {"float": "f", "double": "d"}
+Mesh = tuple[list[Row], list[Triangle]]
+Point = tuple[Fraction, Fraction]
+Side = tuple[Point, Point]
+Four = tuple[Point, Point, Point, Point]
+INTEGERS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
+INTEGERS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"}
+NUMBERS = INTEGERS | {"float": "f", "float32": "f", "double": "d", "float64": "d"}
+FORMAT = {"format": "liftmesh certificate", "format_version": 1}
+INDICES = ("vertex_indices", "vertex_index")
 
 
-def read_obj(data: bytes) -> tuple[list[tuple[float, float]], list[Triangle]]:
-    points, triangles = [], []
-    for line in data.decode().splitlines():
-        word, *rest = line.split() or [""]
-        if word == "v":
-            points.append((float(rest[0]), float(rest[1])))
-        elif word == "f":
-            a, b, c = (int(corner.split("/")[0]) - 1 for corner in rest)
+def demand(condition: object, why_not: str) -> None:
+    """Give up on what is beyond this program."""
+    if not condition:
+        raise ValueError(why_not)
+
+
+def read_obj(data: bytes) -> Mesh:
+    rows: list[Row] = []
+    triangles = []
+    for number, line in enumerate(data.splitlines(), 1):
+        word, *rest = line.partition(b"#")[0].split() or [b""]
+        if word == b"v":
+            demand(len(rest) >= 2, f"line {number} is a vertex without x and y")
+            rows.append((float(rest[0]), float(rest[1])))
+        elif word == b"f":
+            demand(len(rest) == 3, f"line {number} is a face of {len(rest)} corners, not three")
+            a, b, c = (corner(text, len(rows)) for text in rest)
             triangles.append((a, b, c))
-    return points, triangles
+    demand(rows, "it is no PLY file, nor an OBJ file with vertices")
+    return rows, triangles
 
 
-def read_ply(data: bytes) -> tuple[list[tuple[float, float]], list[Triangle]]:
-    head, _, body = data.partition(b"end_header\n")
-    lines = [line.split() for line in head.decode().splitlines()]
-    if ["format", "binary_little_endian", "1.0"] not in lines:
-        sys.exit("only PLY files that are binary_little_endian; or write the mesh as OBJ")
+def corner(text: bytes, rows: int) -> int:
+    """The row that a corner names: OBJ counts from 1, or back from the last vertex so far."""
+    number = int(text.split(b"/")[0])
+    return rows + number if number < 0 else number - 1
+
+
+def read_ply(data: bytes) -> Mesh:
+    (vertices, faces), body = read_header(data)
+    x, y, row = layout_of_vertices(vertices[1:])
+    rows, body = take(body, row, int(vertices[0][2]))
+    found, _ = take(body, layout_of_a_face(faces[1:]), int(faces[0][2]))
+    demand(all(count == 3 for count, *_ in found), "the PLY file has faces that are no triangles")
+    return [(values[x], values[y]) for values in rows], [(a, b, c) for _, a, b, c in found]
+
+
+def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
+    """The lines of the first two elements, and what follows the header."""
+    found = re.match(rb"ply\r?\n(.*?\n)end_header\r?\n", data, re.DOTALL)
+    demand(found, "the PLY header does not end")
+    lines = [line.decode("latin-1").split() for line in found[1].splitlines()]
+    form = ["format", "binary_little_endian", "1.0"]
+    demand(form in lines, "the PLY file is not binary_little_endian: write it so, or as OBJ")
+    lines = [line for line in lines if line[:1] in (["element"], ["property"])]
     at = [i for i, line in enumerate(lines) if line[0] == "element"] + [len(lines)]
-    vertices, faces = (lines[i:j] for i, j in pairwise(at))
-    names = [line[2] for line in vertices[1:] if line[0] == "property"]
-    row = struct.Struct("<" + "".join(TYPES[line[1]] for line in vertices[1:] if len(line) == 3))
-    x, y = names.index("x"), names.index("y")
-    end = int(vertices[0][2]) * row.size
-    points = [(values[x], values[y]) for values in row.iter_unpack(body[:end])]
-    corner = struct.Struct("<" + TYPES[faces[1][2]] + 3 * TYPES[faces[1][3]])
-    body = body[end : end + int(faces[0][2]) * corner.size]
-    return points, [(a, b, c) for _, a, b, c in corner.iter_unpack(body)]
+    elements = [lines[i:j] for i, j in pairwise(at)][:2]
+    named = [element[0][1] for element in elements]
+    demand(named == ["vertex", "face"], "the PLY file does not begin with vertices, then faces")
+    return elements, data[found.end() :]
+
+
+def take(body: bytes, row: struct.Struct, count: int) -> tuple[list[tuple[Any, ...]], bytes]:
+    """That many rows, and what follows them."""
+    end = count * row.size
+    demand(len(body) >= end, "the PLY file is cut short, or has faces that are no triangles")
+    return list(row.iter_unpack(body[:end])), body[end:]
+
+
+def layout_of_vertices(properties: list[list[str]]) -> tuple[int, int, struct.Struct]:
+    names, types = [line[-1] for line in properties], [line[1] for line in properties]
+    demand({"x", "y"} <= {*names}, "the PLY file's vertices have no x and y")
+    demand({*types} <= NUMBERS.keys(), f"the PLY file's vertices hold {', '.join({*types})}")
+    row = struct.Struct("<" + "".join(NUMBERS[name] for name in types))
+    return names.index("x"), names.index("y"), row
+
+
+def layout_of_a_face(properties: list[list[str]]) -> struct.Struct:
+    demand(
+        len(properties) == 1
+        and properties[0][1] == "list"
+        and properties[0][-1] in INDICES
+        and {*properties[0][2:4]} <= INTEGERS.keys(),
+        "the PLY file's faces hold other things than one list of whole numbers, vertex_indices",
+    )
+    return struct.Struct("<" + INTEGERS[properties[0][2]] + 3 * INTEGERS[properties[0][3]])
 
 
 def turn(a: Point, b: Point, c: Point) -> Fraction:
@@ -74,41 +136,56 @@ def inside_by_the_rule(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Whether d is inside once lexicographically larger points are lifted infinitely little more.
 
     The determinant of the lifted points is linear in each height: the largest point whose cofactor
-    is not zero decides.
+    is not zero decides. That of d is not, as a, b, c turn counter-clockwise.
     """
     cofactors = {a: turn(b, c, d), b: -turn(a, c, d), c: turn(a, b, d), d: -turn(a, b, c)}
     return next(value > 0 for _, value in sorted(cofactors.items(), reverse=True) if value)
 
 
-def problems(points: list[Point], triangles: list[Triangle]) -> tuple[list[str], bool, int]:
-    """What is wrong, whether it is the canonical choice, and how many hull edges there are."""
-    wrong = []
-    if any(turn(*(points[row] for row in triangle)) <= 0 for triangle in triangles):
-        wrong.append("a triangle is flat or turns clockwise")
-    apex: dict[tuple[Point, Point], Point] = {}
-    for triangle in triangles:
-        a, b, c = (points[row] for row in triangle)
-        for side, opposite in (((a, b), c), ((b, c), a), ((c, a), b)):
-            if side in apex:
-                wrong.append("two triangles lie on one side of an edge")
-            apex[side] = opposite
-    border = {a: b for a, b in apex if (b, a) not in apex}
-    if border_problem := problem_of(border):
-        wrong.append(border_problem)
-    if {*points} != {vertex for side in apex for vertex in side}:
-        wrong.append("a point is no vertex")
-    signs = [(inside(a, b, c, apex[b, a]), (a, b, c, apex[b, a]))
-             for (a, b), c in apex.items() if (b, a) in apex and a < b]  # fmt: skip
-    if any(sign > 0 for sign, _ in signs):
-        wrong.append("a circle holds the apex of a neighbour")
-    canonical = not any(inside_by_the_rule(*four) for sign, four in signs if sign == 0)
-    return wrong, canonical and not wrong, len(border)
+def judge(rows: list[Row], triangles: list[Triangle]) -> tuple[str, dict[str, Any]]:
+    """What is wrong with a mesh, and what a certificate of it has to say."""
+    points = [(Fraction(x), Fraction(y)) if math.isfinite(x) and math.isfinite(y) else None
+              for x, y in rows]  # fmt: skip
+    told = {"rows": len(rows), "skipped": points.count(None), "triangles": len(triangles)}
+    wrong, apex = sides_of(points, triangles)
+    border = [(a, b) for a, b in apex if (b, a) not in apex]
+    wrong = wrong or problem_of(border)
+    if not wrong and {a for a, _ in apex} != {*points} - {None}:
+        wrong = "a point is no vertex"
+    circles = [] if wrong else across(apex)
+    if any(sign > 0 for sign, _ in circles):
+        wrong = "a circle holds the apex of a neighbour"
+    if wrong:
+        return wrong, {"valid": False, "canonical": False, "counts": told}
+    vertices, corners = len({*points} - {None}), len({*chain(*triangles)})
+    told |= {"vertices": vertices, "merged": corners - vertices, "hull_edges": len(border)}
+    return "", valid(told, sum(inside_by_the_rule(*four) for sign, four in circles if sign == 0))
 
 
-def problem_of(border: dict[Point, Point]) -> str:
+def sides_of(
+    points: list[Point | None], triangles: list[Triangle]
+) -> tuple[str, dict[Side, Point]]:
+    """What is wrong with the triangles, and the apex that lies to the left of each side."""
+    if not all(0 <= row < len(points) for row in chain(*triangles)):
+        return "a corner is no row", {}
+    if any(points[row] is None for row in chain(*triangles)):
+        return "a corner is not finite", {}
+    cells = [tuple(points[row] for row in triangle) for triangle in triangles]
+    if any(turn(*cell) <= 0 for cell in cells):
+        return "a triangle is flat or turns clockwise", {}
+    apex = {side: opposite for a, b, c in cells
+            for side, opposite in (((a, b), c), ((b, c), a), ((c, a), b))}  # fmt: skip
+    single = len(apex) == 3 * len(cells)
+    return "" if single else "two triangles lie on one side of an edge", apex
+
+
+def problem_of(sides: list[Side]) -> str:
     """Follow the border: one curve, no turn inward or back, once round."""
+    border = dict(sides)
     if not border:
         return "there is no border"
+    if len(border) != len(sides):
+        return "the border passes a point more than once"
     curve = [start := min(border)]
     while len(curve) <= len(border) and border.get(curve[-1], start) != start:
         curve.append(border[curve[-1]])
@@ -121,36 +198,90 @@ def problem_of(border: dict[Point, Point]) -> str:
     return "" if sum(a > b < c for a, b, c in turns) == 1 else "the border goes round twice"
 
 
-def main(certificate_path: str, mesh_path: str) -> int:
-    certificate = json.loads(Path(certificate_path).read_text("utf-8"))
-    data = Path(mesh_path).read_bytes()
-    floats, triangles = (read_ply if data[:3] == b"ply" else read_obj)(data)
-    sums = {
-        "points_sha256": b"".join(struct.pack("<dd", *point) for point in floats),
-        "simplices_sha256": b"".join(struct.pack("<iii", *triangle) for triangle in triangles),
+def across(apex: dict[Side, Point]) -> list[tuple[Fraction, Four]]:
+    """For each side of two triangles the corners of one, the apex of the other, and its side."""
+    fours = [(a, b, c, apex[b, a]) for (a, b), c in apex.items() if a < b and (b, a) in apex]
+    return [(inside(*four), four) for four in fours]
+
+
+def valid(told: dict[str, int], ties: int) -> dict[str, Any]:
+    """What a certificate has to say of a valid mesh, but for `ties` sides the canonical one."""
+    edges = (3 * told["triangles"] + told["hull_edges"]) // 2
+    duplicates = told["rows"] - told["skipped"] - told["vertices"]
+    return {
+        "valid": True,
+        "canonical": not ties,
+        "counts": told | {"edges": edges, "duplicates": duplicates},
+        "euler_characteristic": told["vertices"] - edges + told["triangles"],
+        "flaws": [("canonical", ties)] if ties else [],
     }
-    for name, content in sums.items():
-        if hashlib.sha256(content).hexdigest() != certificate[name]:
-            print(f"The certificate speaks of another mesh: {name} differs.")
+
+
+def sums(rows: list[Row], triangles: list[Triangle]) -> dict[str, str]:
+    corners = [*chain(*triangles)]
+    small = all(-(2**31) <= corner < 2**31 for corner in corners)
+    contents = {
+        "points_sha256": struct.pack(f"<{2 * len(rows)}d", *chain(*rows)),
+        "simplices_sha256": struct.pack(f"<{len(corners)}{'i' if small else 'q'}", *corners),
+    }
+    return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
+
+
+def lies(said: Any, so: Any, name: str = "it") -> list[str]:
+    """Where a certificate differs from what is so: 1 is not true, nor is 1.0 one."""
+    if isinstance(so, dict) and isinstance(said, dict):
+        return [lie for key, value in so.items() for lie in lies(said.get(key), value, key)]
+    one, other = json.dumps(said), json.dumps(so)
+    return [] if one == other else [f"{name} is {one[:80]}, and should be {other}"]
+
+
+def flaws_of(said: dict[str, Any]) -> list[tuple[Any, Any]] | None:
+    """Kinds and counts of flaws, if that is what stands there."""
+    flaws = said.get("flaws")
+    if not isinstance(flaws, list) or not all(isinstance(flaw, dict) for flaw in flaws):
+        return None
+    return [(flaw.get("kind"), flaw.get("count")) for flaw in flaws]
+
+
+def hold(said: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -> int:
+    """Hold a certificate against a mesh and print what comes of it."""
+    for name, value in sums(rows, triangles).items():
+        if said.get(name) != value:
+            print(f"The certificate speaks of another mesh, or of another plane: {name} differs.")
             return 1
-    points = [(Fraction(x), Fraction(y)) for x, y in floats]
-    wrong, canonical, border = problems(points, triangles)
-    for text, count in Counter(wrong).items():
-        print(f"{text} ({count:,} times)")
-    edges = (3 * len(triangles) + border) // 2
-    found = {"triangles": len(triangles), "rows": len(points), "vertices": len({*points})}
-    found |= {"edges": edges, "hull_edges": border}
-    said = {name: certificate["counts"][name] for name in found}
-    agrees = certificate["valid"] is not bool(wrong) and certificate["canonical"] is canonical
-    if not agrees or (not wrong and said != found):
-        print(f"The certificate is wrong: it says {said}, here it is {found}.")
+    wrong, so = judge(rows, triangles)
+    flaws = flaws_of(said)
+    found = lies(said | {"flaws": flaws}, so)
+    if wrong and all(kind == "canonical" for kind, _ in flaws or []):
+        found.append("flaws should name what is wrong")
+    if found:
+        print(f"The certificate is wrong: {'; '.join(found)}{wrong and f' ({wrong})'}.")
         return 1
-    kind = "canonical" if canonical else "valid, not canonical" if not wrong else "not valid"
-    print(f"The certificate holds: {len(triangles):,} triangles, {kind}.")
+    kind = "canonical" if so["canonical"] else f"not valid: {wrong}" if wrong else "not canonical"
+    print(
+        f"The certificate holds: {len(triangles):,} triangles, {'' if wrong else 'valid, '}{kind}."
+    )
     return 0
+
+
+def read_certificate(path: str) -> dict[str, Any]:
+    said = json.loads(Path(path).read_bytes())
+    known = isinstance(said, dict) and not lies(said, FORMAT)
+    demand(known, f"the certificate is not of the format {json.dumps(FORMAT)}")
+    return dict(said)
+
+
+def main(certificate: str, mesh: str) -> int:
+    try:
+        said, data = read_certificate(certificate), Path(mesh).read_bytes()
+        return hold(said, *(read_ply if data[:3] == b"ply" else read_obj)(data))
+    except Exception as error:  # noqa: BLE001 - whatever goes wrong here, it is no lie of theirs
+        print(f"{certificate} cannot be held against {mesh}: {str(error) or repr(error)}")
+        return 2
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 3:
-        sys.exit(__doc__)
+        print(__doc__, file=sys.stderr)
+        sys.exit(2)
     sys.exit(main(*sys.argv[1:]))
