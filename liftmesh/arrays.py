@@ -162,7 +162,7 @@ def non_finite(
     3
     """
     shown = ", ".join(repr(float(value)) for value in values)
-    advice = ", or pass nonfinite='skip' to delaunay or triangulate to leave them unused"
+    advice = ", or leave them unused with nonfinite='skip' (of the commands: --nonfinite skip)"
     return NonFiniteError(
         f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,

@@ -7,6 +7,7 @@ holds both can tell that it is theirs.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -88,20 +89,27 @@ class Certificate:
         Rows of the points.
     skipped : int
         Rows that are not finite, and no corners.
-    vertices : int
-        Positions that are corners.
-    duplicates : int
+    vertices : int or None
+        Positions that are corners. This, and what is None besides, is not counted where a corner is
+        no row, or a row that is not finite.
+    duplicates : int or None
         Rows that are finite and share the position of another row, which stands for them.
-    merged : int
-        Of those, the ones that are corners themselves, as in meshes whose triangles do not share
-        their vertices.
-    triangles, edges, hull_edges : int
-        Triangles; sides, each counted once; those of them with one triangle.
+    merged : int or None
+        Of the rows that are corners, those beyond one for each position, as in meshes whose
+        triangles do not share their vertices.
+    triangles : int
+        Triangles.
+    edges, hull_edges : int or None
+        Sides, each counted once; those of them with one triangle.
     flaws : tuple of Flaw
         What is wrong. A flaw of the kind "canonical" leaves the triangulation valid.
-    points_sha256, simplices_sha256 : str
-        Of the points as little-endian float64, x and y of each row; of the triangles as
-        little-endian int32, three corners each.
+    points_sha256 : str
+        Of x and y of each row, one after the other, as little-endian float64; no number of rows.
+        float32 is widened, -0.0 stays as it is given. It is of the points that were judged: of
+        those in the plane, where ``liftmesh verify`` has ``--plane``.
+    simplices_sha256 : str
+        Of the three corners of each triangle, as they are given, as little-endian int32; where one
+        does not fit, and so is no row, all as int64, or as uint64 where that does not fit either.
     version : str
         Of liftmesh.
 
@@ -117,12 +125,12 @@ class Certificate:
 
     rows: int
     skipped: int
-    vertices: int
-    duplicates: int
-    merged: int
+    vertices: int | None
+    duplicates: int | None
+    merged: int | None
     triangles: int
-    edges: int
-    hull_edges: int
+    edges: int | None
+    hull_edges: int | None
     flaws: tuple[Flaw, ...]
     points_sha256: str
     simplices_sha256: str
@@ -139,26 +147,27 @@ class Certificate:
         return not self.flaws
 
     @property
-    def euler_characteristic(self) -> int:
-        """Vertices less edges plus triangles: 1 for what covers a disk."""
+    def euler_characteristic(self) -> int | None:
+        """Vertices less edges plus triangles: 1 for what covers a disk. None if not counted."""
+        if self.vertices is None or self.edges is None:
+            return None
         return self.vertices - self.edges + self.triangles
 
     def __bool__(self) -> bool:
         return self.valid
 
     def __str__(self) -> str:
-        said = f"{_some(self.triangles, 'triangle')}"
-        wrong = "; ".join(flaw.text for flaw in self.flaws if flaw.kind != "canonical")
-        if wrong:
-            first = next(f.first[0].text for f in self.flaws if f.first) if self._told() else ""
-            return f"not valid: {wrong}" + (f"; first: {first}" if first else "")
-        said = f"valid: these {said} are a Delaunay triangulation of {_some(self.rows, 'row')}"
-        if self.canonical:
-            return said.replace("are a Delaunay", "are the canonical Delaunay")
-        return f"{said}; not canonical: {self.flaws[0].text}"
+        if not self.valid:
+            return self._objection()
+        these = f"these {self.triangles:,} triangles are" if self.triangles > 1 else "1 triangle is"
+        kind = "the canonical" if self.canonical else "a"
+        said = f"valid: {these} {kind} Delaunay triangulation of {self.rows:,} rows"
+        return said + "".join(f"; not canonical: {flaw.text}" for flaw in self.flaws)
 
-    def _told(self) -> bool:
-        return any(flaw.first for flaw in self.flaws)
+    def _objection(self) -> str:
+        wrong = "; ".join(flaw.text for flaw in self.flaws if flaw.kind != "canonical")
+        first = [flaw.first[0].text for flaw in self.flaws if flaw.first]
+        return f"not valid: {wrong}" + "".join(f"; first: {text}" for text in first[:1])
 
     def as_dict(self) -> dict[str, Any]:
         """Give all that is known as plain values, for JSON.
@@ -166,7 +175,8 @@ class Certificate:
         Returns
         -------
         dict
-            Numbers, texts, lists and dicts.
+            Numbers, texts, truth values, lists and dicts; None for what was not counted.
+            Coordinates that are not finite are texts: JSON has no such numbers.
 
         Examples
         --------
@@ -185,7 +195,7 @@ class Certificate:
             "simplices_sha256": self.simplices_sha256,
             "counts": {name: getattr(self, name) for name in (*counts, "hull_edges")},
             "euler_characteristic": self.euler_characteristic,
-            "flaws": [asdict(flaw) for flaw in self.flaws],
+            "flaws": [_plain(asdict(flaw)) for flaw in self.flaws],
         }
 
     def to_json(self) -> str:
@@ -194,8 +204,7 @@ class Certificate:
         Returns
         -------
         str
-            A JSON object; coordinates name their doubles exactly, and those that are not finite are
-            texts.
+            `as_dict` as a JSON object; coordinates name their doubles exactly.
 
         Examples
         --------
@@ -203,19 +212,15 @@ class Certificate:
         >>> '"valid": true' in liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]).to_json()
         True
         """
-        return json.dumps(_named(self.as_dict()), indent=2, allow_nan=False) + "\n"
+        return json.dumps(self.as_dict(), indent=2, allow_nan=False) + "\n"
 
 
-def _named(value: Any) -> Any:
-    """Give numbers that JSON does not have as texts."""
+def _plain(value: Any) -> Any:
+    """Give lists for tuples, and texts for numbers that JSON does not have."""
     if isinstance(value, dict):
-        return {key: _named(inner) for key, inner in value.items()}
+        return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_named(inner) for inner in value]
-    if isinstance(value, float) and not abs(value) < float("inf"):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, float) and not math.isfinite(value):
         return repr(value)
     return value
-
-
-def _some(count: int, name: str) -> str:
-    return f"{count:,} {name}" + ("" if count == 1 else "s")

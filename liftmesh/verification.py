@@ -7,7 +7,7 @@ The kernel looks at triangles, sides, the border and the rows; here its numbers 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence, Sized
 from importlib.metadata import version
 from typing import Any, Literal, TypeAlias
 
@@ -26,6 +26,7 @@ Simplices: TypeAlias = NDArray[np.int32]
 
 MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
 _HASHED_AT_ONCE = 1 << 20
+_REMEDY = "give the three rows of each triangle; cut other polygons into triangles first"
 
 # In the order of the kernel's list: what each means for one, and for more.
 _MEANINGS = {
@@ -37,7 +38,10 @@ _MEANINGS = {
         "side has another triangle on its own side",
         "sides have another triangle on their own side",
     ),
-    "pinched": ("row meets the border more than once", "rows meet the border more than once"),
+    "pinched": (
+        "row is passed by the border more than once",
+        "rows are passed by the border more than once",
+    ),
     "pieces": ("closed curve is the border", "closed curves are the border, where one should be"),
     "winding": ("border goes round more than once", "borders go round more than once"),
     "hull": ("row of the border turns inward", "rows of the border turn inward"),
@@ -45,7 +49,7 @@ _MEANINGS = {
     "delaunay": ("side is not Delaunay", "sides are not Delaunay"),
     "canonical": ("side is not the rule's choice", "sides are not the rule's choice"),
 }
-_PREMATURE = {"index", "non-finite"}  # nothing else is looked at where these are found
+_PREMATURE = {"index", "non-finite"}  # where these are found, no sides or rows are counted
 
 
 def verify(
@@ -87,7 +91,8 @@ def verify(
     Raises
     ------
     InputError
-        `points` or `simplices` have another shape or other values, or an option is unknown.
+        `points` or `simplices` have another shape or other values, `simplices` are masked, or an
+        option is unknown.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
 
@@ -122,7 +127,7 @@ def verify(
 
 
 def _as_triples(simplices: ArrayLike) -> NDArray[Any]:
-    array = np.asarray(simplices)
+    array = _whole_numbers(_as_array(simplices))
     if array.ndim == 2 and array.shape[1] == 3 and array.dtype.kind in "iu":
         if len(array) > MOST_TRIANGLES:
             raise InputError(f"{len(array):,} triangles are more than {MOST_TRIANGLES:,}")
@@ -130,9 +135,43 @@ def _as_triples(simplices: ArrayLike) -> NDArray[Any]:
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int32)
     raise InputError(
-        f"simplices need the shape (m, 3) and whole numbers, not {array.shape} of {array.dtype}: "
-        "give the three rows of each triangle; cut other polygons into triangles first"
+        f"simplices need the shape (m, 3) and whole numbers of 64 bits, not {array.shape} of "
+        f"{array.dtype}: {_REMEDY}"
     )
+
+
+def _as_array(simplices: ArrayLike) -> NDArray[Any]:
+    try:
+        array = np.asanyarray(simplices)
+    except ValueError as error:
+        raise InputError(f"simplices are no array: {_odd(simplices, error)}: {_REMEDY}") from error
+    if np.ma.is_masked(array):
+        first = np.argwhere(np.atleast_1d(np.ma.getmaskarray(array)))[0, 0]
+        raise InputError(f"simplices are masked, first at triangle {first}: leave masked ones out")
+    return np.asarray(array)
+
+
+def _odd(simplices: Any, error: ValueError) -> str:
+    """Name the triangle that keeps simplices from being an array."""
+    reason = str(error).rstrip(".")
+    if not isinstance(simplices, Sequence):
+        return reason
+    odd = (at for at, row in enumerate(simplices) if not isinstance(row, Sized) or len(row) != 3)
+    row = next(odd, None)
+    return reason if row is None else f"triangle {row} is {repr(simplices[row])[:80]}"
+
+
+def _whole_numbers(array: NDArray[Any]) -> NDArray[Any]:
+    """Turn Python's integers, which may be of any size, into those of 64 bits."""
+    if array.dtype.kind != "O" or array.ndim != 2:
+        return array
+    for (triangle, _), value in np.ndenumerate(array):
+        if not isinstance(value, int | np.integer) or not -(2**63) <= value < 2**63:
+            raise InputError(
+                f"triangle {triangle} names row {repr(value)[:80]}, which is no whole number of "
+                f"64 bits: {_REMEDY}"
+            )
+    return array.astype(np.int64)
 
 
 def _as_int32(given: NDArray[Any]) -> Simplices:
@@ -161,15 +200,15 @@ def _certify(
     return Certificate(
         rows=len(rows),
         skipped=skipped,
-        vertices=vertices,
-        duplicates=len(rows) - skipped - vertices - missing if whole else 0,
-        merged=merged,
+        vertices=vertices if whole else None,
+        duplicates=len(rows) - skipped - vertices - missing if whole else None,
+        merged=merged if whole else None,
         triangles=len(corners),
-        edges=inner + border,
-        hull_edges=border,
+        edges=inner + border if whole else None,
+        hull_edges=border if whole else None,
         flaws=tuple(sorted(flaws.values(), key=lambda flaw: flaw.kind == "canonical")),
         points_sha256=_sha256(rows[:, :2], "<f8"),
-        simplices_sha256=_sha256(corners, "<i4"),
+        simplices_sha256=_sha256(given, _narrowest(given)),
         version=version("liftmesh"),
     )
 
@@ -185,6 +224,16 @@ def _disk_flaw(triangles: int, vertices: int, edges: int, border: int) -> dict[s
         return {}
     text = f"vertices - edges + triangles is {characteristic}, not 1 as Euler's relation asks"
     return {"euler": Flaw("euler", 1, text)}
+
+
+def _narrowest(given: NDArray[Any]) -> str:
+    """Find the type in which corners are hashed: another than int32 only where one is no row."""
+    if given.dtype == np.int32 or given.size == 0:
+        return "<i4"
+    least, most = int(given.min()), int(given.max())
+    if least >= -(2**31) and most < 2**31:
+        return "<i4"
+    return "<i8" if most < 2**63 else "<u8"
 
 
 def _sha256(array: NDArray[Any], dtype: str) -> str:
@@ -267,7 +316,7 @@ class _Evidence:
         return Offender(f"{self._named(row)} {how}", (row,), self._points(row))
 
     def _pinched(self, row: int, _: int) -> Offender:
-        return self._at_row(row, "meets the border more than once")
+        return self._at_row(row, "is passed by the border more than once")
 
     def _pieces(self, row: int, _: int) -> Offender:
         return self._at_row(row, "is on one of the closed curves")

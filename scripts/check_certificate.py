@@ -220,9 +220,10 @@ def valid(told: dict[str, int], ties: int) -> dict[str, Any]:
 def sums(rows: list[Row], triangles: list[Triangle]) -> dict[str, str]:
     corners = [*chain(*triangles)]
     small = all(-(2**31) <= corner < 2**31 for corner in corners)
+    code = "i" if small else "q" if max(corners) < 2**63 else "Q"
     contents = {
         "points_sha256": struct.pack(f"<{2 * len(rows)}d", *chain(*rows)),
-        "simplices_sha256": struct.pack(f"<{len(corners)}{'i' if small else 'q'}", *corners),
+        "simplices_sha256": struct.pack(f"<{len(corners)}{code}", *corners),
     }
     return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
 
@@ -247,7 +248,7 @@ def hold(said: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -> in
     """Hold a certificate against a mesh and print what comes of it."""
     for name, value in sums(rows, triangles).items():
         if said.get(name) != value:
-            print(f"The certificate speaks of another mesh, or of another plane: {name} differs.")
+            print(f"The certificate speaks of another mesh: {name} differs (or --plane did).")
             return 1
     wrong, so = judge(rows, triangles)
     flaws = flaws_of(said)
@@ -257,10 +258,9 @@ def hold(said: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -> in
     if found:
         print(f"The certificate is wrong: {'; '.join(found)}{wrong and f' ({wrong})'}.")
         return 1
-    kind = "canonical" if so["canonical"] else f"not valid: {wrong}" if wrong else "not canonical"
-    print(
-        f"The certificate holds: {len(triangles):,} triangles, {'' if wrong else 'valid, '}{kind}."
-    )
+    kind = "canonical" if so["canonical"] else "valid, not canonical"
+    count = f"{len(triangles):,} triangle{'' if len(triangles) == 1 else 's'}"
+    print(f"The certificate holds: {count}, {f'not valid: {wrong}' if wrong else kind}.")
     return 0
 
 
@@ -276,7 +276,8 @@ def main(certificate: str, mesh: str) -> int:
         said, data = read_certificate(certificate), Path(mesh).read_bytes()
         return hold(said, *(read_ply if data[:3] == b"ply" else read_obj)(data))
     except Exception as error:  # noqa: BLE001 - whatever goes wrong here, it is no lie of theirs
-        print(f"{certificate} cannot be held against {mesh}: {str(error) or repr(error)}")
+        text = f"{certificate} cannot be held against {mesh}: {str(error) or repr(error)}"
+        print(text, file=sys.stderr)
         return 2
 
 
@@ -284,4 +285,5 @@ if __name__ == "__main__":
     if len(sys.argv) != 3:
         print(__doc__, file=sys.stderr)
         sys.exit(2)
+    sys.stdout.reconfigure(errors="backslashreplace")  # stderr is so anyway
     sys.exit(main(*sys.argv[1:]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from clouds import FAMILIES
-from commands import liftmesh as run
+from commands import liftmesh as run, process
 
 import liftmesh
 from liftmesh import Cloud
@@ -108,7 +109,48 @@ def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
     found = run("verify", path)
     assert found.returncode == 3
     assert "mesh.ply: row 3 is not finite" in found.stderr
+    assert "--nonfinite skip" in found.stderr
     assert run("verify", path, "--nonfinite", "skip").returncode == 0
     before = path.read_bytes()
     assert run("verify", path, "--certificate", path).returncode == 2
     assert path.read_bytes() == before
+
+
+def test_a_certificate_can_go_to_stdout(tmp_path: Path) -> None:
+    points = np.random.default_rng(2).random((30, 2))
+    path = mesh(tmp_path / "mesh.ply", points, liftmesh.delaunay(points).simplices)
+    found = process("verify", path, "--certificate", "-", cwd=tmp_path)
+    assert found.returncode == 0
+    assert json.loads(found.stdout)["valid"] is True
+    assert found.stderr.startswith("Valid, and canonical")
+    assert [each.name for each in tmp_path.iterdir()] == ["mesh.ply"]
+
+
+def test_json_has_the_form_of_the_certificate(tmp_path: Path) -> None:
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [np.inf, 0.0]])
+    path = mesh(tmp_path / "mesh.obj", points, [[0, 1, 2], [1, 3, 2]])
+    wanted = ("--nonfinite", "skip", "--certificate", tmp_path / "mesh.json")
+    found = run("verify", path, "--json", *wanted)
+    assert found.returncode == 1
+    assert found.stdout == (tmp_path / "mesh.json").read_text()
+    values = json.loads(found.stdout)
+    assert values["flaws"][0]["first"][0]["points"][1] == ["inf", 0.0]
+    assert values["counts"]["edges"] is None
+    said = run("verify", path, *wanted).stdout
+    assert re.search("edges +not counted", said)
+
+
+def test_faces_that_are_cut_or_left_out_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "mesh.obj"
+    path.write_text("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 4\nf 4 2 3\n")
+    assert run("verify", path).stderr == ""
+    path.write_text("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2\nf 1 4\n")
+    found = run("verify", path, "--certificate", tmp_path / "mesh.json")
+    assert found.returncode == 0
+    assert found.stderr == (
+        "liftmesh: note: faces of the file: 1 of more than three corners cut into triangles, "
+        "2 of fewer than three corners left out\n"
+    )
+    checked = check(tmp_path / "mesh.json", path)
+    assert checked.returncode == 2
+    assert "line 5 is a face of 4 corners, not three" in checked.stderr

@@ -137,3 +137,13 @@ def test_every_kernel_source_is_compiled() -> None:
     listed = (core / "CMakeLists.txt").read_text("utf-8")
     sources = [p.relative_to(core).as_posix() for p in core.rglob("*.cpp")]
     assert [s for s in sources if s not in listed] == []
+
+
+@pytest.mark.parametrize("page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md"])
+def test_programs_that_a_page_names_are_there(page: str) -> None:
+    spans = re.findall(r"`([^`]+)`", (ROOT / page).read_text("utf-8"))
+    named = {word for span in spans for word in re.findall(r"[\w./-]+\.(?:py|sh)\b", span)}
+    there = [path.relative_to(ROOT).as_posix() for path in project_files()]
+    assert named
+    for name in named:
+        assert any(f"/{path}".endswith(f"/{name}") for path in there), name

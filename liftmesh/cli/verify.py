@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,7 +35,9 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write what was found as JSON, with SHA-256 sums."),
+        typer.Option(
+            metavar="FILE", help="Write what was found as JSON, with SHA-256 sums; - for stdout."
+        ),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
@@ -64,14 +68,18 @@ def run(
     options.check_threads(threads)
     files.check_apart(source, certificate)
     cloud = files.read(source, source_format)
+    _tell_of_polygons(cloud)
     with files.about(source):
         found = _verify(cloud, source, frame, nonfinite, threads)
     if certificate is not None:
         _write(certificate, found)
-    if json:
-        terminal.as_json(found.as_dict())
-    else:
-        _say(found)
+    # Where the certificate itself goes to stdout, what there is to say goes to stderr.
+    aside = certificate is not None and files.is_stream(certificate)
+    with redirect_stdout(sys.stderr) if aside else nullcontext():
+        if json:
+            sys.stdout.write(found.to_json())
+        else:
+            _say(found)
     if not found.valid:
         raise typer.Exit(exit_codes.DIFFERENT)
 
@@ -92,9 +100,23 @@ def _verify(
         return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads)
 
 
+def _tell_of_polygons(cloud: Cloud) -> None:
+    """Say on stderr which faces of the file are not those that were verified."""
+    found = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
+    cut, left_out = (each if isinstance(each, int) else 0 for each in found)  # glTF holds any names
+    told = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
+    told += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
+    if told:
+        with redirect_stdout(sys.stderr):
+            terminal.sentence(f"liftmesh: note: faces of the file: {', '.join(told)}")
+
+
 def _write(path: Path, found: Certificate) -> None:
     from liftmesh.formats.atomic import replacing  # noqa: PLC0415 - help and --version do without
 
+    if files.is_stream(path):
+        sys.stdout.write(found.to_json())
+        return
     with replacing(path) as stream:
         stream.write(found.to_json().encode())
 
@@ -107,9 +129,13 @@ def _say(found: Certificate) -> None:
             terminal.item(f"such as: {place.text}")
     terminal.blank()
     counts = ("rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges")
-    lines = [(name.replace("_", " "), f"{getattr(found, name):,}") for name in counts]
+    lines = [(name.replace("_", " "), _number(getattr(found, name))) for name in counts]
     sums = [("points", found.points_sha256), ("triangles", found.simplices_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
+
+
+def _number(count: int | None) -> str:
+    return "not counted" if count is None else f"{count:,}"
 
 
 def _verdict(found: Certificate) -> str:

@@ -44,9 +44,6 @@ class Ragged:
             np.concatenate([each.values for each in parts]),
         )
 
-    def __len__(self) -> int:
-        return len(self.sizes)
-
     def starts(self) -> NDArray[np.int64]:
         """Locate the first value of each row."""
         return np.cumsum(self.sizes) - self.sizes
