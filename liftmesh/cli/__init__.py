@@ -114,7 +114,7 @@ def _complain(message: str) -> None:
     line = " ".join(message.split())
     try:
         import_module("liftmesh.cli.terminal").error_line(line)
-    except MemoryError:
+    except (MemoryError, ImportError, SystemError):  # no room to load it
         sys.stderr.write(f"liftmesh: error: {line}\n")
 
 

@@ -50,6 +50,13 @@ def out_of_memory(error: BaseException | None) -> bool:
     """
     if error is None:
         return False
-    words = ("failed to map segment", "cannot allocate memory", "Cannot allocate memory")
-    unable = isinstance(error, ImportError | OSError) and any(word in str(error) for word in words)
+    words = (
+        "failed to map segment",
+        "cannot allocate memory",
+        "Cannot allocate memory",
+        "without setting an exception",  # Python's parser can lose its MemoryError on the way
+        "without exception set",
+    )
+    kinds = (ImportError, OSError, SystemError)
+    unable = isinstance(error, kinds) and any(word in str(error) for word in words)
     return unable or isinstance(error, MemoryError) or out_of_memory(error.__cause__)
