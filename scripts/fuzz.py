@@ -67,7 +67,7 @@ def campaign(target: Target, options: Namespace) -> int:
     """Fuzz, and say what came of it; 1 if there are finds."""
     target.command()  # builds, which is not fuzzing
     began = time.monotonic()
-    seed = options.seed or random.SystemRandom().randrange(1, 1 << 31)
+    seed = random.SystemRandom().randrange(1, 1 << 31) if options.seed is None else options.seed
     folder = (options.folder or target.folder).resolve()
     found = fuzz(target, folder, options.seconds, options.jobs, seed)
     seconds = time.monotonic() - began

@@ -5,8 +5,9 @@
 `scripts/coverage.sh` runs the tests, has coverage and gcovr write the two files, and calls this. A
 gap is a run of lines none of which was reached, or a branch of a line that was reached which was
 never taken though its target was reached otherwise. `uncovered.toml` names gaps by a piece of the
-text of their first line, which outlives line numbers, and says why no test goes there. The command
-fails where a share is too small, where a gap has no reason, and where a source was not measured.
+text of their first line, which outlives line numbers, and says why no test goes there; a text
+stands for one gap. The command fails where a share is too small, where a gap has no reason, and
+where a source was not measured.
 """
 
 from __future__ import annotations
@@ -69,14 +70,14 @@ class Gap:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why no test reaches the gaps of a file whose first lines hold one of these texts."""
+    """Why no test reaches one gap of a file, whose first line holds this text."""
 
     file: str
-    lines: tuple[str, ...]
+    line: str
     why: str
 
     def covers(self, gap: Gap) -> bool:
-        return gap.file == self.file and any(piece in gap.text for piece in self.lines)
+        return gap.file == self.file and self.line in gap.text
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,11 @@ def _runs(lines: list[dict[str, Any]]) -> dict[int, int]:
 def read_reasons(path: Path = REASONS) -> list[Reason]:
     """The reasons of `uncovered.toml`."""
     entries = tomllib.loads(path.read_text("utf-8")).get("gap", [])
-    return [Reason(e["file"], tuple(e["lines"]), " ".join(e["why"].split())) for e in entries]
+    return [
+        Reason(entry["file"], line, " ".join(entry["why"].split()))
+        for entry in entries
+        for line in entry["lines"]
+    ]
 
 
 # --- what follows -------------------------------------------------------------------------------
@@ -162,9 +167,13 @@ def gaps_of(source: Source, text: list[str]) -> Iterator[Gap]:
             yield Gap(source.file, start, end, text[start - 1].strip(), branch=True)
 
 
-def reason_for(gap: Gap, reasons: Iterable[Reason]) -> str | None:
-    """Why a gap is there, if someone has said so."""
-    return next((reason.why for reason in reasons if reason.covers(gap)), None)
+def reason_for(gap: Gap, reasons: list[Reason]) -> str | None:
+    """Why a gap is there, if someone has said so. The reason is used up by it."""
+    for reason in reasons:
+        if reason.covers(gap):
+            reasons.remove(reason)
+            return reason.why
+    return None
 
 
 def not_measured(sources: Iterable[Source], root: Path = ROOT) -> list[str]:

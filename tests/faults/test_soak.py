@@ -40,7 +40,7 @@ def test_nor_are_files_and_threads_that_stay(last: list[State], said: str) -> No
 
 
 def test_a_short_soak_is_flat() -> None:
-    words = ["--calls", "800", "--large", "4", "--rows", "40000"]
+    words = ["--calls", "800", "--large", "5", "--rows", "40000"]
     done = subprocess.run(
         [sys.executable, str(ROOT / "scripts" / "soak.py"), *words],
         capture_output=True,
