@@ -15,7 +15,7 @@ MEANINGS = {
     DONE: "done; for compare: both sides are right",
     DIFFERENT: "compare: trimesh's hull is really different, or there is none; verify: not valid",
     USAGE: "wrong usage",
-    BAD_INPUT: "a file or its points cannot be used",
+    BAD_INPUT: "a file or its points cannot be used, or memory does not suffice",
     BUG: "a bug of liftmesh",
     INTERRUPTED: "interrupted by Ctrl-C",
     PIPE_CLOSED: "whoever read the output has closed it",
