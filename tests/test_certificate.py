@@ -129,3 +129,24 @@ def test_masks_that_hide_nothing_are_taken() -> None:
 def test_the_way_to_leave_rows_out_is_named() -> None:
     with pytest.raises(NonFiniteError, match=r"row 3 .*leave them unused with nonfinite='skip'"):
         liftmesh.verify([*POINTS, [np.nan, 0.0]], [[0, 1, 2]])
+
+
+def test_more_triangles_than_can_be_counted_are_refused_before_any_copy() -> None:
+    many = np.broadcast_to(np.int32(0), (2**31 // 3 + 1, 3))
+    with pytest.raises(InputError, match="715,827,883 triangles are more than 715,827,882"):
+        liftmesh.verify(POINTS, many)
+
+
+def test_an_empty_list_of_triangles_covers_nothing() -> None:
+    certificate = liftmesh.verify(POINTS, [])
+    assert not certificate
+    assert "empty" in [flaw.kind for flaw in certificate.flaws]
+
+
+def test_what_is_no_array_is_refused_with_its_own_words() -> None:
+    class Torn:
+        def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+            raise ValueError("the page is torn")
+
+    with pytest.raises(InputError, match="simplices are no array: the page is torn"):
+        liftmesh.verify(POINTS, Torn())
