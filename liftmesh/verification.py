@@ -66,7 +66,8 @@ def verify(
     together in pairs, the border is one convex curve that goes round once (so no two triangles
     overlap), Euler's relation, that every row is a vertex or has one at its position, and that no
     triangle's circle holds the apex of a neighbour (so none holds any point). No tolerance decides
-    anything, and nothing is shared with the engines but the predicates.
+    anything, and nothing that decides is shared with the engines but the predicates and a checked
+    scaling by powers of two.
 
     Parameters
     ----------

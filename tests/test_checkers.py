@@ -6,26 +6,12 @@ import numpy as np
 import pytest
 from benchmark.verify import flaw, pair_sides
 from clouds import FAMILIES
+from damage import POINTS, flipped, without_a_point
 from meshes import assert_delaunay, assert_oracle_agrees, assert_same_triangles, triangle_rows
-from numpy.typing import NDArray
 
 import liftmesh
 
-POINTS = np.random.default_rng(5).random((40, 2))
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-Rows = NDArray[np.int32]
-
-
-def flipped(simplices: Rows) -> Rows:
-    """Exchange the diagonal of the first convex quadrilateral for the other one."""
-    neighbors = liftmesh.delaunay(POINTS).neighbors
-    for row, other in zip(*np.nonzero(neighbors >= 0), strict=True):
-        a, b, c = np.roll(simplices[row], -other)
-        (d,) = set(simplices[neighbors[row, other]]) - {b, c}
-        pair = np.array([[a, b, d], [a, d, c]], dtype=np.int32)
-        if (liftmesh.orient2d(*np.moveaxis(POINTS[pair], 1, 0)) > 0).all():
-            return np.vstack((np.delete(simplices, [row, neighbors[row, other]], axis=0), pair))
-    raise AssertionError("no side can be flipped")
 
 
 DAMAGE = {
@@ -34,15 +20,8 @@ DAMAGE = {
     "dropped row": lambda rows: rows[1:],
     "doubled row": lambda rows: np.vstack((rows, rows[:1])),
     "wrong corner": lambda rows: np.vstack((rows[1:], np.roll(rows[:1], 1) * [1, 1, 0])),
-    "point left out": lambda rows: inner_point_removed(),
+    "point left out": lambda rows: without_a_point(),
 }
-
-
-def inner_point_removed() -> Rows:
-    """Triangulate all points but the one nearest to the middle, with their own rows."""
-    inner = np.argmin(np.linalg.norm(POINTS - 0.5, axis=1))
-    kept = np.delete(np.arange(len(POINTS)), inner)
-    return kept[liftmesh.delaunay(POINTS[kept]).simplices].astype(np.int32)
 
 
 def test_a_right_result_passes_every_check() -> None:

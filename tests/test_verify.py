@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from benchmark.verify import flaw as second_opinion
 from clouds import FAMILIES
+from damage import POINTS, Rows, flipped, without_a_point
 from hypothesis import given, settings, strategies as st
 from meshes import oracle_triangles
 from numpy.typing import NDArray
@@ -20,9 +21,6 @@ from scipy.spatial import Delaunay
 import liftmesh
 from liftmesh import Certificate, InputError, NonFiniteError
 
-Rows = NDArray[np.int32]
-
-POINTS = np.random.default_rng(5).random((40, 2))
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 THREADS = range(1, 9)
 
@@ -106,27 +104,9 @@ def test_scipys_triangles_are_judged() -> None:
     assert not certificate.canonical
 
 
-def flipped(simplices: Rows) -> Rows:
-    """Exchange the diagonal of the first convex quadrilateral for the other one."""
-    neighbors = liftmesh.delaunay(POINTS).neighbors
-    for row, other in zip(*np.nonzero(neighbors >= 0), strict=True):
-        a, b, c = np.roll(simplices[row], -other)
-        (d,) = set(simplices[neighbors[row, other]]) - {b, c}
-        pair = np.array([[a, b, d], [a, d, c]], dtype=np.int32)
-        if (liftmesh.orient2d(*np.moveaxis(POINTS[pair], 1, 0)) > 0).all():
-            return np.vstack((np.delete(simplices, [row, neighbors[row, other]], axis=0), pair))
-    raise AssertionError("no side can be flipped")
-
-
 def inner_triangle(simplices: Rows) -> int:
     hull = liftmesh.delaunay(POINTS).convex_hull[:, 0]
     return int(np.flatnonzero(~np.isin(simplices, hull).any(axis=1))[0])
-
-
-def without_a_point(simplices: Rows) -> Rows:
-    inner = np.argmin(np.linalg.norm(POINTS - 0.5, axis=1))
-    kept = np.delete(np.arange(len(POINTS)), inner)
-    return kept[liftmesh.delaunay(POINTS[kept]).simplices].astype(np.int32)
 
 
 def hull_triangle_gone(simplices: Rows) -> Rows:
@@ -148,7 +128,7 @@ DAMAGE = {
     "a border triangle gone": (hull_triangle_gone, "hull"),
     "a triangle twice": (lambda t: np.vstack((t, t[:1])), "doubled"),
     "all twice": (lambda t: np.vstack((t, t)), "doubled"),
-    "a point left out": (without_a_point, "missing"),
+    "a point left out": (lambda t: without_a_point(), "missing"),
     "a row that is none": (lambda t: np.vstack((t[1:], [[0, 1, 40]])), "index"),
     "a negative row": (lambda t: np.vstack((t[1:], [[0, -1, 2]])), "index"),
     "no triangles": (lambda t: t[:0], "empty"),

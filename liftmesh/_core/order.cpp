@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "blocks.hpp"
+#include "sample.hpp"
 
 namespace liftmesh {
 
@@ -50,19 +51,16 @@ class Arrangement {
     }
 
  private:
-    // Rows are sampled by a Weyl sequence: evenly, and out of step with any raster. Where few rows
-    // are finite the sample stays small, and so does the tree.
+    // Where few rows are finite the sample stays small, and so does the tree.
     Cuts learn_cuts() {
         const int depth = std::clamp(
             static_cast<int>(std::bit_width(input_.rows / cell_population)) - 1, 0, deepest);
         const std::size_t wanted = depth == 0 ? 0 : sample_per_cell << depth;
         std::vector<Point> sample;
         sample.reserve(wanted);
-        std::uint64_t state = 0;
         for (std::size_t tries = 0; sample.size() < wanted && tries < 4 * wanted; ++tries) {
-            state += 0x9e3779b97f4a7c15u;
-            const auto row = static_cast<std::size_t>(((state >> 32) * input_.rows) >> 32);
-            if (const Point p = input_[row]; is_finite(p)) sample.push_back(p);
+            const Point p = input_[sample_place(tries, input_.rows)];
+            if (is_finite(p)) sample.push_back(p);
         }
         const auto found = static_cast<int>(std::bit_width(sample.size() / sample_per_cell));
         return Cuts(std::move(sample), std::clamp(found - 1, 0, depth), team_);

@@ -11,6 +11,7 @@
 
 #include "cuts.hpp"
 #include "input.hpp"
+#include "sample.hpp"
 #include "verify/open_sides.hpp"
 
 namespace liftmesh {
@@ -22,12 +23,6 @@ constexpr std::size_t cell_population = 1024;
 constexpr int deepest = 13;
 constexpr std::size_t sample_per_cell = 8;
 
-// Evenly spread, and out of step with whatever repeats.
-std::size_t somewhere(std::size_t i, std::size_t count) {
-    const std::uint64_t turned = (i + 1) * 0x9e3779b97f4a7c15u;
-    return static_cast<std::size_t>(((turned >> 32) * count) >> 32);
-}
-
 // Do too few sides find a partner in the stretches?
 bool is_scattered(const Subject& subject) {
     constexpr std::size_t stretches = 8, length = std::size_t{1} << 12;
@@ -35,7 +30,7 @@ bool is_scattered(const Subject& subject) {
     std::size_t paired = 0;
     for (std::size_t i = 0; i < stretches; ++i) {
         OpenSides open;
-        const std::size_t first = somewhere(i, subject.count - length);
+        const std::size_t first = sample_place(i, subject.count - length);
         for (std::size_t t = first; t < first + length; ++t) {
             for (int k = 0; k < 3; ++k) {
                 std::uint32_t partner = 0;
@@ -84,7 +79,7 @@ class Gathering {
             static_cast<int>(std::bit_width(subject_.rows / cell_population)), 0, deepest);
         std::vector<Point> sample(sample_per_cell << depth);
         for (std::size_t i = 0; i < sample.size(); ++i) {
-            const Point p = subject_.points[somewhere(i, subject_.rows)];
+            const Point p = subject_.points[sample_place(i, subject_.rows)];
             if (is_finite(p)) sample[i] = p;
         }
         return Cuts(std::move(sample), depth, team_);

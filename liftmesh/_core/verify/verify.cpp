@@ -17,7 +17,8 @@
 // its own, so what passes it across every inner edge is the lower hull of the lifts that were
 // moved, of which there is one: it is canonical.
 //
-// Nothing of this is shared with the engines but the predicates. Corners at one position may be
+// Nothing that decides is shared with the engines but the predicates with their guards, and the
+// scaling, which is checked on the way back. Corners at one position may be
 // several rows, as in meshes whose triangles share no vertices: where triangles do not hold
 // together as they are, corners are named by the lowest row of their position instead.
 
