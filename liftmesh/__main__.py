@@ -7,4 +7,8 @@ import sys
 from liftmesh.cli import main
 
 if __name__ == "__main__":
-    sys.exit(main())
+    code = main()
+    # Where Ctrl-C hit Python amid the running of a text (each dataclass is one), it remembers that
+    # and would end by the signal, not with the code; the next text, even an empty one, clears it.
+    exec("")  # noqa: S102
+    sys.exit(code)
