@@ -122,7 +122,7 @@ def test_a_bad_matrix_is_refused(content, parts, tmp_path):
         ("mesh.xyzzy", exit_codes.BAD_INPUT, ["mesh.xyzzy", "'xyzzy'", ".ply"]),
         ("mesh", exit_codes.USAGE, ["no suffix", "--format"]),
         ("-", exit_codes.USAGE, ["--format"]),
-        ("no/such/mesh.ply", exit_codes.BAD_INPUT, ["no/such", "does not exist"]),
+        ("no/such/mesh.ply", exit_codes.BAD_INPUT, ["no/such: ", "there is no such folder"]),
         ("folder.ply", exit_codes.BAD_INPUT, ["folder.ply", "is a folder"]),
     ],
 )

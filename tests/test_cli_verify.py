@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from clouds import FAMILIES
-from commands import liftmesh as run, process
+from commands import failed, liftmesh as run, process
 
 import liftmesh
 from liftmesh import Cloud
@@ -124,6 +124,22 @@ def test_a_certificate_can_go_to_stdout(tmp_path: Path) -> None:
     assert json.loads(found.stdout)["valid"] is True
     assert found.stderr.startswith("Valid, and canonical")
     assert [each.name for each in tmp_path.iterdir()] == ["mesh.ply"]
+
+
+@pytest.mark.parametrize(
+    ("place", "reason"),
+    [
+        ("no/such/mesh.json", "no/such: cannot write here: there is no such folder"),
+        ("folder", "folder: cannot write a file here: it is a folder"),
+    ],
+)
+def test_a_certificate_that_cannot_be_written_is_refused_before_the_work(
+    place: str, reason: str, tmp_path: Path
+) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "broken.ply").touch()  # had it been read first, its fault would be told
+    found = run("verify", "broken.ply", "--certificate", place, cwd=tmp_path)
+    failed(found, 3, reason)
 
 
 def test_json_has_the_form_of_the_certificate(tmp_path: Path) -> None:

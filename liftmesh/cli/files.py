@@ -182,7 +182,9 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     Raises
     ------
     FormatError
-        The format is unknown or cannot be written, or there is no such folder.
+        The format is unknown or cannot be written.
+    OSError
+        The place is one where nothing can be written, as `check_place` says.
     typer.BadParameter
         Nothing tells the format.
     """
@@ -195,7 +197,23 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     found = find_format(file_format or path.suffix, str(path))
     if found.write is None:
         raise FormatError(f"{path}: {found.name} files can be read, not written")
-    if path.is_dir():
-        raise FormatError(f"{path}: is a folder: give the name of a file")
-    if not path.absolute().parent.is_dir():
-        raise FormatError(f"{path}: the folder {path.parent} does not exist: make it first")
+    check_place(path)
+
+
+def check_place(path: Path | None) -> None:
+    """Refuse a place where nothing can be written before the work starts.
+
+    Parameters
+    ----------
+    path : Path, optional
+        The file to be written; none is fine, and so is a standard stream.
+
+    Raises
+    ------
+    OSError
+        It is a folder or a read-only file, or its folder is not there or is read-only.
+    """
+    from liftmesh.formats.atomic import check_writable  # noqa: PLC0415 - as above
+
+    if path is not None and not is_stream(path):
+        check_writable(path)

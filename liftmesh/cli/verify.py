@@ -66,6 +66,7 @@ def run(
     """
     frame = options.parse_plane(plane)
     options.check_threads(threads)
+    files.check_place(certificate)
     files.check_apart(source, certificate)
     cloud = files.read(source, source_format)
     _tell_of_polygons(cloud)

@@ -58,10 +58,47 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     b'hello'
     """
     target = Path(os.path.realpath(path))
-    _check_writable(target)
+    check_writable(target)
     is_special = target.exists() and not target.is_file()
     with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
         yield stream
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Refuse a place where `replacing` could not write, in terms of the caller's path.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to create or to replace.
+
+    Raises
+    ------
+    OSError
+        It is a folder or a read-only file, or its folder is not there or is read-only; the error
+        names what is in the way.
+
+    Examples
+    --------
+    >>> check_writable("/")
+    Traceback (most recent call last):
+    IsADirectoryError: [Errno 21] cannot write a file here: it is a folder: '/'
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise IsADirectoryError(
+            errno.EISDIR, "cannot write a file here: it is a folder", str(target)
+        )
+    if not target.parent.is_dir():
+        reason = "cannot write here: there is no such folder"
+        raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
+    if target.exists() and not os.access(target, os.W_OK):
+        raise PermissionError(
+            errno.EACCES, "cannot replace this file: it is read-only", str(target)
+        )
+    if not target.exists() and not os.access(target.parent, os.W_OK):
+        reason = "cannot write here: the folder is read-only"
+        raise PermissionError(errno.EACCES, reason, str(target.parent))
 
 
 @contextmanager
@@ -95,24 +132,6 @@ def _named(target: Path) -> Iterator[None]:
         if error.filename is None and error.errno is not None:
             error.filename = str(target)
         raise
-
-
-def _check_writable(target: Path) -> None:
-    """Say what is wrong in terms of the caller's path, not of the temporary file."""
-    if target.is_dir():
-        raise IsADirectoryError(
-            errno.EISDIR, "cannot write a file here: it is a folder", str(target)
-        )
-    if not target.parent.is_dir():
-        reason = "cannot write here: there is no such folder"
-        raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
-    if target.exists() and not os.access(target, os.W_OK):
-        raise PermissionError(
-            errno.EACCES, "cannot replace this file: it is read-only", str(target)
-        )
-    if not target.exists() and not os.access(target.parent, os.W_OK):
-        reason = "cannot write here: the folder is read-only"
-        raise PermissionError(errno.EACCES, reason, str(target.parent))
 
 
 def _create(beside: str, folder: int) -> BinaryIO:
