@@ -100,7 +100,9 @@ def verify(
     Notes
     -----
     That the local test suffices is B. Delaunay, "Sur la sphère vide" (1934). Sides are paired as
-    triangles pass by, or by sorting: O(n log n) on every input.
+    triangles pass by, or by sorting: O(n log n) on every input. Where all triangles turn clockwise,
+    as in a mesh made to be seen from below, that is told, and all else is judged as if each were
+    named in the other order.
 
     Examples
     --------
@@ -342,7 +344,8 @@ class _Evidence:
             f"the circle of triangle {triangle} of {self._named(*rows[:3])} {how} "
             f"{self._named(rows[3])}, the apex of triangle {other // 3}"
         )
-        return Offender(text, rows, points, (triangle, other // 3), int(incircle(*points)))
+        side = int(incircle(*points)) * int(orient2d(*points[:3]))  # named clockwise, it is turned
+        return Offender(text, rows, points, (triangle, other // 3), side)
 
     def _delaunay(self, place: int, other: int) -> Offender:
         return self._across(place, other, "holds")

@@ -75,6 +75,45 @@ def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) ->
     assert offenders(shuffled, kind, listed) == offenders(as_built, kind, np.arange(len(listed)))
 
 
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_mesh_made_to_be_seen_from_below_has_one_flaw(family: str) -> None:
+    points = FAMILIES[family](3000, np.random.default_rng(1))
+    simplices = liftmesh.delaunay(points).simplices
+    certificate = liftmesh.verify(points, simplices[:, ::-1])
+    assert kinds(certificate) == {"clockwise": len(simplices)}
+    assert certificate.euler_characteristic == 1
+
+
+@pytest.mark.parametrize("kind", ["delaunay", "doubled"])
+def test_what_else_is_wrong_with_it_is_what_is_wrong_seen_from_above(kind: str) -> None:
+    points = np.random.default_rng(3).random((50_000, 2))
+    simplices = liftmesh.delaunay(points).simplices
+    random = np.random.default_rng(5)
+    rows = random.choice(len(simplices), 2, replace=False)
+    if kind == "delaunay":
+        points[simplices[rows, 0]] = points[simplices[rows]].mean(axis=1)
+    else:
+        simplices = np.vstack((simplices, simplices[rows]))
+    listed = random.permutation(len(simplices))
+    above = liftmesh.verify(points, simplices)
+    for mesh, numbers in ((simplices, np.arange(len(listed))), (simplices[listed], listed)):
+        for turned in (mesh[:, ::-1], mesh[:, [0, 2, 1]]):
+            below = liftmesh.verify(points, turned)
+            assert kinds(below) == kinds(above) | {"clockwise": len(mesh)}
+            assert offenders(below, kind, numbers) == offenders(above, kind, np.arange(len(mesh)))
+
+
+def test_circles_of_triangles_that_are_turned_are_not_asked() -> None:
+    simplices = flipped(liftmesh.delaunay(POINTS).simplices)
+    one = liftmesh.verify(POINTS, simplices)
+    assert kinds(one)["delaunay"] == 1
+    turned = simplices.copy()
+    turned[:-1] = turned[:-1, ::-1]  # all but one of the two that should not be there
+    found = kinds(liftmesh.verify(POINTS, turned))
+    assert found["clockwise"] == len(simplices) - 1
+    assert found.keys() & {"delaunay", "canonical"} == set()
+
+
 def offenders(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[object, ...]]:
     """All of one kind, triangles by the numbers they had before they were listed otherwise."""
     (flaw,) = (flaw for flaw in certificate.flaws if flaw.kind == kind)

@@ -90,10 +90,16 @@ class Finder {
         const double error = filter.error + subject_.guard.margin();
         if (-filter.det > error) return;
         const int side = filter.det > error ? 1 : incircle_exact(a, b, c, d, subject_.guard);
-        if (side < 0) return;
+        if (side < 0 || (side == 0 && sign_of_tie(a, b, c, d) <= 0)) return;
+        if (!turns_left(first) || !turns_left(other - other % 3)) return;  // and has no inside
         const Place place = in_order(one, other);
         if (side > 0) edges.add(Flaw::delaunay, place);
-        if (side > 0 || sign_of_tie(a, b, c, d) > 0) edges.add(Flaw::canonical, place);
+        edges.add(Flaw::canonical, place);
+    }
+
+    bool turns_left(std::size_t first) const {
+        return orient2d(subject_.point(first), subject_.point(first + 1),
+                        subject_.point(first + 2)) > 0;
     }
 
     Place in_order(std::uint32_t one, std::uint32_t other) const {

@@ -22,13 +22,16 @@ struct Subject {
     std::size_t count;
     Guard guard;                           // of the points
     const std::uint32_t* order = nullptr;  // the number each triangle was given, where not its own
+    bool turned = false;                   // the last two corners of each stand the other way round
 
     Row corner(std::size_t place) const { return static_cast<Row>(simplices[place]); }
     Point point(std::size_t place) const { return points[corner(place)]; }
 
     // The place where the caller has the corner.
     std::size_t given(std::size_t place) const {
-        return order == nullptr ? place : 3 * std::size_t{order[place / 3]} + place % 3;
+        const std::size_t triangle = order == nullptr ? place / 3 : order[place / 3];
+        const std::size_t corner = turned ? (3 - place % 3) % 3 : place % 3;
+        return 3 * triangle + corner;
     }
 
     Side side(std::size_t triangle, int k) const {

@@ -17,6 +17,9 @@
 // its own, so what passes it across every inner edge is the lower hull of the lifts that were
 // moved, of which there is one: it is canonical.
 //
+// Circles of triangles that turn clockwise or are flat have no inside and are not asked. A list
+// that turns clockwise as a whole is judged as if each triangle were named in the other order.
+//
 // Nothing that decides is shared with the engines but the predicates with their guards, and the
 // scaling, which is checked on the way back. Corners at one position may be
 // several rows, as in meshes whose triangles share no vertices: where triangles do not hold
@@ -83,6 +86,11 @@ class Verification {
         if (!pass_triangles(subject_, team_, is_corner_, sides)) return false;
         verdict_.flaws.add(sides.triangles);
         if (verdict_.flaws.any(Flaw::non_finite)) return true;
+        if (all_turn_clockwise()) {
+            if (!turn_triangles()) return false;
+            sides = {};
+            if (!pass_triangles(subject_, team_, is_corner_, sides)) return false;
+        }
         Flaws border;
         if (!follow_border(subject_, sides.border, team_, border)) return false;
         if (sides.border.empty() || border.any()) {
@@ -173,6 +181,21 @@ class Verification {
         subject_.simplices = corners_.get();
         subject_.order = order_.get();
         return true;
+    }
+
+    // A whole mesh that was made to be seen from below is one mistake: what else is wrong is looked
+    // for after it was put right.
+    bool all_turn_clockwise() const {
+        const std::size_t turned = verdict_.flaws[Flaw::clockwise].count();
+        return turned > 0 && turned + verdict_.flaws[Flaw::flat].count() == subject_.count;
+    }
+
+    bool turn_triangles() {
+        subject_.turned = true;
+        return in_blocks(subject_.count, [&](std::size_t first, std::size_t last, auto) {
+            for (std::size_t t = first; t < last; ++t)
+                std::swap(corners_[3 * t + 1], corners_[3 * t + 2]);
+        });
     }
 
     // Names each corner by the lowest row of its position.
