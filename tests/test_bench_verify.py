@@ -23,9 +23,10 @@ def test_both_are_timed_and_the_answer_is_told(tmp_path: Path) -> None:
 
 
 def test_peers_triangles_are_listed_counter_clockwise() -> None:
-    found = dict(bench_verify.lists_of(POINTS, ["scipy", "matplotlib"]))
-    assert list(found) == ["liftmesh", "shuffled", "scipy", "matplotlib"]
-    assert all(liftmesh.verify(POINTS, triangles) for triangles in found.values())
+    found = [*bench_verify.lists_of(POINTS, ["scipy", "matplotlib"])]
+    assert [name for name, *_ in found] == ["liftmesh", "shuffled", "apart", "scipy", "matplotlib"]
+    assert all(liftmesh.verify(*mesh) for _, *mesh in found)
+    assert found[2][2].size == len(found[2][1]) == found[0][2].size
 
 
 def test_a_table_is_printed() -> None:
@@ -34,4 +35,4 @@ def test_a_table_is_printed() -> None:
         [sys.executable, bench_verify.__file__, *words], capture_output=True, text=True, check=True
     )
     assert "circle, 300 rows" in done.stdout
-    assert done.stdout.count("canonical") == 2
+    assert done.stdout.count("canonical") == 3

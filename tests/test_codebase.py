@@ -9,6 +9,7 @@ import re
 import textwrap
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import groupby
 from pathlib import Path
 
 import pytest
@@ -147,3 +148,15 @@ def test_programs_that_a_page_names_are_there(page: str) -> None:
     assert named
     for name in named:
         assert any(f"/{path}".endswith(f"/{name}") for path in there), name
+
+
+PAGES = sorted(p.relative_to(ROOT).as_posix() for p in project_files() if p.suffix == ".md")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_all_rows_of_a_table_have_as_many_cells(page: str) -> None:
+    lines = (ROOT / page).read_text("utf-8").splitlines()
+    tables = groupby(enumerate(lines, 1), key=lambda numbered: numbered[1].startswith("|"))
+    for _, rows in (found for found in tables if found[0]):
+        cells = {number: len(re.findall(r"(?<!\\)\|", line)) for number, line in rows}
+        assert len({*cells.values()}) == 1, cells

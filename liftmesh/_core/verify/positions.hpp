@@ -1,14 +1,17 @@
 // Rows at one position.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "team.hpp"
 #include "verify/flaws.hpp"
-#include "verify/sides.hpp"
 #include "verify/subject.hpp"
 
 namespace liftmesh {
+
+// Whether a row is a corner: a byte for each.
+using Marks = std::vector<std::uint8_t>;
 
 // Adds every finite row that has no vertex at its position. False where the interrupt came first.
 bool find_missing(const Subject& subject, const Marks& vertices, Team& team, Flaws& flaws);

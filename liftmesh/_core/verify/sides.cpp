@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -115,8 +114,7 @@ class Finder {
 // The triangles of one task, one after the other. Corners are fetched ahead of their use.
 class Passing {
  public:
-    Passing(const Subject& subject, Marks& is_corner, Finder& found)
-        : subject_(subject), is_corner_(is_corner), found_(found) {}
+    Passing(const Subject& subject, Finder& found) : subject_(subject), found_(found) {}
 
     void run(std::size_t first, std::size_t last) {
         constexpr std::size_t ahead = 32;
@@ -135,21 +133,13 @@ class Passing {
         if (!found_.look_at(triangle)) return;
         for (int k = 0; k < 3; ++k) {
             const Side side = subject_.side(triangle, k);
-            mark(is_corner_[side.tail]);
             std::uint32_t partner = 0;
             if (open_.meet(side, partner, [&](const Side& other) { found_.left.push_back(other); }))
                 found_.meet(side.place, partner);
         }
     }
 
-    // Several threads may meet here. Most marks are there already.
-    static void mark(std::uint8_t& byte) {
-        const std::atomic_ref<std::uint8_t> shared(byte);
-        if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
-    }
-
     const Subject& subject_;
-    Marks& is_corner_;
     Finder& found_;
     OpenSides open_;
 };
@@ -220,11 +210,11 @@ bool pair(const Subject& subject, Team& team, std::vector<std::vector<Side>>& le
 
 }  // namespace
 
-bool pass_triangles(const Subject& subject, Team& team, Marks& is_corner, Sides& sides) {
+bool pass_triangles(const Subject& subject, Team& team, Sides& sides) {
     std::vector<std::vector<Side>> left;
     const auto pass = [&](std::size_t task, Finder& found) {
         const std::size_t first = task * block, last = std::min(subject.count, first + block);
-        Passing(subject, is_corner, found).run(first, last);
+        Passing(subject, found).run(first, last);
         team.interrupt().advance(3 * (last - first));
     };
     return in_tasks(subject, blocks(subject.count), team, sides, left, pass) &&

@@ -18,13 +18,10 @@ struct Sides {
     std::vector<Side> border;  // sides without a partner
 };
 
-// Whether a row is a corner: a byte for each.
-using Marks = std::vector<std::uint8_t>;
-
 // Looks at each triangle, and pairs its sides with those of the triangles around it. All corners
 // must be rows; triangles with corners that are not finite are left out. False where the interrupt
 // came first.
-bool pass_triangles(const Subject& subject, Team& team, Marks& is_corner, Sides& sides);
+bool pass_triangles(const Subject& subject, Team& team, Sides& sides);
 
 // Pairs all sides by sorting them, which names what is doubled.
 bool sort_sides(const Subject& subject, Team& team, Sides& sides);

@@ -51,6 +51,14 @@ struct Skipped {
     std::size_t count = 0, first = 0;
 };
 
+// What the sides come to, by the names that corners have.
+struct Finding {
+    Sides sides;
+    Flaws border;
+
+    bool holds_together() const { return !sides.border.empty() && !border.any(); }
+};
+
 class Verification {
  public:
     Verification(const Input& input, const std::int32_t* simplices, std::size_t count, Team& team)
@@ -81,30 +89,40 @@ class Verification {
     bool look() {
         if (!read_corners()) return false;
         if (verdict_.flaws.any(Flaw::index)) return true;
+        if (are_apart() && !merge_positions()) return false;
         if (!gather_triangles()) return false;
-        Sides sides;
-        if (!pass_triangles(subject_, team_, is_corner_, sides)) return false;
-        verdict_.flaws.add(sides.triangles);
+        Finding found;
+        if (!look_at_triangles(found)) return false;
         if (verdict_.flaws.any(Flaw::non_finite)) return true;
-        if (all_turn_clockwise()) {
-            if (!turn_triangles()) return false;
-            sides = {};
-            if (!pass_triangles(subject_, team_, is_corner_, sides)) return false;
+        if (!follow_border(found)) return false;
+        if (!found.holds_together() && !merged_) {
+            found = {};
+            if (!merge_positions() || !pass(found) || !follow_border(found)) return false;
         }
-        Flaws border;
-        if (!follow_border(subject_, sides.border, team_, border)) return false;
-        if (sides.border.empty() || border.any()) {
-            sides = {};
-            border = {};
-            if (!merge_positions() || !sort_sides(subject_, team_, sides) ||
-                !follow_border(subject_, sides.border, team_, border))
-                return false;
+        if (!found.holds_together()) {
+            found = {};
+            if (!sort_sides(subject_, team_, found.sides) || !follow_border(found)) return false;
         }
-        verdict_.flaws.add(sides.edges);
-        verdict_.flaws.add(border);
-        verdict_.inner = sides.inner;
-        verdict_.border = sides.border.size();
+        verdict_.flaws.add(found.sides.edges);
+        verdict_.flaws.add(found.border);
+        verdict_.inner = found.sides.inner;
+        verdict_.border = found.sides.border.size();
         return count_vertices();
+    }
+
+    bool look_at_triangles(Finding& found) {
+        if (!pass(found)) return false;
+        verdict_.flaws.add(found.sides.triangles);
+        return !all_turn_clockwise() || (turn_triangles() && pass(found));
+    }
+
+    bool pass(Finding& found) {
+        found = {};
+        return pass_triangles(subject_, team_, found.sides);
+    }
+
+    bool follow_border(Finding& found) {
+        return liftmesh::follow_border(subject_, found.sides.border, team_, found.border);
     }
 
     // In blocks: work(first, last, task).
@@ -163,13 +181,29 @@ class Verification {
         const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
             for (std::size_t place = 3 * first; place < 3 * last; ++place) {
                 corners_[place] = simplices_[place];
-                if (subject_.corner(place) >= subject_.rows)
+                if (const Row row = subject_.corner(place); row < subject_.rows) {
+                    mark(is_corner_[row]);
+                } else {
                     found[task].add(Flaw::index, {place, 0});
+                }
             }
         };
         const bool done = in_blocks(subject_.count, read);
         for (const Flaws& some : found) verdict_.flaws.add(some);
         return done;
+    }
+
+    // Several threads may meet here. Most marks are there already.
+    static void mark(std::uint8_t& byte) {
+        const std::atomic_ref<std::uint8_t> shared(byte);
+        if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
+    }
+
+    // Triangles that hold together, without a hole, have at most two more corners than they are: as
+    // they are named, these do not.
+    bool are_apart() const {
+        const auto corners = std::count(is_corner_.begin(), is_corner_.end(), 1);
+        return static_cast<std::size_t>(corners) > subject_.count + 2;
     }
 
     bool gather_triangles() {
@@ -200,6 +234,7 @@ class Verification {
 
     // Names each corner by the lowest row of its position.
     bool merge_positions() {
+        merged_ = true;
         std::vector<Row> lowest;
         if (!find_lowest(subject_, team_, lowest)) return false;
         Marks kept(subject_.rows);
@@ -227,6 +262,7 @@ class Verification {
     Buffer<std::uint32_t> order_;
     Subject subject_;
     Marks is_corner_;
+    bool merged_ = false;  // corners are named by the lowest row of their position
     Verdict verdict_;
 };
 
