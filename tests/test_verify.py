@@ -222,6 +222,38 @@ def test_a_mesh_whose_triangles_share_no_vertices() -> None:
     assert not liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
 
 
+def apart(points: NDArray[np.floating], simplices: Rows) -> tuple[NDArray[np.floating], Rows]:
+    """Give each triangle rows of its own, before all there were."""
+    rows = np.vstack((points[simplices.ravel()], points))
+    return rows, np.arange(simplices.size, dtype=np.int32).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_triangles_apart_are_as_good_as_those_that_share_rows(family: str) -> None:
+    points = FAMILIES[family](3000, np.random.default_rng(1))
+    shared = liftmesh.delaunay(points)
+    simplices = np.random.default_rng(2).permutation(shared.simplices)
+    rows, own = apart(points, simplices)
+    found = {str(liftmesh.verify(rows, own, threads=threads).to_json()) for threads in THREADS}
+    assert len(found) == 1
+    certificate = liftmesh.verify(rows, own)
+    assert certificate.canonical, str(certificate)
+    assert certificate.vertices == len(points) - len(shared.duplicates)
+    assert certificate.merged == 3 * len(simplices) - certificate.vertices
+
+
+@pytest.mark.parametrize("damage", [name for name, (_, kind) in DAMAGE.items() if kind != "index"])
+def test_damage_to_triangles_apart_is_named_as_to_those_that_share_rows(damage: str) -> None:
+    simplices = DAMAGE[damage][0](liftmesh.delaunay(POINTS).simplices)
+    certificate = liftmesh.verify(*apart(POINTS, simplices))
+    expected = kinds(liftmesh.verify(POINTS, simplices))
+    assert kinds(certificate) == expected
+    named = certificate.flaws[0].first
+    assert [place.triangles for place in named] == [
+        place.triangles for place in liftmesh.verify(POINTS, simplices).flaws[0].first
+    ]
+
+
 def test_corners_beyond_one_for_each_position_are_counted() -> None:
     points = [[0, 0], [0, 0], [1, 0], [0, 1]]
     assert liftmesh.verify(points, [[1, 2, 3]]).merged == 0
