@@ -17,9 +17,9 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.beside import Beside
 from liftmesh.formats.colors import eight_bit
-from liftmesh.formats.finite import check_finite
 from liftmesh.formats.format import Format, Origin
 from liftmesh.formats.gltf_promises import checked_gltf
+from liftmesh.formats.needs import check_finite, check_points, needed_faces
 from liftmesh.formats.origin import needed_origin
 from liftmesh.formats.scene import scene_cloud
 from liftmesh.optional import load
@@ -106,15 +106,14 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     FormatError
         There are no faces, or the coordinates do not fit single precision.
     """
-    if cloud.faces is None:
-        raise FormatError("a cloud without faces cannot be written as STL: write PLY")
-    used = np.unique(cloud.faces)
+    faces = needed_faces(cloud, "STL")
+    used = np.unique(faces)
     check_finite(cloud.points, used, "stl")
     origin = needed_origin(cloud.points[used], "stl")
     shown = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(shown) > _HEADER_SIZE:
         raise FormatError(f"the origin {origin} does not fit the header of STL: write PLY or OBJ")
-    mesh = load("trimesh").Trimesh(_shifted(cloud.points, origin), cloud.faces, process=False)
+    mesh = load("trimesh").Trimesh(_shifted(cloud.points, origin), faces, process=False)
     data: bytes = mesh.export(file_type="stl")
     stream.write(shown.encode("ascii").ljust(_HEADER_SIZE, b"\0"))
     stream.write(memoryview(data)[_HEADER_SIZE:])
@@ -167,7 +166,7 @@ def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     Raises
     ------
     FormatError
-        A coordinate is not finite, or they do not fit single precision.
+        There are no points, a coordinate is not finite, or they do not fit single precision.
     """
     scene, origin = _scene(cloud, "glb")
     stream.write(scene.export(file_type="glb"))
@@ -194,11 +193,12 @@ def _read_scene(stream: BinaryIO, name: str, kind: str) -> Cloud:
 
 def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
     trimesh = load("trimesh")
+    check_points(cloud, kind.upper())
     check_finite(cloud.points, np.arange(len(cloud)), kind)
     origin = needed_origin(cloud.points, kind)
     points = _shifted(cloud.points, origin)
     colors = None if cloud.colors is None else eight_bit(cloud.colors)
-    if cloud.faces is None:
+    if cloud.faces is None or not len(cloud.faces):
         geometry = trimesh.PointCloud(points, colors=colors)
     else:
         geometry = trimesh.Trimesh(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from liftmesh.errors import FormatError
 from liftmesh.formats.colors import unit
 from liftmesh.formats.digits import write_rows
+from liftmesh.formats.needs import check_points
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -42,8 +43,7 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
     FormatError
         There are no points, a colour is not between 0 and 1, or a comment is not one line.
     """
-    if not len(cloud):
-        raise FormatError("a cloud without points cannot be written as OBJ: write PLY or NPZ")
+    check_points(cloud, "OBJ")
     for comment in ["liftmesh", *([comments] if isinstance(comments, str) else comments)]:
         if not comment.isprintable():
             raise FormatError(f"comment {comment!r} cannot stand in an OBJ file: give single lines")

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.formats.digits import write_rows
-from liftmesh.formats.finite import check_finite
 from liftmesh.formats.format import Format
 from liftmesh.formats.lines import BLOCK, Block, Lines, number_table, shown
+from liftmesh.formats.needs import check_finite, check_points, needed_faces
 from liftmesh.formats.ragged import Ragged
 from liftmesh.formats.triangles import remarks, triangulated
 
@@ -76,14 +76,14 @@ def write_off(stream: BinaryIO, cloud: Cloud) -> None:
     Raises
     ------
     FormatError
-        There are no faces, or a coordinate is not finite.
+        There are no points or no faces, or a coordinate is not finite.
     """
-    if cloud.faces is None:
-        raise FormatError("a cloud without faces cannot be written as OFF: write PLY")
+    check_points(cloud, "OFF")
+    faces = needed_faces(cloud, "OFF")
     check_finite(cloud.points, np.arange(len(cloud)), "off")
-    stream.write(b"OFF\n%d %d 0\n" % (len(cloud), len(cloud.faces)))
+    stream.write(b"OFF\n%d %d 0\n" % (len(cloud), len(faces)))
     write_rows(stream, [cloud.points])
-    write_rows(stream, [cloud.faces], prefix="3 ")
+    write_rows(stream, [faces], prefix="3 ")
 
 
 def _cloud(points: NDArray[np.float64], corners: list[Ragged], name: str) -> Cloud:

@@ -19,6 +19,7 @@ from file_samples import (
     saved,
     small_mesh,
 )
+from numpy.typing import NDArray
 
 import liftmesh
 from liftmesh import Cloud, FormatError
@@ -181,6 +182,19 @@ def test_stl_needs_faces_and_only_their_vertices() -> None:
     points = np.concatenate([small_mesh().points, [[np.nan, 1e300, 0]]])
     back = loaded(saved(Cloud(points, faces=small_mesh().faces), "stl"), "stl")
     assert_same_bits(back.points, small_mesh().points)
+
+
+@pytest.mark.parametrize("kind", ["stl", "glb", "gltf", "off", "obj"])
+@pytest.mark.parametrize("faces", [None, np.empty((0, 3), dtype=np.int32)])
+def test_nothing_is_written_that_cannot_be_read(kind: str, faces: NDArray[np.int32] | None) -> None:
+    with pytest.raises(FormatError, match=f"without (points|faces) .* as {kind.upper()}: write"):
+        saved(Cloud(np.empty((0, 3)), faces=faces), kind)
+    points = Cloud(small_mesh().points, faces=faces)
+    if kind in {"stl", "off"}:
+        with pytest.raises(FormatError, match=f"without faces .* as {kind.upper()}: write PLY"):
+            saved(points, kind)
+    else:
+        assert_same_bits(loaded(saved(points, kind), kind).points, points.points)
 
 
 @pytest.mark.parametrize("kind", SINGLE)
