@@ -8,7 +8,8 @@ from liftmesh.cli import main
 
 if __name__ == "__main__":
     code = main()
-    # Where Ctrl-C hit Python amid the running of a text (each dataclass is one), it remembers that
-    # and would end by the signal, not with the code; the next text, even an empty one, clears it.
+    # Where Ctrl-C hit Python amid the running of a text (each dataclass is one), it remembers that,
+    # and with -m ends by the signal, not with the code, unless it runs another, if an empty one.
+    # Scripts, and so the command `liftmesh`, end with the code anyway.
     exec("")  # noqa: S102
     sys.exit(code)

@@ -100,9 +100,10 @@ def verify(
     Notes
     -----
     That the local test suffices is B. Delaunay, "Sur la sphère vide" (1934). Sides are paired as
-    triangles pass by, or by sorting: O(n log n) on every input. Where all triangles turn clockwise,
-    as in a mesh made to be seen from below, that is told, and all else is judged as if each were
-    named in the other order.
+    triangles pass by, or by sorting: O(n log n) on every input. Where all triangles turn clockwise
+    (or are flat), as in a mesh made to be seen from below, that is told, and all else is judged as
+    if each were named in the other order. Of others that turn clockwise, and across sides that are
+    doubled, no circle is asked.
 
     Examples
     --------
@@ -338,14 +339,16 @@ class _Evidence:
 
     def _across(self, place: int, other: int, how: str) -> Offender:
         triangle = place // 3
-        rows = (*self._corners(triangle), int(self._given[other // 3, other % 3]))
+        a, b, c = self._corners(triangle)
+        if orient2d(*self._points(a, b, c)) < 0:  # judged as if named in the other order
+            b, c = c, b
+        rows = (a, b, c, int(self._given[other // 3, other % 3]))
         points = self._points(*rows)
         text = (
             f"the circle of triangle {triangle} of {self._named(*rows[:3])} {how} "
             f"{self._named(rows[3])}, the apex of triangle {other // 3}"
         )
-        side = int(incircle(*points)) * int(orient2d(*points[:3]))  # named clockwise, it is turned
-        return Offender(text, rows, points, (triangle, other // 3), side)
+        return Offender(text, rows, points, (triangle, other // 3), int(incircle(*points)))
 
     def _delaunay(self, place: int, other: int) -> Offender:
         return self._across(place, other, "holds")

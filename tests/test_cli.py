@@ -135,6 +135,14 @@ def test_ctrl_c_amid_an_import_is_no_bug(monkeypatch, capsys, tmp_path):
     assert capsys.readouterr().err == "liftmesh: error: interrupted\n"
 
 
+def test_an_error_is_told_without_colours_where_there_is_no_room_to_load_them(monkeypatch, capsys):
+    assert main(["--version"]) == exit_codes.DONE
+    monkeypatch.setitem(sys.modules, "liftmesh.cli.terminal", None)  # its import fails
+    capsys.readouterr()
+    assert main(["info", "nowhere.ply"]) == exit_codes.BAD_INPUT
+    assert capsys.readouterr().err == "liftmesh: error: nowhere.ply: No such file or directory\n"
+
+
 INTERRUPTED_AMID_A_TEXT = """
 import builtins, sys
 

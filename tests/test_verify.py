@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from hashlib import sha256
+from random import Random
 
 import numpy as np
 import pytest
@@ -252,6 +253,23 @@ def test_damage_to_triangles_apart_is_named_as_to_those_that_share_rows(damage: 
     assert [place.triangles for place in named] == [
         place.triangles for place in liftmesh.verify(POINTS, simplices).flaws[0].first
     ]
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 3), st.integers(0, 3)), min_size=3, max_size=7),
+    st.lists(st.tuples(*[st.integers(0, 6)] * 3), min_size=1, max_size=8),
+    st.randoms(use_true_random=False),
+)
+def test_what_is_told_depends_on_no_order_and_on_no_naming(
+    cloud: list[tuple[int, int]], triangles: list[tuple[int, int, int]], random: Random
+) -> None:
+    points = np.array(cloud, dtype=np.float64)
+    simplices = np.array(triangles, dtype=np.int32) % len(cloud)
+    told = [liftmesh.verify(points, simplices)]
+    told += [liftmesh.verify(points, random.sample(simplices.tolist(), len(simplices)))]
+    told += [liftmesh.verify(*apart(points, simplices))]
+    assert len({tuple(kinds(each).items()) for each in told}) == 1
+    assert len({(each.vertices, each.edges, each.hull_edges) for each in told}) == 1
 
 
 def test_corners_beyond_one_for_each_position_are_counted() -> None:

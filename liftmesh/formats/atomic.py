@@ -65,7 +65,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Refuse a place where `replacing` could not write, in terms of the caller's path.
+    """Refuse a place where `replacing` could not write, in words that name no temporary file.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     Raises
     ------
     OSError
-        It is a folder or a read-only file, or its folder is not there or is read-only; the error
-        names what is in the way.
+        It is a folder or a read-only file, or its folder is not there, is none or is read-only; the
+        error names what is in the way.
 
     Examples
     --------
@@ -89,6 +89,9 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise IsADirectoryError(
             errno.EISDIR, "cannot write a file here: it is a folder", str(target)
         )
+    if target.parent.exists() and not target.parent.is_dir():
+        reason = "cannot write here: this is a file, not a folder"
+        raise NotADirectoryError(errno.ENOTDIR, reason, str(target.parent))
     if not target.parent.is_dir():
         reason = "cannot write here: there is no such folder"
         raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))

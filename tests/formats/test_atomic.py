@@ -142,7 +142,7 @@ def test_messages_name_the_callers_path(tmp_path: Path) -> None:
     with pytest.raises(IsADirectoryError, match=r"it is a folder: '.*folder.ply'"):
         liftmesh.write(tmp_path / "folder.ply", full_mesh(), format="ply")
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(FileNotFoundError, match=r"no such folder: '.*file'"):
+    with pytest.raises(NotADirectoryError, match=r"a file, not a folder: '.*file'"):
         liftmesh.write(tmp_path / "file" / "mesh.ply", full_mesh())
 
 

@@ -69,10 +69,14 @@ class Border {
         const Point a = subject_.points[side.tail], b = subject_.points[side.head];
         const Point c = subject_.points[after];
         const int sign = orient2d(a, b, c);
-        const bool goes_on = before_xy(a, b) == before_xy(b, c);  // and does not turn back
-        if (sign < 0 || (sign == 0 && !goes_on))
+        if (sign < 0 || (sign == 0 && !goes_on(a, b, c)))
             flaws.add(Flaw::hull, {side.head, std::uint64_t{side.tail} << 32 | after});
         return before_xy(b, a) && before_xy(b, c);
+    }
+
+    // Along a line, rather than back or nowhere.
+    static bool goes_on(Point a, Point b, Point c) {
+        return (before_xy(a, b) && before_xy(b, c)) || (before_xy(c, b) && before_xy(b, a));
     }
 
     // Follows the border. Where it is several curves, they are what is wrong.

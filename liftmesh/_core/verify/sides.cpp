@@ -158,11 +158,14 @@ template <class It>
 void match(It first, It middle, It last, Finder& found) {
     for (auto one = first; one != last; ++one)
         if (one != first && one != middle) found.name_doubled(std::prev(one)->place, one->place);
-    auto back = first, forward = middle;
-    for (; back != middle && forward != last; ++back, ++forward)
-        found.meet(back->place, forward->place);
-    found.left.insert(found.left.end(), back, middle);
-    found.left.insert(found.left.end(), forward, last);
+    const auto pairs = std::min(middle - first, last - middle);
+    if (std::max(middle - first, last - middle) > 1) {
+        found.inner += static_cast<std::size_t>(pairs);  // which of them are one, nothing tells
+    } else if (pairs == 1) {
+        found.meet(first->place, middle->place);
+    }
+    found.left.insert(found.left.end(), first + pairs, middle);
+    found.left.insert(found.left.end(), middle + pairs, last);
 }
 
 void match(std::span<Side> sides, Finder& found) {

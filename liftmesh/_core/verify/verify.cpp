@@ -17,8 +17,10 @@
 // its own, so what passes it across every inner edge is the lower hull of the lifts that were
 // moved, of which there is one: it is canonical.
 //
-// Circles of triangles that turn clockwise or are flat have no inside and are not asked. A list
-// that turns clockwise as a whole is judged as if each triangle were named in the other order.
+// Where triangles turn clockwise or are flat none of this follows: then all sides are sorted, which
+// names what is doubled, and circles are asked only across other sides, of triangles that have an
+// inside. A list that turns clockwise as a whole is judged as if each triangle were named in the
+// other order.
 //
 // Nothing that decides is shared with the engines but the predicates with their guards, and the
 // scaling, which is checked on the way back. Corners at one position may be
@@ -56,7 +58,9 @@ struct Finding {
     Sides sides;
     Flaws border;
 
-    bool holds_together() const { return !sides.border.empty() && !border.any(); }
+    bool holds_together() const {
+        return !sides.triangles.any() && !sides.border.empty() && !border.any();
+    }
 };
 
 class Verification {
@@ -97,7 +101,8 @@ class Verification {
         if (!follow_border(found)) return false;
         if (!found.holds_together() && !merged_) {
             found = {};
-            if (!merge_positions() || !pass(found) || !follow_border(found)) return false;
+            if (!merge_positions()) return false;
+            if (verdict_.merged > 0 && !(pass(found) && follow_border(found))) return false;
         }
         if (!found.holds_together()) {
             found = {};
