@@ -184,8 +184,8 @@ def _killed(words: tuple[str, ...], delay: float, folder: Path, files: dict[str,
     if child.returncode == 0 or (child.returncode == -signal.SIGINT and out):  # as Python exits
         return Hit(delay, "done before", 0.0)
     faults = list(_changes(folder, files))
-    if (child.returncode, out, err) != (INTERRUPTED, "", "liftmesh: error: interrupted\n"):
-        faults.append(f"exit code {child.returncode}, {out!r}, {err[-500:]!r}")
+    if (child.returncode, err) != (INTERRUPTED, "liftmesh: error: interrupted\n"):
+        faults.append(f"exit code {child.returncode}, {err[-500:]!r}")
     return Hit(delay, _stage(opened, folder, words), seconds, tuple(faults))
 
 
