@@ -1,6 +1,11 @@
-// The verifier: yes to the triangulation, no to any that is damaged.
+// The verifier: yes to the triangulation, no to any that is damaged, and the same words for a mesh
+// in any order, with rows of its own for each triangle, or turned as a whole.
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "checks.hpp"
@@ -12,19 +17,65 @@ namespace fuzzing {
 namespace {
 
 using liftmesh::Flaw;
+using liftmesh::Input;
 using liftmesh::Verdict;
 using Corners = std::vector<std::int32_t>;
 
-Verdict verdict(const Case& c, const Corners& corners, liftmesh::Threads threads) {
+// How often each flaw was found.
+using Told = std::array<std::size_t, static_cast<std::size_t>(Flaw::kinds)>;
+
+Verdict verdict(const Case& c, const Input& input, const Corners& corners) {
     Impatient interrupt;
-    return liftmesh::verify(c.input, corners.data(), corners.size() / 3, c.skip_non_finite, threads,
+    return liftmesh::verify(input, corners.data(), corners.size() / 3, c.skip_non_finite, c.threads,
                             interrupt);
 }
 
-bool has_flaw(const Verdict& verdict) {
-    for (unsigned flaw = 0; flaw < static_cast<unsigned>(Flaw::kinds); ++flaw)
-        if (verdict.flaws[static_cast<Flaw>(flaw)].count() > 0) return true;
-    return false;
+Told told(const Verdict& verdict) {
+    Told told{};
+    for (std::size_t flaw = 0; flaw < told.size(); ++flaw)
+        told[flaw] = verdict.flaws[static_cast<Flaw>(flaw)].count();
+    return told;
+}
+
+bool same(const Verdict& a, const Verdict& b) {
+    return told(a) == told(b) && a.inner == b.inner && a.border == b.border &&
+           a.vertices == b.vertices;
+}
+
+void check_in_disorder(Case& c, Corners corners, const Verdict& expected) {
+    for (std::size_t left = corners.size() / 3; left > 1; --left) {
+        const std::size_t one = 3 * (left - 1), other = 3 * c.dice.below(left);
+        if (one != other) std::swap_ranges(&corners[one], &corners[one] + 3, &corners[other]);
+    }
+    demand(same(verdict(c, c.input, corners), expected), "the order of triangles matters");
+}
+
+// The rows of each triangle, then all there are.
+void check_apart(const Case& c, const Corners& corners, const Verdict& expected) {
+    std::vector<liftmesh::Point> points;
+    for (const std::int32_t row : corners) points.push_back(c.point(static_cast<std::size_t>(row)));
+    for (std::size_t row = 0; row < c.rows(); ++row) points.push_back(c.point(row));
+    const Input input{reinterpret_cast<const std::byte*>(points.data()), points.size(),
+                      sizeof(liftmesh::Point), sizeof(double), false};
+    Corners own(corners.size());
+    std::iota(own.begin(), own.end(), 0);
+    demand(same(verdict(c, input, own), expected), "rows of their own change what is told");
+}
+
+void check_from_below(const Case& c, Corners corners, const Verdict& expected) {
+    if (expected.flaws.any(Flaw::clockwise)) return;
+    for (std::size_t first = 0; first < corners.size(); first += 3)
+        std::swap(corners[first], corners[first + 1]);
+    Told wanted = told(expected);
+    wanted[static_cast<std::size_t>(Flaw::clockwise)] =
+        corners.size() / 3 - expected.flaws[Flaw::flat].count();
+    demand(told(verdict(c, c.input, corners)) == wanted, "from below something else is wrong");
+}
+
+void check_seen_otherwise(Case& c, const Corners& corners, const Verdict& expected) {
+    check_in_disorder(c, corners, expected);
+    check_apart(c, corners, expected);
+    check_from_below(c, corners, expected);
 }
 
 // Exchanges the diagonal of two neighbours.
@@ -72,17 +123,19 @@ bool same_triangles(const Corners& a, const liftmesh::Result& b) {
 void check_verification(Case& c, const liftmesh::Delaunay& found) {
     const liftmesh::Result& result = found.result;
     Corners corners(result.simplices.get(), result.simplices.get() + 3 * result.triangle_count);
-    const Verdict whole = verdict(c, corners, c.threads);
+    const Verdict whole = verdict(c, c.input, corners);
     demand(whole.status == liftmesh::Status::ok, "the verifier comes to another status");
-    demand(!has_flaw(whole), "the verifier refuses the triangulation");
+    demand(!whole.flaws.any(), "the verifier refuses the triangulation");
     demand(whole.vertices == found.distinct, "the verifier counts other vertices");
     demand(whole.border == result.hull_count, "the verifier counts other edges of the border");
+    check_seen_otherwise(c, corners, whole);
     for (int round = 0; round < 4; ++round) {
         Corners damaged = corners;
         damage(c, found, damaged);
         if (same_triangles(damaged, result)) continue;
-        demand(has_flaw(verdict(c, damaged, c.threads)),
-               "the verifier accepts a damaged triangulation");
+        const Verdict spoilt = verdict(c, c.input, damaged);
+        demand(spoilt.flaws.any(), "the verifier accepts a damaged triangulation");
+        if (!damaged.empty()) check_seen_otherwise(c, damaged, spoilt);
     }
 }
 
