@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from importlib.metadata import version
 
 import numpy as np
 import pytest
 from commands import (
+    AT_ONCE,
     COMMAND,
     PLAIN,
     ROOT,
@@ -29,10 +29,8 @@ COMMANDS = ["triangulate", "compare", "info", "paper"]
 
 
 def test_version():
-    begin = time.perf_counter()
     done = process("--version")
     assert (done.returncode, done.stdout) == (0, f"liftmesh {version('liftmesh')}\n")
-    assert time.perf_counter() - begin < 2
 
 
 @pytest.mark.parametrize("word", ["--version", "--help"])
@@ -204,7 +202,7 @@ def test_ctrl_c_stops_at_once_and_leaves_nothing_behind(command, tmp_path):
     assert code == exit_codes.INTERRUPTED
     assert out == ""
     assert err == "liftmesh: error: interrupted\n"
-    assert seconds < 3
+    assert seconds < AT_ONCE
     assert [path.name for path in tmp_path.iterdir()] == ["cloud.npy"]
 
 
