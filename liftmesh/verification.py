@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence, Sized
+from contextlib import suppress
 from importlib.metadata import version
 from typing import Any, Literal, TypeAlias
 
@@ -119,12 +120,14 @@ def verify(
     rows = as_coordinates(points)
     given = _as_triples(simplices)
     corners = _as_int32(given)
-    run = (nonfinite == "skip", *as_threads(threads, max(len(rows), len(corners))), progress)
-    verdict = _kernel.verify(rows, corners, *run)
+    most = max(len(rows), len(corners))
+    count, shared = as_threads(threads, most)
+    verdict = _kernel.verify(rows, corners, nonfinite == "skip", count, shared, progress)
     status, row, *_ = verdict
     if status == "non-finite":
         raise non_finite(row, rows[row])
-    certificate = _certify(rows, given, corners, verdict)
+    sums = _sums(rows, given, count > 1 and most >= 2 * _kernel.ROWS_PER_THREAD)
+    certificate = _certify(rows, given, verdict, sums)
     if progress is not None:
         progress(1.0)
     return certificate
@@ -190,8 +193,8 @@ def _as_int32(given: NDArray[Any]) -> Simplices:
 def _certify(
     rows: NDArray[np.floating[Any]],
     given: NDArray[Any],
-    corners: Simplices,
     verdict: _kernel.Verdict,
+    sums: tuple[str, str],
 ) -> Certificate:
     _, _, skipped, vertices, merged, inner, border, places = verdict
     evidence = _Evidence(rows, given)
@@ -199,7 +202,7 @@ def _certify(
     flaws = {kind: evidence.flaw(kind, *told) for kind, told in found if told[0]}
     whole = not flaws.keys() & _PREMATURE
     if whole:
-        flaws |= _disk_flaw(len(corners), vertices, inner + border, border)
+        flaws |= _disk_flaw(len(given), vertices, inner + border, border)
     missing = flaws["missing"].count if "missing" in flaws else 0
     return Certificate(
         rows=len(rows),
@@ -207,12 +210,12 @@ def _certify(
         vertices=vertices if whole else None,
         duplicates=len(rows) - skipped - vertices - missing if whole else None,
         merged=merged if whole else None,
-        triangles=len(corners),
+        triangles=len(given),
         edges=inner + border if whole else None,
         hull_edges=border if whole else None,
         flaws=tuple(sorted(flaws.values(), key=lambda flaw: flaw.kind == "canonical")),
-        points_sha256=_sha256(rows[:, :2], "<f8"),
-        simplices_sha256=_sha256(given, _narrowest(given)),
+        points_sha256=sums[0],
+        simplices_sha256=sums[1],
         version=version("liftmesh"),
     )
 
@@ -228,6 +231,21 @@ def _disk_flaw(triangles: int, vertices: int, edges: int, border: int) -> dict[s
         return {}
     text = f"vertices - edges + triangles is {characteristic}, not 1 as Euler's relation asks"
     return {"euler": Flaw("euler", 1, text)}
+
+
+def _sums(
+    rows: NDArray[np.floating[Any]], given: NDArray[Any], side_by_side: bool
+) -> tuple[str, str]:
+    """Hash points and triangles; side by side, if there is a thread to be had."""
+    points, triangles = (rows[:, :2], "<f8"), (given, _narrowest(given))
+    if side_by_side:
+        from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - few runs need it
+
+        with suppress(RuntimeError), ThreadPoolExecutor(1) as pool:  # "can't start new thread"
+            other = pool.submit(_sha256, *points)
+            own = _sha256(*triangles)
+            return other.result(), own
+    return _sha256(*points), _sha256(*triangles)
 
 
 def _narrowest(given: NDArray[Any]) -> str:
