@@ -22,10 +22,12 @@
 // inside. A list that turns clockwise as a whole is judged as if each triangle were named in the
 // other order.
 //
+// Corners at one position may be several rows, as in meshes whose triangles share no vertices:
+// where triangles do not hold together as they are, corners are named by the lowest row of their
+// position instead.
+//
 // Nothing that decides is shared with the engines but the predicates with their guards, and the
-// scaling, which is checked on the way back. Corners at one position may be
-// several rows, as in meshes whose triangles share no vertices: where triangles do not hold
-// together as they are, corners are named by the lowest row of their position instead.
+// scaling, which is checked on the way back.
 
 #include "verify/verify.hpp"
 
@@ -98,16 +100,7 @@ class Verification {
         Finding found;
         if (!look_at_triangles(found)) return false;
         if (verdict_.flaws.any(Flaw::non_finite)) return true;
-        if (!follow_border(found)) return false;
-        if (!found.holds_together() && !merged_) {
-            found = {};
-            if (!merge_positions()) return false;
-            if (verdict_.merged > 0 && !(pass(found) && follow_border(found))) return false;
-        }
-        if (!found.holds_together()) {
-            found = {};
-            if (!sort_sides(subject_, team_, found.sides) || !follow_border(found)) return false;
-        }
+        if (!look_at_sides(found)) return false;
         verdict_.flaws.add(found.sides.edges);
         verdict_.flaws.add(found.border);
         verdict_.inner = found.sides.inner;
@@ -119,6 +112,20 @@ class Verification {
         if (!pass(found)) return false;
         verdict_.flaws.add(found.sides.triangles);
         return !all_turn_clockwise() || (turn_triangles() && pass(found));
+    }
+
+    // By the names that corners have, by position where that does not do, and where nothing does by
+    // sorting, so that what is told depends on no order.
+    bool look_at_sides(Finding& found) {
+        if (!follow_border(found)) return false;
+        if (!found.holds_together() && !merged_) {
+            found = {};
+            if (!merge_positions()) return false;
+            if (verdict_.merged > 0 && !(pass(found) && follow_border(found))) return false;
+        }
+        if (found.holds_together()) return true;
+        found = {};
+        return sort_sides(subject_, team_, found.sides) && follow_border(found);
     }
 
     bool pass(Finding& found) {
