@@ -98,11 +98,8 @@ def lists_of(points: Points, peers: list[str]) -> Iterator[tuple[str, Points, Tr
     for name in peers:
         triangles, *_ = PEERS[name].rows(PEERS[name].prepare(1)(points), points)
         turned = liftmesh.orient2d(*np.moveaxis(points[triangles], 1, 0)) < 0
-        yield (
-            name,
-            points,
-            np.where(turned[:, None], triangles[:, ::-1], triangles).astype(np.int32),
-        )
+        upward = np.where(turned[:, None], triangles[:, ::-1], triangles)
+        yield name, points, upward.astype(np.int32)
 
 
 def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folder: Path) -> Judged:

@@ -19,9 +19,6 @@ from liftmesh.cli import main
 ROOT = Path(__file__).resolve().parent.parent
 TERRAIN = ROOT / "data" / "jacksboro.ply"
 COMMAND = [sys.executable, "-m", "liftmesh"]
-# Seconds until an interrupt is heard, at most, while other tests keep all cores busy.
-# scripts/interrupt.py says what it takes on a machine that does nothing else.
-AT_ONCE = 5.0
 ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
 PLAIN = {

@@ -14,7 +14,6 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from clouds import FAMILIES
-from commands import AT_ONCE
 
 import liftmesh
 
@@ -121,10 +120,10 @@ def test_threads_share_one_triangulation() -> None:
     ids=["start", "ordering", "merging", "circle", "copies", "denormal", "one column"],
 )
 @pytest.mark.parametrize("threads", [1, 2])
-def test_ctrl_c_stops_a_long_run_at_once(points: str, delay: float, threads: int) -> None:
+def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float, threads: int) -> None:
     call = f"liftmesh.delaunay(points, threads={threads})"
     program = LONG_RUN.format(points=points, prepare="", call=call)
-    assert seconds_to_stop(program, delay) < AT_ONCE
+    assert seconds_to_stop(program, delay) < 1.0
 
 
 def test_rows_that_others_spoil_meanwhile_leave_names_of_rows() -> None:
@@ -141,13 +140,13 @@ def test_rows_that_others_spoil_meanwhile_leave_names_of_rows() -> None:
     assert spoilt.simplices.max() < len(points)
 
 
-def test_ctrl_c_stops_long_walks_at_once() -> None:
+def test_ctrl_c_stops_long_walks_within_a_second() -> None:
     program = LONG_RUN.format(
         points=TWO_COLUMNS,
         prepare="tri = liftmesh.delaunay(points); queries = rng.random((1_000_000, 2))",
         call="tri.find_simplex(queries)",
     )
-    assert seconds_to_stop(program, 0.3) < AT_ONCE
+    assert seconds_to_stop(program, 0.3) < 1.0
 
 
 def seconds_to_stop(program: str, delay: float) -> float:

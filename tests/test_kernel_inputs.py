@@ -146,7 +146,7 @@ def test_too_many_rows_are_refused_before_any_copy(dtype: type, columns: int) ->
     start = time.perf_counter()
     with pytest.raises(liftmesh.InputError, match="357,913,941"):
         liftmesh.delaunay(points)
-    assert time.perf_counter() - start < 5
+    assert time.perf_counter() - start < 1
 
 
 @pytest.mark.parametrize(

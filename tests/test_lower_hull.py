@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 from clouds import FAMILIES
-from commands import AT_ONCE
 from hull_oracle import assert_whole, coordinate_facets, expected_facets, facets
 from hypothesis import given, settings, strategies as st
 from numpy.typing import ArrayLike, NDArray
@@ -378,10 +377,10 @@ def test_integers_that_no_double_holds_are_named() -> None:
     ],
     ids=["plane", "paraboloid", "lf"],
 )
-def test_ctrl_c_stops_a_long_run_at_once(points: str, method: str, delay: float) -> None:
+def test_ctrl_c_stops_a_long_run_within_a_second(points: str, method: str, delay: float) -> None:
     call = f"liftmesh.lower_hull(points, method={method!r})"
     program = LONG_RUN.format(points=points, prepare="", call=call)
-    assert seconds_to_stop(program, delay) < AT_ONCE
+    assert seconds_to_stop(program, delay) < 1.0
 
 
 def test_another_thread_runs_meanwhile() -> None:

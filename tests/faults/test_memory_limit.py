@@ -177,8 +177,9 @@ def test_a_command_says_so_in_one_line(
     assert len(done) > 1
     assert {(told, written) for _, told, _, written, _ in failures} == {("", "old")}
     assert all(told and written is True for _, told, _, written, _ in done)
-    if imported:  # Python itself loses its way where there is no room for what it compiles
-        said = (exit_codes.BAD_INPUT, "liftmesh: error: not enough memory\n")
-        assert {(code, complaint) for code, _, complaint, *_ in failures} == {said}
-        assert {complaint for _, _, complaint, *_ in done} == {""}
+    assert {complaint for _, _, complaint, *_ in done} == {""}
+    said = (exit_codes.BAD_INPUT, "liftmesh: error: not enough memory\n")
+    others = [each for each in failures if (each[0], each[2]) != said]
+    # Python itself loses its way, now and then, where there is no room for what it compiles.
+    assert len(others) < (1 if imported else len(failures) / 2), others
     assert len({files for *_, files in [*failures, *done]}) == 1

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pytest
 from commands import (
-    AT_ONCE,
     COMMAND,
     PLAIN,
     failed,
@@ -179,7 +178,7 @@ def test_ctrl_c_is_heard_amid_a_long_measurement(tmp_path):
     run.send_signal(signal.SIGINT)
     begin = time.perf_counter()
     out, err = run.communicate(timeout=60)
-    assert time.perf_counter() - begin < AT_ONCE
+    assert time.perf_counter() - begin < 2
     assert (run.returncode, out) == (exit_codes.INTERRUPTED, "")
     assert err == "liftmesh: error: interrupted\n"
     assert (tmp_path / "measurements.csv").read_text().count("\n") == 2

@@ -26,7 +26,7 @@ class Finder {
  public:
     explicit Finder(const Subject& subject) : subject_(subject) {}
 
-    // Whether it has corners that can be looked at, and turns counter-clockwise.
+    // Whether its corners are finite, and so can be looked at.
     bool look_at(std::size_t triangle) {
         const std::size_t first = 3 * triangle;
         const Point a = subject_.point(first), b = subject_.point(first + 1);
