@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Mask, Reals
 from liftmesh.errors import InputError, NonFiniteError
 
 MOST_ROWS: int = _kernel.MOST_ROWS
@@ -18,7 +19,7 @@ MOST_ROWS: int = _kernel.MOST_ROWS
 _EXACT_INTEGERS = 2**53
 
 
-def as_coordinates(points: ArrayLike) -> NDArray[np.floating[Any]]:
+def as_coordinates(points: ArrayLike) -> Reals:
     """Give points as rows of native float64 or float32, without a copy where none is needed.
 
     Parameters
@@ -49,7 +50,7 @@ def as_coordinates(points: ArrayLike) -> NDArray[np.floating[Any]]:
     return array if _is_readable(array) else array.copy()
 
 
-def as_rows3(points: ArrayLike) -> NDArray[np.float64]:
+def as_rows3(points: ArrayLike) -> Floats:
     """Give points as float64 rows x, y, z; planar rows get z = 0.
 
     Parameters
@@ -80,7 +81,7 @@ def as_rows3(points: ArrayLike) -> NDArray[np.float64]:
     return lifted
 
 
-def as_pairs(points: ArrayLike) -> NDArray[np.float64]:
+def as_pairs(points: ArrayLike) -> Floats:
     """Give planar points of any leading shape as a contiguous (..., 2) array of float64.
 
     Parameters
@@ -110,7 +111,7 @@ def as_pairs(points: ArrayLike) -> NDArray[np.float64]:
     return np.ascontiguousarray(flat, dtype=np.float64).reshape(array.shape)
 
 
-def check_finite(points: NDArray[np.floating[Any]], *, skippable: bool = True) -> None:
+def check_finite(points: Reals, *, skippable: bool = True) -> None:
     """Raise if a row is not finite, naming the first.
 
     Parameters
@@ -137,9 +138,7 @@ def check_finite(points: NDArray[np.floating[Any]], *, skippable: bool = True) -
         raise non_finite(row, points[row], skippable=skippable)
 
 
-def non_finite(
-    row: int, values: NDArray[np.floating[Any]], *, skippable: bool = True
-) -> NonFiniteError:
+def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteError:
     """Make the exception for a row that is not finite.
 
     Parameters
@@ -169,7 +168,7 @@ def non_finite(
     )
 
 
-def _as_array(points: ArrayLike) -> NDArray[Any]:
+def _as_array(points: ArrayLike) -> Array:
     """Make an array of anything; one that is an array already, masked ones too, stays as it is."""
     try:
         return np.asanyarray(points)
@@ -177,13 +176,13 @@ def _as_array(points: ArrayLike) -> NDArray[Any]:
         raise InputError(_describe_ragged(points, error)) from error
 
 
-def _plain(array: NDArray[Any]) -> NDArray[Any]:
+def _plain(array: Array) -> Array:
     if isinstance(array, np.ma.MaskedArray):
         return _fill_masked(array)
     return np.asarray(array)
 
 
-def _is_readable(array: NDArray[Any]) -> bool:
+def _is_readable(array: Array) -> bool:
     """Say whether the kernel can read the rows in place: it counts strides in whole numbers."""
     flags = array.flags
     if not flags.aligned:
@@ -191,7 +190,7 @@ def _is_readable(array: NDArray[Any]) -> bool:
     return flags.c_contiguous or all(stride % array.itemsize == 0 for stride in array.strides)
 
 
-def _fill_masked(points: np.ma.MaskedArray[Any, Any]) -> NDArray[Any]:
+def _fill_masked(points: np.ma.MaskedArray[Any, Any]) -> Array:
     if not np.ma.is_masked(points):
         return np.asarray(points.data)
     mask = np.ma.getmaskarray(points)
@@ -227,7 +226,7 @@ def _check_shape(shape: tuple[int, ...]) -> None:
         )
 
 
-def _as_floating(array: NDArray[Any]) -> NDArray[np.floating[Any]]:
+def _as_floating(array: Array) -> Reals:
     kind = array.dtype.kind
     if kind == "f":
         return _as_double(array)
@@ -241,7 +240,7 @@ def _as_floating(array: NDArray[Any]) -> NDArray[np.floating[Any]]:
     )
 
 
-def _as_double(array: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
+def _as_double(array: Reals) -> Reals:
     if array.itemsize in (4, 8):
         native = array.dtype.isnative
         return array if native else array.astype(array.dtype.newbyteorder("="))
@@ -251,7 +250,7 @@ def _as_double(array: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
     return doubles
 
 
-def _from_integers(array: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+def _from_integers(array: NDArray[np.integer[Any]]) -> Floats:
     doubles = array.astype(np.float64)
     if array.itemsize == 8:
         large = np.nonzero((array > _EXACT_INTEGERS) | (array < -_EXACT_INTEGERS))
@@ -261,7 +260,7 @@ def _from_integers(array: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
     return doubles
 
 
-def _from_objects(array: NDArray[np.object_]) -> NDArray[np.float64]:
+def _from_objects(array: NDArray[np.object_]) -> Floats:
     doubles = np.empty(array.shape, dtype=np.float64)
     for at, value in np.ndenumerate(array):
         doubles[at] = _exact_double(value, at[0])
@@ -280,7 +279,7 @@ def _exact_double(value: Any, row: int) -> float:
     raise _inexact(row, value)
 
 
-def _refuse_inexact(array: NDArray[Any], inexact: NDArray[np.bool_]) -> None:
+def _refuse_inexact(array: Array, inexact: Mask) -> None:
     if inexact.any():
         at = tuple(int(i) for i in np.argwhere(inexact)[0])
         raise _inexact(at[0], array[at])

@@ -7,12 +7,8 @@ from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.errors import InputError
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,16 +37,17 @@ class Cloud:
 
     Examples
     --------
+    >>> import numpy as np
     >>> cloud = Cloud(np.zeros((4, 3)), attributes={"intensity": np.arange(4)})
     >>> len(cloud), sorted(cloud.attributes)
     (4, ['intensity'])
     """
 
-    points: NDArray[np.float64]
+    points: Floats
     colors: Array | None = None
     normals: Array | None = None
     attributes: Mapping[str, Array] = field(default_factory=dict)
-    faces: NDArray[np.int32] | None = None
+    faces: Rows | None = None
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -92,6 +89,7 @@ def constructed_from(result: Any) -> tuple[Any, ...]:
     Examples
     --------
     >>> import copy
+    >>> import numpy as np
     >>> copy.deepcopy(Cloud(np.zeros((1, 3)), metadata={"epsg": 25832})).metadata["epsg"]
     25832
     """

@@ -6,12 +6,11 @@ fixed width where it cannot.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
+from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_pairs, check_finite
 
 
@@ -91,7 +90,7 @@ def incircle(
     return signs
 
 
-def _prepare(*points: ArrayLike) -> tuple[list[NDArray[np.float64]], NDArray[Any]]:
+def _prepare(*points: ArrayLike) -> tuple[list[Floats], Array]:
     pairs = np.broadcast_arrays(*(as_pairs(p) for p in points))
     flat = [np.ascontiguousarray(p).reshape(-1, 2) for p in pairs]
     for rows in flat:

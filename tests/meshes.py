@@ -14,7 +14,7 @@ import oracle
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from liftmesh.triangulation import Triangulation
+    from liftmesh.planar.triangulation import Triangulation
 
 ARRAYS = ("simplices", "neighbors", "convex_hull", "duplicates", "skipped")
 

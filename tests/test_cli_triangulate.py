@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from commands import ROOT, TERRAIN, failed, liftmesh, on_terminal, process, with
 
 import liftmesh as lm
 from liftmesh.cli import exit_codes
-from liftmesh.hulls import METHODS
+from liftmesh.options import Method
 
 HILL = ROOT / "data" / "hill.csv"
 OVERHANG = ROOT / "data" / "overhang.ply"
@@ -37,7 +38,7 @@ def test_a_file_becomes_a_mesh(name, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", get_args(Method))
 def test_every_method_of_the_library_is_one_of_the_command(method, tmp_path):
     succeeded(liftmesh("triangulate", HILL, "mesh.ply", "--method", method, cwd=tmp_path))
     faces = lm.read(tmp_path / "mesh.ply").faces

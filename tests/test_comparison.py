@@ -19,7 +19,7 @@ from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.matching import first_of_each, match_triangles
 from liftmesh.comparison.proofs import confirm, refute
-from liftmesh.lifting import lift
+from liftmesh.planar.lifting import lift
 
 UTM = (450_000.0, 5_200_000.0)
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from fractions import Fraction
+from typing import get_args
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from liftmesh.errors import DuplicateHeightError, InputError
-from liftmesh.heights import POLICIES, check_policy, choose_carriers
+from liftmesh.options import Duplicates
+from liftmesh.terrain.equal_positions import choose_carriers
 
-CHOOSING = [policy for policy in POLICIES if policy != "error"]
+CHOOSING = [policy for policy in get_args(Duplicates) if policy != "error"]
 
 heights_of_few_values = st.sampled_from([-1.0, -0.0, 0.0, 0.1, 0.2, 2.5, 1e300, -1e308, 1.7e308])
 clouds = st.lists(
@@ -147,9 +149,8 @@ def test_the_error_names_rows_position_heights_and_remedy():
     assert "duplicates='first', 'last', 'lowest', 'highest' or 'mean'" in message
 
 
-@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("policy", get_args(Duplicates))
 def test_no_shared_position(policy):
-    check_policy(policy)
     choice = choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
     for values in (choice.kept, choice.carriers, choice.left_out, choice.stand_ins, choice.moved):
         assert values.dtype == np.int32
@@ -159,7 +160,7 @@ def test_no_shared_position(policy):
 @pytest.mark.parametrize("policy", ["", "FIRST", "median", None])
 def test_other_policies_are_refused(policy):
     with pytest.raises(InputError, match=r"duplicates is .*: give one of 'first', 'last'"):
-        check_policy(policy)
+        choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
 
 
 @pytest.mark.parametrize("policy", CHOOSING)

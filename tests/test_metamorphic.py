@@ -15,6 +15,7 @@ result is held against another one, of the same points in another form:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import get_args
 
 import hypothesis.strategies as st
 import numpy as np
@@ -34,7 +35,7 @@ from strategies import ANY_MOTIF, COCIRCULAR_CLOUDS, FEW, MOTIFS, OFFSETS, Point
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.hulls import METHODS
+from liftmesh.options import Method
 
 Triangles = NDArray[np.int32]
 
@@ -269,5 +270,5 @@ def test_every_row_is_a_vertex_a_duplicate_or_skipped(
     clouds(most=16), st.one_of(st.sampled_from(["origin", "median"]), st.tuples(OFFSETS, OFFSETS))
 )
 def test_every_engine_finds_the_same_triangles(points: Points, q) -> None:
-    for method in METHODS:
+    for method in get_args(Method):
         assert_same_rows(points, triangles(points, method=method, q=q), method)

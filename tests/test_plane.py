@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given, settings, strategies as st
 
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 
 NONE = np.zeros((0, 3))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import signal
 import threading
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,8 +14,8 @@ from distributions import circle, uniform
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, DuplicateHeightError, NonFiniteError
-from liftmesh.hulls import METHODS
-from liftmesh.meshing import DONE_AFTER
+from liftmesh.options import Method
+from liftmesh.terrain.triangulate import DONE_AFTER
 
 RUNS = [liftmesh.delaunay, liftmesh.triangulate]
 
@@ -52,7 +53,7 @@ def listener() -> Listener:
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("n", [3, 100, 20_000])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", get_args(Method))
 def test_every_method_ends_with_one(run, n, method, listener):
     if method in {"lf", "lfres"}:
         n = min(n, 300)
@@ -147,7 +148,7 @@ def test_a_run_that_fails_never_says_that_it_is_done(run, n, make, error, listen
     assert 1.0 not in listener.told
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", get_args(Method))
 def test_nor_does_gift_wrapping(method, listener):
     with pytest.raises(DegenerateInputError):
         liftmesh.delaunay(on_a_line(500), method=method, progress=listener)

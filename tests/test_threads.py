@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from typing import get_args
 
 import hypothesis.strategies as st
 import numpy as np
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 import liftmesh
 from liftmesh import _kernel
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.hulls import METHODS, Method
+from liftmesh.options import Method
 from liftmesh.threads import MOST_THREADS, VARIABLE, as_threads
 
 Points = NDArray[np.float64]
@@ -96,7 +97,7 @@ class TestOneResult:
     @settings(max_examples=60)
     def test_for_few_points_by_every_method(self, family, n, threads):
         points = FAMILIES[family](n, np.random.default_rng(n))
-        for method in METHODS if n < 60 else ("auto", "lfres-indexed"):
+        for method in get_args(Method) if n < 60 else ("auto", "lfres-indexed"):
             assert outcome(points, method, threads) == outcome(points, method, 1)
 
     @given(
@@ -201,7 +202,7 @@ class TestHowMany:
             liftmesh.delaunay(points, threads=threads)
         assert most() == limit - 1
 
-    @pytest.mark.parametrize("method", METHODS)
+    @pytest.mark.parametrize("method", get_args(Method))
     def test_few_rows_take_few_whatever_is_asked(self, method):
         few = uniform(400, np.random.default_rng(0))
         with sampled() as most:

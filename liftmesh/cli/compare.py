@@ -11,7 +11,7 @@ from liftmesh.cli import exit_codes, files, options, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.comparison import Comparison
+    from liftmesh.comparison.report import Comparison
 
 SHORT_HELP = "Hold liftmesh's triangles against trimesh's convex hull."
 HELP = (

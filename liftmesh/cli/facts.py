@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from liftmesh._typing import Floats, Indices
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
 
-Points = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 _SAMPLE = 20_000
 # Measured: peak memory of reading, triangulating and writing, beyond the arrays of the file.
@@ -125,7 +123,7 @@ def gather(cloud: Cloud) -> Facts:
     )
 
 
-def _positions(points: Points) -> tuple[Rows, Rows]:
+def _positions(points: Floats) -> tuple[Indices, Indices]:
     """The lowest row of each planar position, in lexicographic order, and each row's position."""
     order = np.lexsort((points[:, 1], points[:, 0]))
     placed = points[order, :2]
@@ -136,14 +134,14 @@ def _positions(points: Points) -> tuple[Rows, Rows]:
     return order[is_new], group
 
 
-def _collinear(distinct: Points) -> bool:
+def _collinear(distinct: Floats) -> bool:
     """Exactly: whether all lie on the line through the lexicographically first and last."""
     if len(distinct) < 3:
         return True
     return not orient2d(distinct[0], distinct[-1], distinct).any()
 
 
-def _spacing(distinct: Points) -> float | None:
+def _spacing(distinct: Floats) -> float | None:
     """Median distance to the nearest neighbour; scaled, so that no square overflows."""
     if len(distinct) < 2:
         return None
@@ -156,7 +154,7 @@ def _spacing(distinct: Points) -> float | None:
     return float(np.ldexp(np.median(distances[:, 1]), exponent))
 
 
-def _float32_shift(points: Points) -> float:
+def _float32_shift(points: Floats) -> float:
     with np.errstate(over="ignore", under="ignore"):
         moved = np.abs(points.astype(np.float32).astype(np.float64) - points)
     return float(moved.max(initial=0.0))

@@ -23,7 +23,7 @@ from liftmesh.errors import (
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.formats import Written
+    from liftmesh.io.files import Written
 
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
@@ -50,7 +50,7 @@ def read(path: Path, file_format: str | None) -> Cloud:
     typer.BadParameter
         It is stdin, and no format is given.
     """
-    from liftmesh import formats  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import files as formats  # noqa: PLC0415 - help and --version do without
 
     if is_stream(path) and file_format is None:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
@@ -93,7 +93,7 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     FormatError
         The file cannot be written.
     """
-    from liftmesh import formats  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import files as formats  # noqa: PLC0415 - help and --version do without
 
     with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
         if not is_stream(path):
@@ -188,7 +188,7 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     typer.BadParameter
         Nothing tells the format.
     """
-    from liftmesh.formats.registry import find_format  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
     if path is None:
         return
@@ -213,7 +213,7 @@ def check_place(path: Path | None) -> None:
     OSError
         It is a folder or a read-only file, or its folder is not there or is read-only.
     """
-    from liftmesh.formats.atomic import check_writable  # noqa: PLC0415 - as above
+    from liftmesh.io.atomic import check_writable  # noqa: PLC0415 - as above
 
     if path is not None and not is_stream(path):
         check_writable(path)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.errors import InputError
-
-Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
-NonFinite: TypeAlias = Literal["error", "skip"]
+from liftmesh.options import NonFinite
 
 Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
@@ -135,7 +133,7 @@ def _numbers(text: str, count: int) -> tuple[float, ...] | None:
 
 
 def _read_npy(path: Path) -> Any:
-    from liftmesh.formats.npy_array import read_array  # noqa: PLC0415 - as above
+    from liftmesh.io.npy_array import read_array  # noqa: PLC0415 - as above
 
     with path.open("rb") as stream:
         return read_array(stream, path.name)

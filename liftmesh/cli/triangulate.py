@@ -7,16 +7,17 @@ from collections.abc import Callable
 from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from liftmesh.cli import files, options, terminal
+from liftmesh.options import Duplicates, Method
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.formats import Written
-    from liftmesh.surface import Report, Surface
+    from liftmesh.io.files import Written
+    from liftmesh.terrain.surface import Report, Surface
 
 SHORT_HELP = "Turn a point cloud into a mesh file."
 HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise seen from above."
@@ -33,12 +34,12 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     plane: options.Plane = "xy",
     duplicates: Annotated[
-        options.Duplicates,
+        Duplicates,
         typer.Option(help="Which of several rows at one planar position carries the surface."),
     ] = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
-        Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"],
+        Method,
         typer.Option(help="The engine: the same triangles by any; lf and lfres are slow."),
     ] = "auto",
     q: Annotated[

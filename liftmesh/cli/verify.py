@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import exit_codes, files, options, terminal
+from liftmesh.options import NonFinite
 
 if TYPE_CHECKING:
-    from liftmesh.certificate import Certificate
     from liftmesh.cloud import Cloud
+    from liftmesh.planar.certificate import Certificate
 
 SHORT_HELP = "Verify that a mesh is the Delaunay triangulation of its vertices."
 HELP = (
@@ -86,11 +87,11 @@ def run(
 
 
 def _verify(
-    cloud: Cloud, source: Path, plane: Any, nonfinite: options.NonFinite, threads: int | None
+    cloud: Cloud, source: Path, plane: Any, nonfinite: NonFinite, threads: int | None
 ) -> Certificate:
     from liftmesh.errors import InputError  # noqa: PLC0415 - help and --version do without
-    from liftmesh.plane import resolve_plane  # noqa: PLC0415 - as above
-    from liftmesh.verification import verify  # noqa: PLC0415 - as above
+    from liftmesh.planar.verification import verify  # noqa: PLC0415 - as above
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
 
     if cloud.faces is None or not len(cloud.faces):
         raise InputError(
@@ -113,7 +114,7 @@ def _tell_of_polygons(cloud: Cloud) -> None:
 
 
 def _write(path: Path, found: Certificate) -> None:
-    from liftmesh.formats.atomic import replacing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
 
     if files.is_stream(path):
         sys.stdout.write(found.to_json())

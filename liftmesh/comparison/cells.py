@@ -18,14 +18,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from liftmesh._typing import Floats, Indices, Mask, Rows
 from liftmesh.optional import load
 from liftmesh.predicates import incircle
-
-Points = NDArray[np.float64]
-Rows = NDArray[np.int32]
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,16 +104,16 @@ class Cells:
         found[owner[shared]] = cell[shared]
         return found
 
-    def _has(self, keys: Indices) -> NDArray[np.bool_]:
+    def _has(self, keys: Indices) -> Mask:
         """Whether (row, cell) is among the corners."""
         if len(self._corners) == 0:
             return np.zeros(len(keys), dtype=bool)
         place = np.searchsorted(self._corners, keys).clip(max=len(self._corners) - 1)
-        found: NDArray[np.bool_] = self._corners[place] == keys
+        found: Mask = self._corners[place] == keys
         return found
 
 
-def find_cells(points: Points, simplices: Rows, neighbors: Rows) -> Cells:
+def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
     """Glue triangles across all edges whose in-circle sign is exactly zero.
 
     Parameters
@@ -186,9 +182,7 @@ def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows
     return apex
 
 
-def unbalanced_cells(
-    cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]
-) -> NDArray[np.bool_]:
+def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> Mask:
     """Find the cells in which two sets of triangles do not have the same boundary.
 
     Parameters

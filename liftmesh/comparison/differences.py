@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from liftmesh._typing import Indices, Rows
 from liftmesh.comparison.cells import Cells, unbalanced_cells
 from liftmesh.comparison.matching import first_of_each, match_triangles
-
-Rows = NDArray[np.int32]
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

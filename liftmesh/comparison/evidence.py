@@ -8,16 +8,14 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from liftmesh._typing import Rows
 from liftmesh.comparison.cells import Cells, opposite_rows
 from liftmesh.comparison.proofs import Proof, broken_cell, confirm, refute
 
 if TYPE_CHECKING:
     from liftmesh.comparison.differences import Differences
-    from liftmesh.triangulation import Triangulation
-
-Rows = NDArray[np.int32]
+    from liftmesh.planar.triangulation import Triangulation
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,15 +19,12 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from liftmesh._typing import Floats, Indices, Rows
 from liftmesh.comparison.background import interruptible
-from liftmesh.lifting import lift, resolve_q
 from liftmesh.optional import load
+from liftmesh.planar.lifting import lift, resolve_q
 from liftmesh.predicates import orient2d
-
-Points = NDArray[np.float64]
-Rows = NDArray[np.int32]
 
 _NO_FACETS = np.empty((0, 3), dtype=np.int32)
 
@@ -60,7 +57,7 @@ class HullFacets:
     error: str | None = None
 
 
-def trimesh_hull(points: Points, rows: Rows, q: tuple[float, float]) -> HullFacets:
+def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFacets:
     """Build trimesh's convex hull of the lifted rows.
 
     Parameters
@@ -95,7 +92,7 @@ def trimesh_hull(points: Points, rows: Rows, q: tuple[float, float]) -> HullFace
     return HullFacets(facets, lower, int((n_z == 0).sum()), coincident, seconds)
 
 
-def _lifted(points: Points, rows: Rows, q: tuple[float, float]) -> Points:
+def _lifted(points: Floats, rows: Rows, q: tuple[float, float]) -> Floats:
     """Centred x and y beside z = |p - q|^2, without negative zeros."""
     centre = resolve_q("median", points[rows])
     with np.errstate(over="ignore", invalid="ignore"):
@@ -104,7 +101,7 @@ def _lifted(points: Points, rows: Rows, q: tuple[float, float]) -> Points:
     return lifted + 0.0
 
 
-def _convex_hull(lifted: Points) -> tuple[Any, float, str | None]:
+def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
     """Build trimesh's hull (or None); tell the seconds it took and why it failed."""
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
@@ -136,7 +133,7 @@ def _first_line(error: Exception) -> str:
     return re.sub(r"^QH\d+ ", "", line).rstrip(". ")
 
 
-def _match(lifted: Points, vertices: Points) -> tuple[NDArray[np.intp], int]:
+def _match(lifted: Floats, vertices: Floats) -> tuple[Indices, int]:
     """For each vertex the first row of ``lifted`` equal to it, and how many rows repeat another.
 
     One stable sort of rows and vertices together puts equal triples side by side, rows first.

@@ -6,10 +6,8 @@ Triangles are the same when their corners are, whatever corner comes first.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Rows = NDArray[np.int32]
-Indices = NDArray[np.intp]
+from liftmesh._typing import Indices, Integers, Mask, Rows
 
 
 def match_triangles(simplices: Rows, facets: Rows) -> Indices:
@@ -46,14 +44,14 @@ def match_triangles(simplices: Rows, facets: Rows) -> Indices:
     return np.where(same, candidate, -1)
 
 
-def _first_edge(triangles: Rows) -> tuple[NDArray[np.int64], Rows]:
+def _first_edge(triangles: Rows) -> tuple[Integers, Rows]:
     """The edge that leaves the lowest row, as one integer, and the corner opposite to it."""
     every, lowest = np.arange(len(triangles)), np.argmin(triangles, axis=1)
     corner = [triangles[every, (lowest + k) % 3] for k in range(3)]
     return (corner[0].astype(np.int64) << 32) | corner[1], corner[2]
 
 
-def first_of_each(indices: Indices) -> NDArray[np.bool_]:
+def first_of_each(indices: Indices) -> Mask:
     """Mark the first place of every index that is not negative.
 
     Parameters
@@ -74,7 +72,7 @@ def first_of_each(indices: Indices) -> NDArray[np.bool_]:
     first = np.full(indices.max(initial=-1) + 2, -1)
     # Of repeated assignments the last stays: backwards, that is the first place.
     first[indices[::-1]] = np.arange(len(indices))[::-1]
-    mark: NDArray[np.bool_] = (first[indices] == np.arange(len(indices))) & (indices >= 0)
+    mark: Mask = (first[indices] == np.arange(len(indices))) & (indices >= 0)
     return mark
 
 

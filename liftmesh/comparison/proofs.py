@@ -17,10 +17,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from liftmesh._typing import Floats, Rows
 from liftmesh.predicates import incircle, orient2d
 
-Points = NDArray[np.float64]
-Rows = NDArray[np.int32]
 Claim = Literal["wrong facet", "broken cell", "right triangle", "wrong triangle"]
 
 _SENTENCES: dict[Claim, str] = {
@@ -94,7 +93,7 @@ def _short(value: Fraction) -> str:
     return f"{Decimal(value.numerator) / Decimal(value.denominator):.5e}"
 
 
-def incircle_determinant(points: Points, rows: Sequence[int]) -> Fraction:
+def incircle_determinant(points: Floats, rows: Sequence[int]) -> Fraction:
     """Compute the exact in-circle determinant of four rows.
 
     Parameters
@@ -122,7 +121,7 @@ def incircle_determinant(points: Points, rows: Sequence[int]) -> Fraction:
 
 
 def refute(
-    points: Points, rows: Rows, triangle: Rows, *, claim: Claim = "wrong facet"
+    points: Floats, rows: Rows, triangle: Rows, *, claim: Claim = "wrong facet"
 ) -> Proof | None:
     """Prove that a triangle is not Delaunay by a point strictly inside its circle.
 
@@ -160,7 +159,7 @@ def refute(
     return Proof(claim, corners, ((witness, determinant),), len(rows) - 3)
 
 
-def confirm(points: Points, rows: Rows, triangle: Rows, apexes: Sequence[int]) -> Proof | None:
+def confirm(points: Floats, rows: Rows, triangle: Rows, apexes: Sequence[int]) -> Proof | None:
     """Prove that a triangle is Delaunay: no row lies strictly inside its circle.
 
     Parameters
@@ -213,7 +212,7 @@ def broken_cell(triangle: Rows) -> Proof:
     return Proof("broken cell", _as_tuple(triangle), (), 0)
 
 
-def _signs(points: Points, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
+def _signs(points: Floats, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
     """Exact in-circle signs of the rows, for a triangle checked to be counter-clockwise."""
     a, b, c = points[triangle]
     if orient2d(a, b, c) <= 0:
@@ -222,7 +221,7 @@ def _signs(points: Points, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
     return incircle(a, b, c, points[rows])
 
 
-def _deepest(points: Points, inside: Rows, triangle: Rows) -> int:
+def _deepest(points: Floats, inside: Rows, triangle: Rows) -> int:
     """Index of the row with the largest rounded determinant: any choice is a proof."""
     with np.errstate(all="ignore"):
         corners = points[triangle] - points[inside][:, None, :]

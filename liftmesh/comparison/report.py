@@ -6,18 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from liftmesh._typing import Rows
 from liftmesh.cloud import Cloud, constructed_from
 from liftmesh.comparison.matching import used_rows
-from liftmesh.lifting import LowerHull, lift
+from liftmesh.planar.lifting import LowerHull, lift
 
 if TYPE_CHECKING:
     from liftmesh.comparison.proofs import Proof
-    from liftmesh.triangulation import Triangulation
+    from liftmesh.planar.triangulation import Triangulation
 
-Rows = NDArray[np.int32]
 Verdict = Literal["identical", "cocircular", "different", "failed"]
 
 _CONCLUSIONS: dict[Verdict, str] = {

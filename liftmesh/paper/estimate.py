@@ -13,12 +13,11 @@ from statistics import median
 from time import perf_counter
 from typing import TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
-from liftmesh.hulls import Method, delaunay
+from liftmesh._typing import Floats
+from liftmesh.options import Method
 from liftmesh.paper.experiments import BURST, METHODS, PATIENCE, ROUNDS, Trial
 from liftmesh.paper.printed import TABLES, TableName, Vertex
+from liftmesh.planar.delaunay import delaunay
 
 Estimate: TypeAlias = Callable[[Trial], float]
 
@@ -88,7 +87,7 @@ def _seconds_of_each(trial: Trial) -> list[float]:
     return [median(_once(points, method, trial.q) for _ in range(3)) for method in _WRAPPING]
 
 
-def _once(points: NDArray[np.float64], method: Method, q: Vertex) -> float:
+def _once(points: Floats, method: Method, q: Vertex) -> float:
     start = perf_counter()
     delaunay(points, method=method, q=q)
     return perf_counter() - start

@@ -21,15 +21,16 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh.counters import REJECTIONS
-from liftmesh.hulls import Method, delaunay
-from liftmesh.lifting import resolve_q
+from liftmesh._typing import Floats, Rows
+from liftmesh.options import Method
 from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
+from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.lifting import resolve_q
 
 if TYPE_CHECKING:
-    from liftmesh.triangulation import Triangulation
+    from liftmesh.planar.triangulation import Triangulation
 
 METHODS: tuple[Method, ...] = ("lf", "lfres", "lfres-indexed", "divide-and-conquer")
 """The methods of a round, in its order."""
@@ -72,7 +73,7 @@ class Trial:
         """The vertex of the paraboloid: "origin" or "median"."""
         return TABLES[self.table].q
 
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Floats:
         """Make the points; both tables get the same ones.
 
         Returns
@@ -108,7 +109,7 @@ class Measurement:
         Calls of the procedure, candidate planes, dot products, and dot products whose sign the
         exact predicate decided; zero for the default engine, which does not wrap.
     rejected : mapping of str to int
-        Points rejected by each proposition, which `liftmesh.counters.REJECTIONS` names.
+        Points rejected by each proposition, which `liftmesh.planar.counters.REJECTIONS` names.
 
     Examples
     --------
@@ -191,7 +192,7 @@ def warm_up() -> None:
             delaunay(Trial(table, 100, seed=0).points(), method=method, q=TABLES[table].q)
 
 
-def _burst(run: _Runs, points: NDArray[np.float64], q: tuple[float, float]) -> None:
+def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
     """Run a method once, and again while it is quick."""
     total = 0.0
     while total < BURST:
@@ -203,7 +204,7 @@ def _burst(run: _Runs, points: NDArray[np.float64], q: tuple[float, float]) -> N
 
 def _agreed(trial: Trial, runs: list[_Runs]) -> list[Measurement]:
     """The measurements, once all methods have found the same facets."""
-    first: NDArray[np.int32] | None = None
+    first: Rows | None = None
     found = []
     for run, result in [(run, run.result) for run in runs if run.result is not None]:
         facets = _facets(result)
@@ -214,7 +215,7 @@ def _agreed(trial: Trial, runs: list[_Runs]) -> list[Measurement]:
     return found
 
 
-def _facets(result: Triangulation) -> NDArray[np.int32]:
+def _facets(result: Triangulation) -> Rows:
     """The set of facets, as sorted rows that each begin with their least vertex."""
     rows = result.simplices
     turned = np.take_along_axis(rows, (rows.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)

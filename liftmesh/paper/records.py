@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import get_args
 
-from liftmesh.counters import REJECTIONS
 from liftmesh.paper.experiments import METHODS, Measurement, Trial
 from liftmesh.paper.printed import TableName
+from liftmesh.planar.counters import REJECTIONS
 
 _TIMES = ("seconds", "fastest", "slowest")
 _COUNTS = ("runs", "facets", "calls", "planes", "evaluations", "undecided")

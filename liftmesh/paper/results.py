@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from liftmesh.errors import FormatError, InputError
-from liftmesh.formats.atomic import replacing
+from liftmesh.io.atomic import replacing
 from liftmesh.paper.experiments import BURST, METHODS, PATIENCE, ROUNDS, Measurement, Trial
 from liftmesh.paper.machine import versions
 from liftmesh.paper.printed import TABLES, TableName

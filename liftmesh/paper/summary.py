@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from liftmesh.counters import REJECTIONS
-from liftmesh.lifting import resolve_q
 from liftmesh.paper.experiments import METHODS, Measurement, Trial
 from liftmesh.paper.printed import TABLES, TableName, Vertex
+from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.lifting import resolve_q
 
 LF, LFRES, INDEXED, ENGINE = METHODS
 

@@ -13,10 +13,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.counters import REJECTIONS
-from liftmesh.formats.atomic import replacing
+from liftmesh.io.atomic import replacing
 from liftmesh.paper.machine import versions
 from liftmesh.paper.summary import ENGINE, INDEXED, LF, LFRES, Row, summarise
+from liftmesh.planar.counters import REJECTIONS
 
 if TYPE_CHECKING:
     from liftmesh.paper.printed import TableName

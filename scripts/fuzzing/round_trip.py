@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh import Cloud, FormatError, read, write
-from liftmesh.formats.sheet import COLOR
+from liftmesh.io.columns import COLOR
 
 Array = NDArray[Any]
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.lifting import resolve_q
 from liftmesh.paper.printed import SQUARE
+from liftmesh.planar.lifting import resolve_q
 
 BITS = 10
 Points = NDArray[np.float64]

@@ -17,7 +17,7 @@ from faults.children import output
 import liftmesh
 from liftmesh import Cloud
 from liftmesh.cli import exit_codes
-from liftmesh.formats.atomic import replacing
+from liftmesh.io.atomic import replacing
 
 FORMATS = ["ply", "obj", "npz", "off", "stl", "glb", "gltf"]
 

@@ -13,13 +13,13 @@ from faults.amid import begun, ended, wait_until, writes
 import liftmesh
 from liftmesh import Cloud
 from liftmesh.cli import exit_codes
-from liftmesh.formats import atomic
+from liftmesh.io import atomic
 
 LIBRARY = """
 import sys
 import numpy as np
 import liftmesh
-from liftmesh.formats import atomic
+from liftmesh.io import atomic
 if sys.argv[1] == "named":  # as on a file system without nameless files
     atomic._NAMELESS = 0
 liftmesh.write("mesh.obj", np.random.default_rng(0).random((600_000, 3)))
@@ -27,7 +27,7 @@ liftmesh.write("mesh.obj", np.random.default_rng(0).random((600_000, 3)))
 COMMAND_LINE = """
 import sys
 from liftmesh.cli import main
-from liftmesh.formats import atomic
+from liftmesh.io import atomic
 if sys.argv[1] == "named":
     atomic._NAMELESS = 0
 sys.exit(main(["triangulate", "../cloud.npy", "mesh.obj"]))

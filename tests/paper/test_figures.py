@@ -17,15 +17,15 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image
 
-from liftmesh.counters import REJECTIONS
-from liftmesh.hulls import delaunay
-from liftmesh.lifting import lift, resolve_q
 from liftmesh.paper import figures
 from liftmesh.paper.experiments import METHODS, Trial, measure
 from liftmesh.paper.geometry import Plane
 from liftmesh.paper.pictures import data, first_edge, lifting, region, section
 from liftmesh.paper.printed import TABLES
 from liftmesh.paper.summary import Row, summarise
+from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.lifting import lift, resolve_q
 from liftmesh.predicates import incircle, orient2d
 
 Array = NDArray[np.float64]

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liftmesh.lifting import lift
+from liftmesh._typing import Floats
 from liftmesh.paper.geometry import Plane, mu
 from liftmesh.paper.region import Ellipse
+from liftmesh.planar.lifting import lift
 
 UNDECIDED = ""
 
@@ -38,7 +39,7 @@ class CrossSection:
     ([0.0, 0.0], 1.0, 0.5)
     """
 
-    corners: NDArray[np.float64]
+    corners: Floats
     q: tuple[float, float]
 
     @property
@@ -48,13 +49,13 @@ class CrossSection:
         return Ellipse(Plane.through(a, b, p), self.q)
 
     @property
-    def plane(self) -> NDArray[np.float64]:
+    def plane(self) -> Floats:
         """alpha, beta and gamma, (3,) float64."""
         plane = self.ellipse.plane
         return np.array([plane.alpha, plane.beta, plane.gamma], dtype=np.float64)
 
     @property
-    def center(self) -> NDArray[np.float64]:
+    def center(self) -> Floats:
         """c, the centre of (C), (2,) float64."""
         return np.array(self.ellipse.circle.centre, dtype=np.float64)
 
@@ -69,13 +70,13 @@ class CrossSection:
         return math.sqrt(self.ellipse.squared_distance)
 
     @property
-    def box(self) -> NDArray[np.float64]:
+    def box(self) -> Floats:
         """The least and the greatest coordinates on (E), [[min x, max x], ...], (3, 2) float64."""
         e = self.ellipse
         extents = [[e.min_x, e.max_x], [e.min_y, e.max_y], [e.min_z, e.max_z]]
         return np.array(extents, dtype=np.float64)
 
-    def circle(self, count: int = 181) -> NDArray[np.float64]:
+    def circle(self, count: int = 181) -> Floats:
         """Give points of (C).
 
         Parameters
@@ -96,10 +97,10 @@ class CrossSection:
         """
         angles = np.linspace(0, 2 * np.pi, count)
         around = np.column_stack([np.cos(angles), np.sin(angles)])
-        points: NDArray[np.float64] = self.center + self.radius * around
+        points: Floats = self.center + self.radius * around
         return points
 
-    def on_plane(self, points: ArrayLike) -> NDArray[np.float64]:
+    def on_plane(self, points: ArrayLike) -> Floats:
         """Give the points of the plane above planar points.
 
         Parameters
@@ -121,7 +122,7 @@ class CrossSection:
         rows = np.asarray(points, dtype=np.float64)
         return np.column_stack([rows, rows @ self.plane[:2] + self.plane[2]])
 
-    def decided_by(self, points: NDArray[np.float64]) -> NDArray[np.str_]:
+    def decided_by(self, points: Floats) -> NDArray[np.str_]:
         """Name the proposition that decides each point, in the order in which Procedure 3 asks.
 
         Parameters

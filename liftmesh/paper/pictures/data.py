@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh.lifting import lift, resolve_q
+from liftmesh._typing import Floats
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import INK, ORANGE, new_figure, styled
 from liftmesh.paper.printed import SQUARE, Vertex
+from liftmesh.planar.lifting import lift, resolve_q
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ COUNT = 1_000
 DIRECTIONS = ((-120.0, 28.0), (-40.0, 6.0))  # azimuth and elevation in degrees
 
 
-def example_points() -> NDArray[np.float64]:
+def example_points() -> Floats:
     """Give the planar points of Figures 5.1 and 5.2.
 
     Returns
@@ -84,7 +84,7 @@ def _data(q: Vertex) -> Figure:
     return figure
 
 
-def _scatter(axes: Any, lifted: NDArray[np.float64], vertex: tuple[float, ...]) -> None:
+def _scatter(axes: Any, lifted: Floats, vertex: tuple[float, ...]) -> None:
     axes.scatter(*lifted.T, c=lifted[:, 2], cmap="viridis_r", s=6, lw=0, depthshade=False)
     axes.plot(*([value] for value in vertex), marker="o", ms=6, color=ORANGE, mec=INK, mew=0.7)
     axes.text(*vertex, "$q$", ha="right", va="top", fontsize=13)

@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.formats.atomic import replacing
+from liftmesh.io.atomic import replacing
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import styled
 

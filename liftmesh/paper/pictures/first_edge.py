@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh.hulls import delaunay
+from liftmesh._typing import Floats
 from liftmesh.paper.first_edge import FirstEdge, first_edge
 from liftmesh.paper.pictures.style import (
     BLUE,
@@ -20,12 +19,12 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
+from liftmesh.planar.delaunay import delaunay
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 # Where the projections lie: inside these triangles of (y, z).
 OUTLINES = (
@@ -40,7 +39,7 @@ CASES = (
 )
 
 
-def example_points(case: int) -> Array:
+def example_points(case: int) -> Floats:
     """Give the points in space of one panel of Figure 3.1.
 
     Parameters
@@ -100,7 +99,7 @@ def _frame(axes: Axes) -> None:
     label(axes, (0, 0), "$O$", (7, -8))
 
 
-def _projection(axes: Axes, projected: Array) -> None:
+def _projection(axes: Axes, projected: Floats) -> None:
     """P', and its convex hull."""
     hull = delaunay(projected).convex_hull[:, 0]
     axes.fill(*projected[hull].T, fc=SKY, alpha=0.16, zorder=1, lw=0)
@@ -108,7 +107,7 @@ def _projection(axes: Axes, projected: Array) -> None:
     axes.plot(*projected.T, ls="none", marker="o", ms=3.2, mew=0, color=SOFT, gid="projected")
 
 
-def _first(axes: Axes, projected: Array, found: FirstEdge) -> None:
+def _first(axes: Axes, projected: Floats, found: FirstEdge) -> None:
     """The lines from v'_1, and the segments that are projections of lower edges."""
     ends = {"v2": ("$v_2^\\prime$", found.v2), "vn": ("$v_n^\\prime$", found.vn)}
     start = projected[found.v1]
@@ -124,12 +123,12 @@ def _first(axes: Axes, projected: Array, found: FirstEdge) -> None:
     label(axes, start, "$v_1^\\prime$", _outwards(projected, found.v1))
 
 
-def _beyond(start: Array, through: Array) -> Array:
+def _beyond(start: Floats, through: Floats) -> Floats:
     """The half-line from one point through another, as far as the sheet reaches."""
     return np.array([start, start + 9 * (through - start) / np.linalg.norm(through - start)])
 
 
-def _outwards(projected: Array, row: int) -> tuple[float, float]:
+def _outwards(projected: Floats, row: int) -> tuple[float, float]:
     """Away from the middle of all points; the y-axis runs to the left."""
     away = (projected[row] - projected.mean(axis=0)) * (-1, 1)
     x, y = 12 * away / np.linalg.norm(away)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh.hulls import delaunay
-from liftmesh.lifting import resolve_q
+from liftmesh._typing import Floats, Mask, Rows
 from liftmesh.paper.geometry import Plane
 from liftmesh.paper.pictures.space import Space, View
 from liftmesh.paper.pictures.style import (
@@ -22,13 +20,14 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.lifting import resolve_q
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from liftmesh.lifting import LowerHull
+    from liftmesh.planar.lifting import LowerHull
 
-Array = NDArray[np.float64]
 
 CORNERS = np.array([[3.4, 0.9, 1.9], [1.2, 3.7, 1.5], [0.7, 1.1, 2.5]])  # p, q, t
 W = np.array([1.6, 2.4, 3.75])
@@ -68,7 +67,7 @@ def figure_2_1() -> Figure:
     return figure
 
 
-def on_plane(position: Array) -> Array:
+def on_plane(position: Floats) -> Floats:
     """Find the point of the plane (p, q, t) of Figure 2.1 above a planar point.
 
     Parameters
@@ -100,7 +99,7 @@ def _plane(space: Space) -> None:
     space.line([*CORNERS, CORNERS[0]], color=BLUE, lw=1.2, zorder=3)
 
 
-def _shadows(space: Space, points: Array) -> None:
+def _shadows(space: Space, points: Floats) -> None:
     """The projections onto Oxy of p, q, t and w."""
     p, q, *_ = points
     for point in (p, q):
@@ -114,7 +113,7 @@ PANELS = {"origin": "(a) $q = O$, outside the hull", "median": "(b) $q$ = the me
 VIEWS = {"origin": View(33, 30, 0.345), "median": View(33, 30, 0.85)}
 
 
-def example_points() -> Array:
+def example_points() -> Floats:
     """Give the planar points of Figure 2.2.
 
     Returns
@@ -163,14 +162,14 @@ def figure_2_2() -> Figure:
     return figure
 
 
-def _triangulation(space: Space, points: Array, simplices: NDArray[np.int32]) -> None:
+def _triangulation(space: Space, points: Floats, simplices: Rows) -> None:
     flat = np.column_stack([points, np.zeros(len(points))])
     space.coordinate_axes((2.75, 2.75, 2.35 / space.view.rise))
     space.faces(flat[simplices], edgecolors=INK, lw=0.6, zorder=2, gid="triangulation")
     space.dots(flat, color=INK, ms=2.8, zorder=2.5)
 
 
-def _hull(space: Space, hull: LowerHull, border: NDArray[np.int32]) -> None:
+def _hull(space: Space, hull: LowerHull, border: Rows) -> None:
     for row in border:
         x, y, z = hull.vertices[row]
         space.line([(x, y, 0), (x, y, z)], color=SOFT, lw=0.6, ls=(0, (2, 3)), zorder=1)
@@ -190,7 +189,7 @@ def _vertex(space: Space, q: tuple[float, float]) -> None:
         space.name((*q, 0), "$q$", (0, -11))
 
 
-def covered(hull: LowerHull, view: View) -> NDArray[np.bool_]:
+def covered(hull: LowerHull, view: View) -> Mask:
     """Tell which vertices of a hull are hidden by its facets.
 
     Parameters
@@ -223,7 +222,7 @@ def covered(hull: LowerHull, view: View) -> NDArray[np.bool_]:
     return hidden
 
 
-def _shades(corners: Array, view: View) -> Array:
+def _shades(corners: Floats, view: View) -> Floats:
     """Pale for facets seen from above, deep for those seen from below; each by its slope."""
     raised = corners * (1, 1, view.rise)
     normals = np.cross(raised[:, 1] - raised[:, 0], raised[:, 2] - raised[:, 0])

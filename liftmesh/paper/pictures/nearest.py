@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from liftmesh._typing import Floats
 from liftmesh.paper.pictures.cross_section import CrossSection
 from liftmesh.paper.pictures.section import CORNERS
 from liftmesh.paper.pictures.style import (
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 VERTICES = (("a", (2.15, 0.55)), ("b", (0.85, 0.3)))  # q outside (C), and inside
 
@@ -84,7 +83,7 @@ def _nearest_and_farthest(axes: Axes, section: CrossSection) -> None:
     label(axes, section.circle(100)[66], r"$(\mathcal{C})$", (-8, -14), color=VERMILION)
 
 
-def nearest_to_q(section: CrossSection) -> tuple[Array, Array]:
+def nearest_to_q(section: CrossSection) -> tuple[Floats, Floats]:
     """Find w'_1 and w'_2, the points of (C) nearest to q and farthest from it.
 
     Parameters

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh.lifting import lift
+from liftmesh._typing import Floats
 from liftmesh.paper.pictures.section import CORNERS, SECTION, VIEW, draw_section
 from liftmesh.paper.pictures.space import Space
 from liftmesh.paper.pictures.style import (
@@ -23,6 +22,7 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
+from liftmesh.planar.lifting import lift
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from liftmesh.paper.pictures.cross_section import CrossSection
 
-Array = NDArray[np.float64]
 
 KINDS = {
     "4.4: below": (("4.4",), GREEN, "v"),
@@ -68,13 +67,13 @@ def figure_4_3() -> Figure:
     return figure
 
 
-def _box_corners(section: CrossSection) -> Array:
+def _box_corners(section: CrossSection) -> Floats:
     """The box of the circle (C), closed."""
     (left, right), (front, back), _ = section.box
     return np.array([(left, front), (right, front), (right, back), (left, back), (left, front)])
 
 
-def _box(axes: Axes, corners: Array) -> None:
+def _box(axes: Axes, corners: Floats) -> None:
     axes.plot(*corners.T, color=BLUE, lw=1.1, ls=(0, (5, 2)), zorder=1.7, gid="box")
 
 
@@ -88,7 +87,7 @@ def _above_and_below(space: Space) -> None:
         space.name(point * (1, 1, 0), f"${text}'$", (11, 3))
 
 
-def plan_points() -> Array:
+def plan_points() -> Floats:
     """Give the planar points of Figure 4.3 (b).
 
     Returns

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh.hulls import delaunay
-from liftmesh.lifting import lift
+from liftmesh._typing import Floats, Mask
 from liftmesh.paper.pictures.cross_section import CrossSection
 from liftmesh.paper.pictures.space import Space, View
 from liftmesh.paper.pictures.style import (
@@ -24,11 +22,12 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.lifting import lift
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 CORNERS = np.array([[1.29, 0.25], [0.3, 0.94], [0.25, -0.73]])  # a', b', p'
 SECTION = CrossSection(CORNERS, (0.0, 0.0))
@@ -119,18 +118,18 @@ def _cut(space: Space, section: CrossSection) -> None:
     space.name(ellipse[72], "$(E)$", (-17, 8), color=VERMILION)
 
 
-def _square_about(section: CrossSection, margin: float) -> Array:
+def _square_about(section: CrossSection, margin: float) -> Floats:
     """A square about the circle (C), two of its sides as level as the plane is above them."""
     slope = section.center - section.q
     rise = slope / np.linalg.norm(slope) * (section.radius + margin)
     level = np.array([-rise[1], rise[0]])
-    corners: Array = section.center + np.array(
+    corners: Floats = section.center + np.array(
         [-rise - level, rise - level, rise + level, -rise + level]
     )
     return corners
 
 
-def _drops(space: Space, lifted: Array) -> None:
+def _drops(space: Space, lifted: Floats) -> None:
     """a, b, p on (E) and a', b', p' on (C) below them."""
     aways = ((13, 0), (-4, 12), (8, -10))
     for point, text, away in zip(lifted, "abp", aways, strict=True):
@@ -141,18 +140,18 @@ def _drops(space: Space, lifted: Array) -> None:
     space.dots(lifted * (1, 1, 0), color=INK, ms=3.6, gid="abp'")
 
 
-def _flat(points: Array) -> Array:
+def _flat(points: Floats) -> Floats:
     return np.column_stack([points, np.zeros(len(points))])
 
 
-def _seen(space: Space, points: Array, **look: Any) -> None:
+def _seen(space: Space, points: Floats, **look: Any) -> None:
     """A line on the paraboloid: full where it is seen, pale where the paraboloid hides it."""
     hidden = behind_paraboloid(points, space.view)
     for part, strength in ((hidden, 0.22), (~hidden, 0.75)):
         space.line(np.where(part[:, np.newaxis], points, np.nan), alpha=strength, zorder=2, **look)
 
 
-def behind_paraboloid(points: Array, view: View) -> NDArray[np.bool_]:
+def behind_paraboloid(points: Floats, view: View) -> Mask:
     """Tell which points on the paraboloid z = x^2 + y^2 are hidden by its nearer side.
 
     Parameters
@@ -176,5 +175,5 @@ def behind_paraboloid(points: Array, view: View) -> NDArray[np.bool_]:
     x, y, z = view.towards
     # At points + s towards the surface is met for s = 0 and for this s.
     s = (z - 2 * points[:, :2] @ (x, y)) / (x * x + y * y)
-    hidden: NDArray[np.bool_] = (s > 1e-9) & (points[:, 2] + s * z < TOP)
+    hidden: Mask = (s > 1e-9) & (points[:, 2] + s * z < TOP)
     return hidden

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from liftmesh._typing import Floats
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import INK, label
 
@@ -40,16 +41,16 @@ class View:
     elevation: float
     rise: float = 1.0
 
-    def _frame(self) -> NDArray[np.float64]:
+    def _frame(self) -> Floats:
         """Columns: to the right, up, and towards the viewer."""
         a, e = np.radians([self.azimuth, self.elevation])
         right = (-np.sin(a), np.cos(a), 0.0)
         up = (-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e))
         towards = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
-        frame: NDArray[np.float64] = np.array([right, up, towards]).T
+        frame: Floats = np.array([right, up, towards]).T
         return frame
 
-    def flat(self, points: ArrayLike) -> NDArray[np.float64]:
+    def flat(self, points: ArrayLike) -> Floats:
         """Project points onto the sheet.
 
         Parameters
@@ -67,10 +68,10 @@ class View:
         >>> View(0, 90).flat((1.0, 2.0, 3.0)).round(12) + 0.0
         array([ 2., -1.])
         """
-        projected: NDArray[np.float64] = np.asarray(points) * (1, 1, self.rise) @ self._frame()
+        projected: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()
         return projected[..., :2]
 
-    def nearness(self, points: ArrayLike) -> NDArray[np.float64]:
+    def nearness(self, points: ArrayLike) -> Floats:
         """Measure how near the viewer points are.
 
         Parameters
@@ -88,13 +89,13 @@ class View:
         >>> View(0, 0).nearness([[5.0, 1.0, 2.0], [6.0, 1.0, 2.0]])
         array([5., 6.])
         """
-        nearness: NDArray[np.float64] = np.asarray(points) * (1, 1, self.rise) @ self._frame()[:, 2]
+        nearness: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()[:, 2]
         return nearness
 
     @property
-    def towards(self) -> NDArray[np.float64]:
+    def towards(self) -> Floats:
         """The direction to the viewer in the units of the data, (3,) float64."""
-        direction: NDArray[np.float64] = self._frame()[:, 2] / (1, 1, self.rise)
+        direction: Floats = self._frame()[:, 2] / (1, 1, self.rise)
         return direction
 
 

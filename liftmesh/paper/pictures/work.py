@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh.counters import REJECTIONS
 from liftmesh.paper.pictures.running_times import LOOKS, log_axes
 from liftmesh.paper.pictures.style import (
     BLUE,
@@ -23,6 +22,7 @@ from liftmesh.paper.pictures.style import (
 )
 from liftmesh.paper.printed import TABLES
 from liftmesh.paper.summary import INDEXED, LF, LFRES
+from liftmesh.planar.counters import REJECTIONS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

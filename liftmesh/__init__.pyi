@@ -1,0 +1,30 @@
+from .cloud import Cloud as Cloud
+from .comparison.compare import compare as compare
+from .comparison.report import Comparison as Comparison
+from .errors import (
+    DegenerateInputError as DegenerateInputError,
+    DuplicateHeightError as DuplicateHeightError,
+    FormatError as FormatError,
+    InputError as InputError,
+    LiftmeshError as LiftmeshError,
+    MissingDependencyError as MissingDependencyError,
+    NonFiniteError as NonFiniteError,
+    UnsupportedTypeError as UnsupportedTypeError,
+)
+from .io.coercion import as_cloud as as_cloud
+from .io.files import Written as Written, read as read, write as write
+from .io.format import Format as Format
+from .io.objects.registry import Adapter as Adapter
+from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
+from .planar.counters import Counters as Counters
+from .planar.delaunay import Delaunay as Delaunay, delaunay as delaunay
+from .planar.lifting import LowerHull as LowerHull, lift as lift, project as project
+from .planar.triangulation import Triangulation as Triangulation
+from .planar.verification import verify as verify
+from .predicates import incircle as incircle, orient2d as orient2d
+from .space.lower_hull import lower_hull as lower_hull
+from .terrain.frame import Frame as Frame
+from .terrain.surface import Report as Report, Surface as Surface
+from .terrain.triangulate import triangulate as triangulate
+
+__version__: str

@@ -1,0 +1,128 @@
+"""compare(): liftmesh's lower hull and trimesh's convex hull of the same lifted points."""
+
+from __future__ import annotations
+
+import os
+from time import perf_counter
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats, ParaboloidVertex
+from liftmesh.comparison.cells import find_cells
+from liftmesh.comparison.differences import find_differences
+from liftmesh.comparison.evidence import Evidence
+from liftmesh.comparison.hull_facets import trimesh_hull
+from liftmesh.comparison.matching import used_rows
+from liftmesh.comparison.report import Comparison
+from liftmesh.io import files
+from liftmesh.io.coercion import as_cloud
+from liftmesh.options import NonFinite
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.triangulation import Triangulation
+from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.surface import Surface
+
+
+def compare(
+    source: object,
+    *,
+    q: ParaboloidVertex = "median",
+    plane: Literal["xy", "fit"] | ArrayLike = "xy",
+    nonfinite: NonFinite = "error",
+    max_proofs: int = 10,
+) -> Comparison:
+    """Hold liftmesh's triangles against the lower facets of trimesh's convex hull.
+
+    Parameters
+    ----------
+    source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
+        The points, or their triangulation.
+    q : "median", "origin" or (qx, qy), default "median"
+        Vertex of the paraboloid. Around the median the heights |p - q|^2 are as small as they
+        get wherever the points lie, so that Qhull, which computes in rounded numbers, has its
+        best chance; with the origin, points far away show what it does without. liftmesh's
+        triangles do not depend on q.
+    plane : str, normal or matrix, default "xy"
+        How 3-D points become planar ones, as in `triangulate`. Not used for a Triangulation or
+        a Surface.
+    nonfinite : {"error", "skip"}, default "error"
+        What to do with rows that are NaN or infinite.
+    max_proofs : int, default 10
+        How many really different triangles get an exact proof. Counts are always complete.
+
+    Returns
+    -------
+    Comparison
+        Counts, rows, proofs and times; ``print`` shows it.
+
+    Raises
+    ------
+    InputError
+        Points, `q` or an option that cannot be used.
+    DegenerateInputError
+        No three points, or all on one line.
+    FormatError
+        `source` is a path to a file that cannot be read.
+
+    Notes
+    -----
+    trimesh merges vertices closer than 1e-8, and Qhull rounds: that a point is missing from its
+    hull is reported in ``lost``, that it finds no hull at all in ``error``.
+
+    Examples
+    --------
+    >>> from liftmesh import compare
+    >>> result = compare([[0, 0], [4, 0], [0, 4], [3, 3], [1, 1]])
+    >>> result.verdict, result.identical
+    ('identical', 4)
+    """
+    triangulation, seconds = _triangulate(source, plane, nonfinite)
+    triangles = triangulation.simplices
+    rows = used_rows(triangulation.npoints, triangles)
+    vertex = resolve_q(q, triangulation.points[rows])
+    hull = trimesh_hull(triangulation.points, rows, vertex)
+    cells = find_cells(triangulation.points, triangles, triangulation.neighbors)
+    differences = find_differences(triangles, cells, hull.lower)
+    evidence = Evidence(triangulation, rows, hull.lower, cells, differences)
+    return Comparison(
+        triangulation=triangulation,
+        q=vertex,
+        hull=hull.facets,
+        lower=hull.lower,
+        vertical=hull.vertical,
+        identical=differences.identical,
+        cocircular=differences.cocircular,
+        cells=differences.cells,
+        missing=triangles[differences.missing],
+        wrong=hull.lower[differences.wrong],
+        lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
+        coincident=hull.coincident,
+        violations=len(cells.violations),
+        proofs=() if hull.error else tuple(evidence.proofs(max_proofs)),
+        seconds=MappingProxyType({"liftmesh": seconds, "trimesh": hull.seconds}),
+        error=hull.error,
+    )
+
+
+def _triangulate(
+    source: object, plane: ArrayLike, nonfinite: NonFinite
+) -> tuple[Triangulation, float]:
+    """The triangulation and the seconds it takes; a given one is timed by computing it again."""
+    if isinstance(source, Surface):
+        source = source.triangulation
+    if isinstance(source, Triangulation):
+        return source, _timed(source.points, "skip")[1]
+    if isinstance(source, (str, os.PathLike)):
+        source = files.read(source)
+    cloud = as_cloud(source)
+    return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
+
+
+def _timed(points: Floats, nonfinite: NonFinite) -> tuple[Triangulation, float]:
+    start = perf_counter()
+    triangulation = delaunay(points, nonfinite=nonfinite)
+    return triangulation, perf_counter() - start

@@ -1,0 +1,84 @@
+"""Faces as files hold them, polygons of any size, checked and turned into triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh._typing import Array, Rows
+from liftmesh.errors import FormatError
+
+if TYPE_CHECKING:
+    from liftmesh.io.ragged import Ragged
+
+
+def triangulated(
+    faces: Ragged, vertices: int, name: str, where: Callable[[int], str] = "face {}".format
+) -> Rows:
+    """Cut polygons into fans about their first corner, in order.
+
+    Parameters
+    ----------
+    faces : Ragged
+        Vertices of each face, counted from 0.
+    vertices : int
+        How many vertices there are.
+    name : str
+        The file's name for messages.
+    where : callable, optional
+        Names face number i in messages.
+
+    Raises
+    ------
+    FormatError
+        A face refers to a vertex that is not there.
+    """
+    if not _within(faces.values, vertices):
+        wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
+        face, vertex = faces.row_of(int(wrong)), int(faces.values[wrong])
+        raise FormatError(f"{name}: {where(face)} {_outside(vertex, vertices)}")
+    return _fans(faces).astype(np.int32, copy=False)
+
+
+def _fans(faces: Ragged) -> Array:
+    if np.all(faces.sizes == 3):
+        return faces.values.reshape(-1, 3)
+    fans = np.maximum(faces.sizes - 2, 0)
+    first = np.repeat(faces.starts(), fans)
+    step = np.arange(len(first)) - np.repeat(np.cumsum(fans) - fans, fans)
+    corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    return np.asarray(faces.values[corners])
+
+
+def remarks(faces: Ragged) -> dict[str, int]:
+    """Count what a list of triangles no longer shows, for a cloud's metadata."""
+    counts = {
+        "polygons": int((faces.sizes > 3).sum()),
+        "degenerate_faces": int((faces.sizes < 3).sum()),
+    }
+    return {key: count for key, count in counts.items() if count}
+
+
+def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
+    """Return (m, 3) faces as int32, or name the one that refers to no vertex."""
+    if faces.dtype.kind not in "iu" or faces.ndim != 2 or faces.shape[1] != 3:
+        raise FormatError(
+            f"{name}: faces must be an (m, 3) array of integers, "
+            f"not {faces.dtype} of shape {faces.shape}"
+        )
+    if not _within(faces, vertices):
+        wrong = (faces < 0) | (faces >= vertices)
+        row, corner = (int(each) for each in np.argwhere(wrong)[0])
+        raise FormatError(f"{name}: face {row} {_outside(int(faces[row, corner]), vertices)}")
+    return faces.astype(np.int32, copy=False)
+
+
+def _within(indices: Array, vertices: int) -> bool:
+    """Say whether every index names a vertex, without a mask of the size of the mesh."""
+    return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)
+
+
+def _outside(vertex: int, vertices: int) -> str:
+    return f"refers to vertex {vertex} (counted from 0), but there are {vertices} vertices"

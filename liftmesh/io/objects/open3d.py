@@ -1,0 +1,220 @@
+"""Open3D: legacy and tensor clouds in, legacy and tensor meshes out.
+
+The legacy classes hold float64 coordinates and colours from 0 to 1 in C++ vectors that are moved
+when they are reassigned, and take only writable arrays: everything is copied both ways. The tensor
+classes hold any named array of a row per point: positions go out as Float64 (their own conversion
+would make them Float32) and indices as Int64. A flat attribute of n values has the shape {n, 1}
+there, without which Open3D's writers refuse it. Integer colours go out as Float32 from 0 to 1,
+because tensor meshes otherwise turn into legacy ones with colours of 255.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import arrays
+from liftmesh._typing import Array, Rows
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+from liftmesh.io.colors import as_float
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import open3d as o3d
+
+
+def to_cloud(source: Any) -> Cloud:
+    """Make a cloud of an Open3D point cloud, mesh or tensor of rows.
+
+    Parameters
+    ----------
+    source : open3d.geometry.PointCloud, open3d.t.geometry.PointCloud, TriangleMesh or Tensor
+        Legacy or tensor, on any device.
+
+    Returns
+    -------
+    Cloud
+        One row a point, in the order of ``source``, with colours, normals and, of a tensor
+        cloud, every named array; a mesh keeps its faces. Float64 positions of tensor clouds on
+        the CPU are shared with ``source``, everything of legacy ones is copied.
+
+    Raises
+    ------
+    InputError
+        An array does not have one row a point.
+
+    Examples
+    --------
+    >>> import open3d as o3d
+    >>> points = o3d.utility.Vector3dVector([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    >>> len(to_cloud(o3d.geometry.PointCloud(points)))
+    3
+    """
+    if type(source).__name__ == "Tensor":
+        return Cloud(arrays.as_rows3(_numpy(source)))
+    if hasattr(source, "vertex"):
+        return _from_tensors(source.vertex, source.triangle)
+    if hasattr(source, "point"):
+        return _from_tensors(source.point, {})
+    return _from_legacy(source)
+
+
+def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
+    """Make a legacy Open3D mesh of a cloud with faces.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Points and faces. Legacy meshes have room for RGB colours and normals only: alpha and
+        named values stay behind; ``to_tensor`` takes them along.
+
+    Returns
+    -------
+    open3d.geometry.TriangleMesh
+        Every row as a vertex, in the same order.
+
+    Raises
+    ------
+    InputError
+        A colour is outside its range.
+    MissingDependencyError
+        Open3D, or a system library it needs, is not installed.
+
+    Examples
+    --------
+    >>> cloud = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
+    >>> to_legacy(cloud)
+    TriangleMesh with 3 points and 1 triangles.
+    """
+    library = load("open3d", extra="open3d")
+    vectors = library.utility.Vector3dVector
+    indices = library.utility.Vector3iVector(_writable(_faces(cloud), np.int32))
+    mesh: o3d.geometry.TriangleMesh = library.geometry.TriangleMesh(
+        vectors(_writable(cloud.points, np.float64)), indices
+    )
+    if cloud.colors is not None:
+        mesh.vertex_colors = vectors(_writable(as_float(cloud.colors)[:, :3], np.float64))
+    if cloud.normals is not None:
+        mesh.vertex_normals = vectors(_writable(cloud.normals, np.float64))
+    return mesh
+
+
+def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
+    """Make a tensor Open3D mesh of a cloud with faces.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Points, faces, RGB colours, normals and named values. An alpha that is not opaque
+        everywhere becomes the vertex attribute ``alpha``.
+
+    Returns
+    -------
+    open3d.t.geometry.TriangleMesh
+        Every row as a vertex, in the same order, on the CPU; positions Float64, indices Int64.
+
+    Raises
+    ------
+    InputError
+        A colour is outside its range, or an attribute has a type that tensors do not know.
+    MissingDependencyError
+        Open3D, or a system library it needs, is not installed.
+
+    Examples
+    --------
+    >>> cloud = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
+    >>> to_tensor(cloud).vertex["positions"].dtype
+    Float64
+    """
+    library = load("open3d", extra="open3d")
+    mesh: o3d.t.geometry.TriangleMesh = library.t.geometry.TriangleMesh()
+    for name, values in {**_named_columns(cloud), **_tensor_colors(cloud)}.items():
+        mesh.vertex[name] = library.core.Tensor(values)
+    mesh.triangle["indices"] = library.core.Tensor(_faces(cloud).astype(np.int64))
+    return mesh
+
+
+def _from_legacy(source: Any) -> Cloud:
+    if hasattr(source, "vertices"):
+        faces = np.array(source.triangles, dtype=np.int32).reshape(-1, 3)
+        names = ("vertices", "vertex_colors", "vertex_normals")
+    else:
+        faces, names = None, ("points", "colors", "normals")
+    points, colors, normals = (np.array(getattr(source, name)) for name in names)
+    return Cloud(
+        points=arrays.as_rows3(points),
+        colors=colors if len(colors) else None,
+        normals=normals if len(normals) else None,
+        faces=faces,
+    )
+
+
+def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Cloud:
+    named = {name: _numpy(tensor) for name, tensor in rows.items()}
+    return Cloud(
+        points=arrays.as_rows3(named.pop("positions", np.zeros((0, 3)))),
+        colors=named.pop("colors", None),
+        normals=named.pop("normals", None),
+        attributes={name: _flat(values) for name, values in named.items()},
+        faces=_numpy(triangles["indices"]).astype(np.int32) if "indices" in triangles else None,
+    )
+
+
+def _numpy(tensor: Any) -> Array:
+    values: Array = tensor.cpu().numpy()
+    return values
+
+
+def _flat(values: Array) -> Array:
+    """Flatten an attribute of one channel."""
+    return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
+
+
+def _writable(values: Array, dtype: type) -> Array:
+    """Contiguous and writable, as Open3D's vectors want it."""
+    return np.require(values, dtype=dtype, requirements=["C", "W"])
+
+
+def _faces(cloud: Cloud) -> Rows:
+    return np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+
+
+def _named_columns(cloud: Cloud) -> dict[str, Array]:
+    taken = {"positions", "normals", "colors", "alpha"} & cloud.attributes.keys()
+    if taken:
+        raise InputError(
+            f"an attribute is called {min(taken)!r}, which Open3D tensors keep for themselves: "
+            "rename it"
+        )
+    named = {name: _column(name, values) for name, values in cloud.attributes.items()}
+    named["positions"] = cloud.points
+    if cloud.normals is not None:
+        named["normals"] = _column("normals", cloud.normals)
+    return named
+
+
+def _tensor_colors(cloud: Cloud) -> dict[str, Array]:
+    """RGB as floats, and alpha where it says something."""
+    if cloud.colors is None:
+        return {}
+    single = cloud.colors.dtype.kind in "ui" or cloud.colors.dtype == np.float32
+    colors = as_float(cloud.colors).astype(np.float32 if single else np.float64)
+    if colors.shape[1] == 3 or bool((colors[:, 3] == 1).all()):
+        return {"colors": colors[:, :3]}
+    return {"colors": colors[:, :3], "alpha": colors[:, 3:]}
+
+
+def _column(name: str, values: Array) -> Array:
+    """Give an attribute a type and shape that tensors know, without loss."""
+    if values.dtype.kind not in "biuf" or values.dtype.itemsize > 8:
+        raise InputError(
+            f"attribute {name!r} has the type {values.dtype}, which Open3D tensors do not know: "
+            "convert it to integers or floats of at most 64 bits"
+        )
+    dtype = np.dtype(np.float32) if values.dtype == np.float16 else values.dtype
+    native = values.astype(dtype.newbyteorder("="), copy=False)
+    return native[:, None] if native.ndim == 1 else native

@@ -1,0 +1,70 @@
+"""A finished triangulation as a real ``scipy.spatial.Delaunay`` that never ran Qhull."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    import scipy.spatial
+
+
+_SHARED = (
+    "simplices",
+    "neighbors",
+    "equations",
+    "coplanar",
+    "good",
+    "nsimplex",
+    "npoints",
+    "ndim",
+    "min_bound",
+    "max_bound",
+    "paraboloid_scale",
+    "paraboloid_shift",
+    "furthest_site",
+)
+
+
+class Triangulated(Protocol):
+    """What bears SciPy's names, as `liftmesh.Triangulation` does."""
+
+    @property
+    def points(self) -> Floats:
+        """(n, 2) coordinates."""
+
+
+def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
+    """Make a real ``scipy.spatial.Delaunay``, for code that accepts only that.
+
+    Parameters
+    ----------
+    triangulation : Triangulated
+        Its arrays are shared, not copied, where SciPy can use them as they are.
+
+    Returns
+    -------
+    scipy.spatial.Delaunay
+        An instance whose attributes were set; points cannot be added to it.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> type(to_delaunay(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])))
+    <class 'scipy.spatial._qhull.Delaunay'>
+    """
+    made = load("scipy.spatial").Delaunay
+    result = made.__new__(made)
+    result.__dict__.update({name: getattr(triangulation, name) for name in _SHARED})
+    result.__dict__.update(
+        _points=np.ascontiguousarray(triangulation.points),
+        _qhull=None,
+        _transform=None,
+        _vertex_to_simplex=None,
+        _vertex_neighbor_vertices=None,
+    )
+    return result

@@ -1,0 +1,80 @@
+"""The origin that a single-precision format needs.
+
+A float has 24 bits: at 5,200,000 m its steps are half a metre. Where rounding the coordinates
+along an axis would move a vertex by more than a millionth of the model's size, an origin near the
+smallest coordinate is subtracted first. It is a round number, so that people can read it: a
+multiple of one unit, or of a power of ten for models smaller than that. Axes that need none keep
+their coordinates.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.errors import FormatError
+
+if TYPE_CHECKING:
+    from liftmesh.io.format import Origin
+
+
+TOLERANCE = 1e-6
+
+
+def needed_origin(points: Floats, what: str) -> Origin | None:
+    """Find the origin to subtract before coordinates are rounded to single precision.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        Finite coordinates.
+    what : str
+        The format's name for messages.
+
+    Returns
+    -------
+    tuple of float, or None
+        x, y and z of the origin, 0 along axes that need none; None if no axis needs one.
+
+    Raises
+    ------
+    FormatError
+        Even with an origin the coordinates do not fit single precision.
+
+    Examples
+    --------
+    >>> needed_origin(np.array([[450000.1, 5200000.2, 3.0], [450100.0, 5200100.0, 4.0]]), "stl")
+    (450000.0, 5200000.0, 0.0)
+    >>> needed_origin(np.array([[0.1, 0.2, 3.0], [100.0, 100.0, 4.0]]), "stl") is None
+    True
+    """
+    if not len(points):
+        return None
+    low = points.min(axis=0)
+    with np.errstate(over="ignore"):
+        size = float((points.max(axis=0) - low).max())
+    needed = _moved(points) > TOLERANCE * size
+    origin = np.where(needed, _round_below(low, size), 0.0)
+    fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
+    if not fits:
+        raise FormatError(
+            f"the coordinates do not fit the single precision of {what}: write PLY or OBJ"
+        )
+    return (float(origin[0]), float(origin[1]), float(origin[2])) if needed.any() else None
+
+
+def _moved(points: Floats) -> Floats:
+    """Measure how far rounding to single precision moves coordinates at most, for each axis."""
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        moved: Floats = np.abs(points - points.astype(np.float32)).max(axis=0)
+    return moved
+
+
+def _round_below(low: Floats, size: float) -> Floats:
+    if size == 0:
+        return low
+    step = 10.0 ** min(np.floor(np.log10(size)), 0.0)
+    rounded: Floats = np.floor(low / step) * step
+    return rounded

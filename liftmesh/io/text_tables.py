@@ -1,0 +1,225 @@
+"""Lines of text turned into tables of numbers; errors name the line.
+
+``numpy.loadtxt`` parses: fast, and every number rounds exactly as Python rounds it. When it
+refuses a block of lines, they are looked at one by one for the line and the value to blame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh._typing import Floats, Integers, Mask
+from liftmesh.errors import FormatError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+BLOCK = 1 << 17
+
+_BYTES = 1 << 22
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Lines without white space around them, and the number of each in the file, from 1."""
+
+    texts: list[str]
+    numbers: Integers
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    def __iter__(self) -> Iterator[tuple[str, int]]:
+        return zip(self.texts, self.numbers.tolist(), strict=True)
+
+    def __getitem__(self, rows: slice | Mask) -> Block:
+        if isinstance(rows, slice):
+            return Block(self.texts[rows], self.numbers[rows])
+        return Block([self.texts[k] for k in np.flatnonzero(rows).tolist()], self.numbers[rows])
+
+
+class Lines:
+    """The lines of a stream that hold something, taken block by block.
+
+    Empty lines are passed over but counted. With ``comments``, so are lines that begin with one of
+    them, and what follows a ``#`` is cut off. With ``continued``, a backslash at the end of a line
+    joins it to the next. ``number`` is the last line taken.
+    """
+
+    def __init__(
+        self,
+        stream: BinaryIO,
+        name: str,
+        *,
+        encoding: str = "latin-1",
+        comments: tuple[str, ...] = (),
+        continued: bool = False,
+        before: int = 0,
+    ) -> None:
+        self.number = before
+        self._stream = stream
+        self._name = name
+        self._encoding = encoding
+        self._comments = comments
+        self._continued = continued
+        self._read = before
+        self._held = Block([], np.empty(0, dtype=np.int64))
+        self._taken = 0
+
+    def take(self, count: int) -> Block:
+        """Take at most ``count`` lines, fewer where that is quicker, none at the end."""
+        while self._taken == len(self._held) and count:
+            data = self._chunk()
+            if not data:
+                break
+            self._held = self._block(self._decoded(data))
+            self._taken = 0
+        block = self._held[self._taken : self._taken + count]
+        self._taken += len(block)
+        if len(block):
+            self.number = int(block.numbers[-1])
+        return block
+
+    def next(self) -> str:
+        """Take one line; an empty text at the end."""
+        block = self.take(1)
+        return block.texts[0] if len(block) else ""
+
+    def _chunk(self) -> bytes:
+        """Read whole lines."""
+        parts = [self._stream.read(_BYTES), self._stream.readline()]
+        while self._continued and (parts[-1] or parts[0]).rstrip(b"\r\n").endswith(b"\\"):
+            more = self._stream.readline()
+            if not more:
+                break
+            parts.append(more)
+        return b"".join(parts)
+
+    def _decoded(self, data: bytes) -> str:
+        try:
+            return data.decode(self._encoding)
+        except UnicodeDecodeError as error:
+            begin = data.rfind(b"\n", 0, error.start) + 1
+            line = self._read + 1 + data.count(b"\n", 0, error.start)
+            raise FormatError(
+                f"{self._name}: line {line}: byte {error.start - begin} of the line "
+                f"(0x{data[error.start]:02x}) is not UTF-8: not a text file, or save it as UTF-8"
+            ) from error
+
+    def _block(self, text: str) -> Block:
+        if "\r" in text:
+            text = text.replace("\r\n", "\n").replace("\r", "\n")
+        lines = text.removesuffix("\n").split("\n")
+        numbers = np.arange(self._read + 1, self._read + 1 + len(lines))
+        self._read += len(lines)
+        if self._continued and "\\\n" in text:
+            lines = _joined(lines)
+        texts = [line.strip() for line in lines]
+        if any(mark in text for mark in self._comments):
+            texts = [self._bare(line) for line in texts]
+        block = Block(texts, numbers)
+        return block if all(texts) else block[np.array(texts, dtype=object) != ""]
+
+    def _bare(self, text: str) -> str:
+        return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
+
+
+def _joined(lines: list[str]) -> list[str]:
+    """Join lines that end in a backslash to the last of them; the others become empty."""
+    joined: list[str] = []
+    held: list[str] = []
+    for line in lines:
+        bare = line.rstrip()
+        if bare.endswith("\\"):
+            held.append(bare[:-1])
+            joined.append("")
+        else:
+            joined.append(" ".join([*held, line]))
+            held.clear()
+    return [*joined[:-1], " ".join(held) or joined[-1]]
+
+
+def number_table(
+    block: Block, name: str, *, width: int | None = None, delimiter: str | None = None
+) -> Floats:
+    """Parse every line of a block as ``width`` numbers (by default as many as its first line).
+
+    Raises
+    ------
+    FormatError
+        A line has another number of values, or a value is no number.
+    """
+    if not block.texts:
+        return np.empty((0, width or 0))
+    texts = block.texts
+    if delimiter and any('"' in text for text in texts):
+        texts = [text.replace('"', "") for text in texts]
+    try:
+        table = np.loadtxt(texts, delimiter=delimiter, comments=None, ndmin=2, dtype=float)
+    except ValueError as error:
+        _blame(block, name, width, delimiter)
+        raise FormatError(f"{name}: line {block.numbers[0]} or later: {error}") from error
+    if table.shape != (len(block), width or table.shape[1]):
+        _blame(block, name, width, delimiter)
+        raise FormatError(f"{name}: line {block.numbers[0]} or later: a line is broken")
+    return table
+
+
+def exact_column(
+    column: Floats, dtype: np.dtype, name: str, what: str, numbers: Integers
+) -> NDArray[np.generic]:
+    """Convert parsed numbers to the type a header promises, or name the line that cannot be."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        converted = column.astype(dtype)
+    if dtype.kind in "iu":
+        wide = dtype.itemsize == 8
+        wrong = np.flatnonzero((converted != column) | (wide & (np.abs(column) >= 2.0**53)))
+        if len(wrong):
+            row = int(wrong[0])
+            raise FormatError(
+                f"{name}: line {numbers[row]}: {what} is {column[row]!s}, which is no {dtype}"
+            )
+    return converted
+
+
+def _blame(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
+    expected = width or len(fields(block.texts[0], delimiter))
+    for text, number in block:
+        values = fields(text, delimiter)
+        for position, value in enumerate(values, start=1):
+            if not is_number(value):
+                raise FormatError(
+                    f"{name}: line {number}, value {position}: {shown(value)} is not a number"
+                )
+        if len(values) != expected:
+            raise FormatError(
+                f"{name}: line {number}: expected {expected} values, found {len(values)}"
+            )
+
+
+def fields(text: str, delimiter: str | None) -> list[str]:
+    """Split a line into its values."""
+    return [value.strip().strip('"') for value in text.split(delimiter)]
+
+
+def is_number(text: str) -> bool:
+    """Say whether the text is a number as files spell them (Python also allows 1_000)."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return "_" not in text
+
+
+def shortened(text: str) -> str:
+    """Cut a piece of a file for a message: broken files have long lines."""
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def shown(text: str) -> str:
+    """Quote a piece of a file, shortened."""
+    return repr(shortened(text))

@@ -1,0 +1,41 @@
+"""Options that take one of a few words: the words of each, and the check that lists them."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypeAlias, get_args
+
+from liftmesh.errors import InputError
+
+Method: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
+HullMethod: TypeAlias = Literal["auto", "lf"]
+NonFinite: TypeAlias = Literal["error", "skip"]
+RowOrder: TypeAlias = Literal["engine", "canonical"]
+Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
+
+
+def check_option(name: str, value: object, words: Any) -> None:
+    """Raise unless an option is one of its words.
+
+    Parameters
+    ----------
+    name : str
+        The option's name, for the message.
+    value : object
+        What the caller gave.
+    words : typing.Literal
+        The words it may be.
+
+    Raises
+    ------
+    InputError
+        It is none of them; the message lists them.
+
+    Examples
+    --------
+    >>> check_option("nonfinite", "drop", NonFinite)
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: nonfinite is 'drop': give one of 'error', 'skip'
+    """
+    known = get_args(words)
+    if value not in known:
+        raise InputError(f"{name} is {value!r}: give one of {', '.join(map(repr, known))}")

@@ -1,0 +1,1 @@
+"""Points in the plane: Delaunay triangulations, point location, lifting, verification."""

@@ -1,0 +1,228 @@
+"""delaunay(): planar Delaunay triangulation, and Delaunay: the same behind SciPy's interface.
+
+Each set of points has one canonical triangulation, and every method finds it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh import _kernel
+from liftmesh._typing import Array, ParaboloidVertex, Progress, Rows
+from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.options import Method, NonFinite, RowOrder, check_option
+from liftmesh.planar.counters import Counters
+from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.triangulation import Triangulation
+from liftmesh.threads import as_threads
+
+_WRAPPING = ("lf", "lfres", "lfres-indexed")
+
+
+def delaunay(
+    points: ArrayLike,
+    *,
+    method: Method = "auto",
+    q: ParaboloidVertex = "origin",
+    nonfinite: NonFinite = "error",
+    order: RowOrder = "engine",
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Triangulation:
+    """Triangulate planar points: exact for every finite double, and one result for one set.
+
+    Where four or more points lie on a circle, the triangulation is the one of the symbolic
+    perturbation that lifts lexicographically larger points (by x, then y) more. So the triangles,
+    as sets of coordinates, depend on nothing but the points.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2) or (n, 3)
+        Planar points, n at most 357,913,941; of three columns the third is ignored. float64 and
+        float32 arrays of any strides are read in place; integers must be exact as doubles. Masked
+        entries count as not finite.
+    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
+        The engine. All give the same triangles; "auto" picks divide and conquer. The others wrap
+        the lower hull of the lifted points facet by facet: "lf" and "lfres" are the paper's
+        procedures as printed, in quadratic to cubic time; "lfres-indexed" asks a grid for the
+        points of the restricted region, in linear expected time where points are evenly spread, and
+        in quadratic time or worse where they crowd, as in clusters or on a circle.
+    q : {"origin", "median"} or (2,) array_like, default "origin"
+        The vertex of the paraboloid on which "lf" and "lfres" lift the points: the origin, the
+        coordinate-wise median, or any finite point. It changes their work, and never a triangle;
+        the other methods do without.
+    nonfinite : {"error", "skip"}, default "error"
+        Rows with NaN or infinity raise, or stay unused and are listed in ``skipped``.
+    order : {"engine", "canonical"}, default "engine"
+        With "canonical" the order of the triangles, and the first vertex of each, are functions of
+        the coordinates alone too, at the price of a sort.
+    threads : int, optional
+        How many threads divide and conquer may take; the result is bit for bit the same for any
+        number. By default the environment variable ``LIFTMESH_NUM_THREADS`` says it, or else one
+        for each core is taken, and runs from several Python threads share them. Gift wrapping
+        itself runs on one.
+    progress : callable, optional
+        Called now and then, some twenty times a second at most, with the share of the work that is
+        done, and at last with 1.0. What it raises ends the run. Gift wrapping tells its end only.
+
+    Returns
+    -------
+    Triangulation
+        Indices are rows of `points`; nothing is reordered or dropped. Of rows at one position the
+        lowest is the vertex; the others are in ``duplicates``. Gift wrapping leaves its
+        ``counters``.
+
+    Raises
+    ------
+    InputError
+        `points` has another shape, other values than real numbers, or too many rows; or an option
+        is unknown.
+    NonFiniteError
+        A row is not finite and `nonfinite` is "error".
+    DegenerateInputError
+        There are fewer than three distinct points, or all lie on one line.
+
+    Notes
+    -----
+    Divide and conquer on the lifted lower hull: F. P. Preparata and S. J. Hong (1977), D. T. Lee
+    and B. J. Schachter (1980), with cuts across both axes (R. A. Dwyer, 1987). O(n log n) on every
+    input. Some 120 bytes a point beyond the points at the peak, 48 of them the result.
+
+    Gift wrapping with LF and LFRes: "The Lifting Projection of Convex Polyhedra for Finding
+    Delaunay Triangulations", Procedures 1 and 3 and Algorithm 2.
+
+    Examples
+    --------
+    >>> tri = delaunay([[0, 0], [2, 0], [2, 1], [0, 1]], order="canonical")
+    >>> tri.simplices
+    array([[0, 1, 3],
+           [3, 1, 2]], dtype=int32)
+    """
+    return Triangulation(**_solve(points, method, q, nonfinite, order, threads, progress))
+
+
+class Delaunay(Triangulation):
+    """The door for code written for ``scipy.spatial.Delaunay``: the same call, the same attributes.
+
+    What differs: points are planar only and cannot be added, arrays are read-only, and degenerate
+    input raises `DegenerateInputError`, a ValueError, where SciPy raises its QhullError.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points.
+    furthest_site, incremental : bool, default False
+        Accepted as False only.
+    qhull_options : str, optional
+        Accepted and without effect: there is no Qhull.
+
+    Raises
+    ------
+    InputError
+        As `delaunay`, or an option is asked for that liftmesh does not have.
+    NonFiniteError
+        A row is not finite.
+    DegenerateInputError
+        There are fewer than three distinct points, or all lie on one line.
+
+    Examples
+    --------
+    >>> tri = Delaunay(np.array([[0, 0], [0, 1.1], [1, 0], [1, 1]]))
+    >>> tri.find_simplex([(0.1, 0.2), (1.5, 0.5)]) >= 0
+    array([ True, False])
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: str | None = None,  # noqa: ARG002 - part of SciPy's signature
+    ) -> None:
+        for option, asked in {"furthest_site": furthest_site, "incremental": incremental}.items():
+            if asked:
+                raise InputError(f"{option}=True is not available: use scipy.spatial.Delaunay")
+        rows = as_coordinates(points)
+        if rows.shape[1] == 3:
+            raise InputError(
+                "points have three columns: liftmesh.delaunay(points) triangulates their x and y; "
+                "for tetrahedra use scipy.spatial.Delaunay"
+            )
+        super().__init__(**_solve(rows))
+
+
+def _solve(
+    points: ArrayLike,
+    method: Method = "auto",
+    q: ParaboloidVertex = "origin",
+    nonfinite: NonFinite = "error",
+    order: RowOrder = "engine",
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    check_option("method", method, Method)
+    check_option("nonfinite", nonfinite, NonFinite)
+    check_option("order", order, RowOrder)
+    rows = as_coordinates(points)
+    planar = rows[:, :2]
+    run = (rows, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
+    outcome, counters = _run(run, method, resolve_q(q, planar))
+    status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
+    if status == "non-finite":
+        raise non_finite(row, rows[row])
+    if status != "ok":
+        raise _degenerate(rows, distinct, hull, len(skipped))
+    if order == "canonical":
+        simplices, neighbors = _canonical_order(rows, simplices, neighbors)
+    if progress is not None:
+        progress(1.0)
+    return {
+        "points": planar,
+        "simplices": simplices,
+        "neighbors": neighbors,
+        "hull": hull,
+        "duplicates": duplicates,
+        "skipped": skipped,
+        "counters": counters,
+    }
+
+
+def _run(
+    run: _kernel.Run, method: Method, q: tuple[float, float]
+) -> tuple[_kernel.Outcome, Counters | None]:
+    if method not in _WRAPPING:
+        return _kernel.delaunay(*run), None
+    outcome, counts = _kernel.gift_wrap(*run, method, *q)
+    return outcome, Counters.from_kernel(counts)
+
+
+def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> DegenerateInputError:
+    held = f"{len(rows)} rows" + (f", {skipped} of them skipped as not finite," if skipped else "")
+    if distinct < 3:
+        return DegenerateInputError(
+            f"{held} hold {distinct} distinct planar points: a triangle needs three"
+        )
+    first, last = int(hull[0]), int(hull[len(hull) // 2])
+    return DegenerateInputError(
+        f"all {distinct} distinct points lie on one line, from row {first} to row {last}: "
+        "a triangle needs a point off it (for a cloud in a vertical plane: "
+        "liftmesh.triangulate(cloud, plane='fit'))"
+    )
+
+
+def _canonical_order(rows: Array, simplices: Rows, neighbors: Rows) -> tuple[Rows, Rows]:
+    """Turn each triangle to begin with its least point, and sort the triangles by their points."""
+    rank = np.empty(len(rows), dtype=np.int32)
+    rank[np.lexsort((rows[:, 1], rows[:, 0]))] = np.arange(len(rows), dtype=np.int32)
+    turn = (rank[simplices].argmin(axis=1)[:, None] + np.arange(3)) % 3
+    simplices = np.take_along_axis(simplices, turn, axis=1)
+    neighbors = np.take_along_axis(neighbors, turn, axis=1)
+    by_points = np.lexsort(rank[simplices].T[::-1])
+    new_name = np.empty(len(simplices) + 1, dtype=np.int32)
+    new_name[by_points] = np.arange(len(simplices), dtype=np.int32)
+    new_name[-1] = -1
+    return simplices[by_points], new_name[neighbors[by_points]]

@@ -1,0 +1,254 @@
+"""Lifting planar points to a paraboloid, and the lower hull that lies on it.
+
+A planar point p is lifted to z = (x - qx)^2 + (y - qy)^2, where q is the vertex of the paraboloid.
+The lower facets of the convex hull of the lifted points project to the Delaunay triangles. q
+changes the heights, never the triangles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
+from liftmesh.arrays import as_coordinates, as_rows3
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from liftmesh.io.files import Written
+    from liftmesh.planar.counters import Counters
+
+
+def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
+    """Give the vertex of the paraboloid as a pair of numbers.
+
+    Parameters
+    ----------
+    q : {"origin", "median"} or (2,) array_like
+        The origin, the coordinate-wise median of the finite points, or any finite point.
+    points : (n, 2) ndarray
+        The planar points.
+
+    Returns
+    -------
+    tuple of float
+        qx and qy.
+
+    Raises
+    ------
+    InputError
+        q is none of these.
+
+    Examples
+    --------
+    >>> resolve_q("median", np.array([[0.0, 5.0], [1.0, 7.0], [9.0, 6.0]]))
+    (1.0, 6.0)
+    """
+    if isinstance(q, str):
+        if q == "origin":
+            return 0.0, 0.0
+        if q == "median":
+            return _median(points)
+        raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
+    try:
+        pair = np.asarray(q, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)") from error
+    if pair.shape != (2,) or not np.isfinite(pair).all():
+        raise InputError(f"q is {q!r}: give 'origin', 'median' or a finite point (qx, qy)")
+    return float(pair[0]), float(pair[1])
+
+
+def _median(points: Reals) -> tuple[float, float]:
+    """The coordinate-wise median of the finite rows, halved on the way where it would overflow."""
+    finite = points[np.isfinite(points).all(axis=1)].astype(np.float64)
+    if len(finite) == 0:
+        return 0.0, 0.0
+    scale = 0.5 if np.abs(finite).max() > 2.0**1022 else 1.0
+    x, y = np.median(finite * scale, axis=0) / scale
+    return float(x), float(y)
+
+
+def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
+    """Lift planar points to the paraboloid z = (x - qx)^2 + (y - qy)^2.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2) or (n, 3)
+        Planar points; a third coordinate is ignored.
+    q : {"origin", "median"} or (2,) array_like, default "origin"
+        The vertex of the paraboloid.
+
+    Returns
+    -------
+    (n, 3) ndarray of float64
+        x and y as given, z rounded to the nearest doubles on the way (infinite where it overflows).
+
+    Raises
+    ------
+    InputError
+        Points or q cannot be used.
+
+    Examples
+    --------
+    >>> lift([[3, 4], [1, 0]])
+    array([[ 3.,  4., 25.],
+           [ 1.,  0.,  1.]])
+    """
+    rows = as_coordinates(points)[:, :2]
+    qx, qy = resolve_q(q, rows)
+    lifted = np.empty((len(rows), 3))
+    lifted[:, :2] = rows
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        lifted[:, 2] = (lifted[:, 0] - qx) ** 2 + (lifted[:, 1] - qy) ** 2
+    return lifted
+
+
+def project(points: ArrayLike) -> Floats:
+    """Project lifted points back onto the plane: the inverse of `lift`.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 3)
+        Points in space.
+
+    Returns
+    -------
+    (n, 2) ndarray of float64
+        Their x and y.
+
+    Raises
+    ------
+    InputError
+        Points cannot be used.
+
+    Examples
+    --------
+    >>> project(lift([[3, 4]], q=(1, 1)))
+    array([[3., 4.]])
+    """
+    return as_rows3(points)[:, :2]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LowerHull:
+    """The lower convex hull of points in space, as a mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float64
+        All points, by the caller's rows.
+    faces : (m, 3) ndarray of int32
+        The lower facets, counter-clockwise seen from above. Those of lifted points project to the
+        Delaunay triangles.
+    q : tuple of float, optional
+        The vertex of the paraboloid, where the points were lifted to one.
+    neighbors : (m, 3) ndarray of int32, optional
+        The facet across the edge that faces vertex k; -1 at the rim.
+    counters : Counters, optional
+        What the paper's procedure took, where it found the hull.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> hull = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted(q=(1, 1))
+    >>> hull.vertices[:, 2]
+    array([2., 1., 1.])
+    """
+
+    vertices: Floats
+    faces: Rows
+    q: tuple[float, float] | None = None
+    neighbors: Rows | None = None
+    counters: Counters | None = None
+
+    @property
+    def above(self) -> Rows:
+        """Rows that are no vertex of a facet, in ascending order.
+
+        Returns
+        -------
+        (k,) ndarray of int32
+            Rows above the lower hull, and rows equal to a vertex.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.lower_hull([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 9]]).above
+        array([3], dtype=int32)
+        """
+        unused = np.ones(len(self.vertices), dtype=bool)
+        unused[self.faces] = False
+        return np.flatnonzero(unused).astype(np.int32)
+
+    def to_cloud(self) -> Cloud:
+        """Give the hull as a cloud with faces.
+
+        Returns
+        -------
+        Cloud
+            Vertices and faces.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> len(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_cloud())
+        3
+        """
+        metadata = {} if self.q is None else {"q": self.q}
+        return Cloud(self.vertices, faces=self.faces, metadata=metadata)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """Give the hull as a trimesh mesh, vertices and faces untouched.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            The mesh.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_trimesh().faces.shape
+        (1, 3)
+        """
+        from liftmesh.io.objects.trimesh import to_mesh  # noqa: PLC0415
+
+        return to_mesh(self.to_cloud())
+
+    def save(self, path: Any, **options: Any) -> Written:
+        """Write the hull to a mesh file.
+
+        Parameters
+        ----------
+        path : path or binary file
+            Where to; the suffix names the format.
+        **options
+            As for `liftmesh.write`.
+
+        Returns
+        -------
+        Written
+            What was written.
+
+        Raises
+        ------
+        FormatError
+            The format is unknown, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import io, liftmesh
+        >>> hull = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted()
+        >>> hull.save(io.BytesIO(), format="ply").format
+        'ply'
+        """
+        from liftmesh.io.files import write  # noqa: PLC0415
+
+        return write(path, self.to_cloud(), **options)

@@ -1,0 +1,398 @@
+"""The result: triangles over the caller's rows, under the names SciPy gave them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
+from liftmesh.arrays import as_pairs
+from liftmesh.options import NonFinite
+from liftmesh.planar.lifting import LowerHull, lift, resolve_q
+
+if TYPE_CHECKING:
+    import scipy.spatial
+
+    from liftmesh.planar.certificate import Certificate
+    from liftmesh.planar.counters import Counters
+
+
+class Triangulation:
+    """A Delaunay triangulation of planar points. Made by `delaunay`.
+
+    Every index is a row of the caller's array. What costs memory is computed when first asked for.
+    The arrays are read-only: take a copy to change one, and leave the points as they are while the
+    triangulation is in use.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64 or float32
+        The planar points.
+    simplices, neighbors : (m, 3) ndarray of int32
+        As the attributes.
+    hull : (h,) ndarray of int32
+        The rows on the convex hull, counter-clockwise.
+    duplicates : (k, 2) ndarray of int32
+        As the attribute.
+    skipped : (j,) ndarray of int32
+        As the attribute.
+    counters : Counters, optional
+        As the attribute.
+
+    Attributes
+    ----------
+    simplices : (m, 3) ndarray of int32
+        The triangles, counter-clockwise.
+    neighbors : (m, 3) ndarray of int32
+        The triangle across the edge that faces vertex k; -1 outside.
+    duplicates : (k, 2) ndarray of int32
+        Rows that are no vertex because a lower row has the same position, by ascending row, each
+        with the row that is kept.
+    skipped : (j,) ndarray of int32
+        Rows left out as not finite.
+    counters : Counters or None
+        What a procedure of the paper took; None for divide and conquer.
+    paraboloid_scale, paraboloid_shift : float
+        1 and 0: the lift is z = x^2 + y^2.
+    ndim : int
+        2.
+    furthest_site : bool
+        False.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> tri = liftmesh.delaunay([[0, 0], [2, 0], [0, 2], [2, 3], [0, 0]])
+    >>> tri.nsimplex, tri.duplicates.tolist()
+    (2, [[4, 0]])
+    >>> tri.find_simplex([[0.1, 0.1], [5, 5]]).tolist()
+    [0, -1]
+    """
+
+    ndim = 2
+    furthest_site = False
+    paraboloid_scale = 1.0
+    paraboloid_shift = 0.0
+
+    def __init__(
+        self,
+        points: Reals,
+        simplices: Rows,
+        neighbors: Rows,
+        hull: Rows,
+        duplicates: Rows,
+        skipped: Rows,
+        counters: Counters | None = None,
+    ) -> None:
+        # What point location rests on must not change under it.
+        for array in (simplices, neighbors, hull, duplicates, skipped):
+            if array.flags.writeable:
+                array.setflags(write=False)
+        self._rows = points
+        self._hull = hull
+        self.simplices = simplices
+        self.neighbors = neighbors
+        self.duplicates = duplicates
+        self.skipped = skipped
+        self.counters = counters
+
+    def __repr__(self) -> str:
+        return (
+            f"<{type(self).__name__}: {self.nsimplex} triangles over {self.npoints} rows, "
+            f"{len(self.duplicates)} duplicates, {len(self.skipped)} skipped>"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_locator"}
+
+    @property
+    def npoints(self) -> int:
+        """The number of rows."""
+        return len(self._rows)
+
+    @property
+    def nsimplex(self) -> int:
+        """The number of triangles."""
+        return len(self.simplices)
+
+    @cached_property
+    def points(self) -> Floats:
+        """The planar points, (n, 2) float64: the caller's memory where it is float64."""
+        return self._rows.astype(np.float64, copy=False)
+
+    @property
+    def convex_hull(self) -> Rows:
+        """The edges of the hull, (h, 2) int32.
+
+        One after the other counter-clockwise, from the lexicographically least point. Points on the
+        sides of the hull are vertices of it.
+        """
+        return np.stack([self._hull, np.roll(self._hull, -1)], axis=1)
+
+    @property
+    def coplanar(self) -> Rows:
+        """The duplicates as SciPy gives them, (k, 3) int32: row, a triangle there, row kept."""
+        row, kept = self.duplicates.T
+        return np.stack([row, self.vertex_to_simplex[kept], kept], axis=1)
+
+    @property
+    def good(self) -> Rows:
+        """Ones, (m,) int32, as SciPy has them."""
+        return np.ones(self.nsimplex, dtype=np.int32)
+
+    @cached_property
+    def min_bound(self) -> Floats:
+        """The lower left corner of the bounding box, (2,) float64."""
+        corner: Floats = self.points[self._hull].min(axis=0)
+        return corner
+
+    @cached_property
+    def max_bound(self) -> Floats:
+        """The upper right corner of the bounding box, (2,) float64."""
+        corner: Floats = self.points[self._hull].max(axis=0)
+        return corner
+
+    @cached_property
+    def vertex_to_simplex(self) -> Rows:
+        """The first triangle at each row, (n,) int32; -1 for rows that are no vertex."""
+        first = np.full(self.npoints, -1, dtype=np.int32)
+        names = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 3)
+        # Of repeated assignments the last stays: backwards, that is the first triangle.
+        first[self.simplices.reshape(-1)[::-1]] = names[::-1]
+        return first
+
+    @cached_property
+    def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
+        """The neighbours of each row: indptr, (n + 1,) int32, and indices, int32.
+
+        Those of row i are ``indices[indptr[i]:indptr[i + 1]]``.
+        """
+        a, b, c = self.simplices.T
+        following = np.roll(self._hull, -1)
+        # Each triangle gives its three edges in one direction; hull edges lack the other.
+        start = np.concatenate([a, b, c, following])
+        end = np.concatenate([b, c, a, self._hull])
+        indptr = np.zeros(self.npoints + 1, dtype=np.int32)
+        np.cumsum(np.bincount(start, minlength=self.npoints), out=indptr[1:])
+        return indptr, end[np.argsort(start, kind="stable")]
+
+    @cached_property
+    def transform(self) -> Floats:
+        """The barycentric transforms, (m, 3, 2) float64; NaN where they overflow.
+
+        With ``T = transform[i, :2]`` and ``r = transform[i, 2]``, ``T @ (x - r)`` gives the first
+        two barycentric coordinates of x in triangle i.
+        """
+        corners = self.points[self.simplices]
+        origin = corners[:, 2]
+        (ax, ay), (bx, by) = (corners[:, 0] - origin).T, (corners[:, 1] - origin).T
+        result = np.empty((self.nsimplex, 3, 2))
+        with np.errstate(all="ignore"):
+            inverse = np.array([[by, -bx], [-ay, ax]]) / (ax * by - ay * bx)
+        result[:, :2] = inverse.transpose(2, 0, 1)
+        result[:, 2] = origin
+        result[~np.isfinite(result).all(axis=(1, 2))] = np.nan
+        return result
+
+    @cached_property
+    def equations(self) -> Floats:
+        """The planes of the lifted triangles, (m, 4) float64: unit normal, down, and offset."""
+        a, b, c = (self.points[corner] for corner in self.simplices.T)
+        u, v = b - a, c - a
+        with np.errstate(all="ignore"):
+            rise_u = (u * (a + b)).sum(axis=1)
+            rise_v = (v * (a + c)).sum(axis=1)
+            area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+            slope_x = (rise_u * v[:, 1] - rise_v * u[:, 1]) / area
+            slope_y = (rise_v * u[:, 0] - rise_u * v[:, 0]) / area
+            height = (a * a).sum(axis=1) - slope_x * a[:, 0] - slope_y * a[:, 1]
+            planes = np.stack([slope_x, slope_y, np.full_like(area, -1.0), height], axis=1)
+            unit: Floats = planes / np.sqrt(slope_x**2 + slope_y**2 + 1)[:, None]
+        return unit
+
+    def lift_points(self, x: ArrayLike) -> Floats:
+        """Lift planar points to the paraboloid that `equations` speak of.
+
+        Parameters
+        ----------
+        x : array_like of shape (..., 2)
+            Planar points.
+
+        Returns
+        -------
+        (..., 3) ndarray of float64
+            The points with z = x^2 + y^2.
+
+        Raises
+        ------
+        InputError
+            The last axis is not of length two.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lift_points([3, 4])
+        array([ 3.,  4., 25.])
+        """
+        pairs = as_pairs(x)
+        return lift(pairs.reshape(-1, 2)).reshape(*pairs.shape[:-1], 3)
+
+    def plane_distance(self, xi: ArrayLike) -> Floats:
+        """Measure how far lifted points are from the plane of each triangle.
+
+        Parameters
+        ----------
+        xi : array_like of shape (..., 2)
+            Planar points.
+
+        Returns
+        -------
+        (..., m) ndarray of float64
+            Signed distances, positive below the plane. Rounded: ask `incircle` for exact sides.
+
+        Raises
+        ------
+        InputError
+            The last axis is not of length two.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])
+        >>> tri.plane_distance([0.5, 0.5]) > 0
+        array([ True])
+        """
+        normals, offsets = self.equations[:, :3], self.equations[:, 3]
+        distances: Floats = self.lift_points(xi) @ normals.T + offsets
+        return distances
+
+    def find_simplex(
+        self,
+        xi: ArrayLike,
+        bruteforce: bool = False,  # noqa: ARG002 - part of SciPy's signature
+        tol: float | None = None,  # noqa: ARG002 - part of SciPy's signature
+    ) -> Rows:
+        """Find the triangles that hold the given points, exactly.
+
+        Parameters
+        ----------
+        xi : array_like of shape (..., 2)
+            Planar points.
+        bruteforce, tol
+            Accepted for SciPy's sake; without effect, as the answer is exact.
+
+        Returns
+        -------
+        (...) ndarray of int32
+            The triangle that holds each point; on an edge or a vertex, the first of those that do;
+            -1 outside the convex hull and for points that are not finite.
+
+        Raises
+        ------
+        InputError
+            The last axis is not of length two.
+
+        Notes
+        -----
+        A kd tree over a sample of the triangles, then a visibility walk with exact orientations.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])
+        >>> tri.find_simplex([[0.5, 0.5], [0.5, np.nextafter(0.5, 1)], [np.nan, 0]])
+        array([ 0, -1, -1], dtype=int32)
+        """
+        pairs = as_pairs(xi)
+        found = np.empty(pairs.shape[:-1], dtype=np.int32)
+        self._locator.find(pairs.reshape(-1, 2), found.reshape(-1))
+        return found
+
+    @cached_property
+    def _locator(self) -> _kernel.Locator:
+        return _kernel.Locator(
+            self._rows,
+            np.ascontiguousarray(self.simplices),
+            np.ascontiguousarray(self.neighbors),
+        )
+
+    def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
+        """Give the lower hull of the lifted points, whose projection this triangulation is.
+
+        Parameters
+        ----------
+        q : {"origin", "median"} or (2,) array_like, default "origin"
+            The vertex of the paraboloid.
+
+        Returns
+        -------
+        LowerHull
+            A mesh in space: all rows lifted, the triangles as its lower facets.
+
+        Raises
+        ------
+        InputError
+            q is none of these.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted("median").q
+        (0.0, 0.0)
+        """
+        vertex = resolve_q(q, self.points)
+        return LowerHull(lift(self.points, vertex), self.simplices, vertex, self.neighbors)
+
+    def verify(self, *, threads: int | None = None) -> Certificate:
+        """Verify the triangles from scratch, as `liftmesh.verify` does for anybody's.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `delaunay`.
+
+        Returns
+        -------
+        Certificate
+            True where the triangles are a Delaunay triangulation of the points.
+
+        Raises
+        ------
+        InputError
+            `threads` is no such number.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> certificate = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]]).verify()
+        >>> certificate.valid, certificate.canonical
+        (True, True)
+        """
+        from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are seldom needed
+
+        nonfinite: NonFinite = "skip" if len(self.skipped) else "error"
+        return verify(self._rows, self.simplices, nonfinite=nonfinite, threads=threads)
+
+    def to_scipy(self) -> scipy.spatial.Delaunay:
+        """Give a ``scipy.spatial.Delaunay``, for code that accepts only that.
+
+        Returns
+        -------
+        scipy.spatial.Delaunay
+            A real instance that never ran Qhull.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> from scipy.interpolate import LinearNDInterpolator
+        >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])
+        >>> float(LinearNDInterpolator(tri.to_scipy(), [0.0, 1.0, 2.0])(0.25, 0.25))
+        0.75
+        """
+        from liftmesh.io.objects.scipy import to_delaunay  # noqa: PLC0415
+
+        return to_delaunay(self)

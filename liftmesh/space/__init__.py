@@ -1,0 +1,1 @@
+"""Points in space: lower convex hulls."""

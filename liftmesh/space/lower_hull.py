@@ -1,0 +1,104 @@
+"""lower_hull(): the lower convex hull of points in space.
+
+Each set of points has one canonical result, and every method finds it.
+"""
+
+from __future__ import annotations
+
+from typing import get_args
+
+from numpy.typing import ArrayLike
+
+from liftmesh import _kernel
+from liftmesh._typing import Rows
+from liftmesh.arrays import as_coordinates, as_rows3, check_finite
+from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.options import HullMethod, Method, check_option
+from liftmesh.planar.counters import Counters
+from liftmesh.planar.lifting import LowerHull
+
+
+def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
+    """Find the lower convex hull of points in space: exact for every finite double.
+
+    Where four or more points lie on one plane, the facets are those of the symbolic perturbation
+    that lifts lexicographically larger points (by x, then y) more: the placing triangulation in
+    that order. So every point that lies on the lower hull is a vertex of it, and the facets are a
+    function of the points alone.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 3)
+        Points in space; z may be any height. Of points over one planar position only the lowest can
+        be on the lower hull, and of several equal ones the first row is.
+    method : {"auto", "lf"}, default "auto"
+        The engine; both find the same facets. "auto" is randomised incremental construction, in
+        O(n log n) expected steps on every input; "lf" is gift wrapping by the paper's procedure LF,
+        in quadratic to cubic time.
+
+    Returns
+    -------
+    LowerHull
+        A mesh over the caller's rows. ``above`` lists the rows that are no vertex of it.
+
+    Raises
+    ------
+    InputError
+        `points` has another shape, other values than real numbers, or too many rows; or the method
+        is unknown, or needs planar points.
+    NonFiniteError
+        A row is not finite.
+    DegenerateInputError
+        There are fewer than three distinct planar positions, or all lie on one line.
+
+    Notes
+    -----
+    The hull of lifted points is that of their *rounded* heights: ``lower_hull(lift(p))`` can differ
+    from ``delaunay(p)``, which is exact for the planar points.
+
+    Incremental construction with conflict lists: K. L. Clarkson and P. W. Shor (1989), in the
+    biased order of N. Amenta, S. Choi and G. Rote (2003). LF: Procedure 1 of "The Lifting
+    Projection of Convex Polyhedra for Finding Delaunay Triangulations".
+
+    Examples
+    --------
+    >>> hull = lower_hull([[0, 0, 0], [2, 0, 1], [0, 2, 1], [2, 2, 0], [1, 1, 5], [1, 0.5, -1]])
+    >>> len(hull.faces), hull.above
+    (4, array([4], dtype=int32))
+    """
+    _check_hull_method(method)
+    rows = as_coordinates(points)
+    if rows.shape[1] != 3:
+        raise InputError(
+            "points have two columns: a lower hull needs z; for planar points use "
+            "liftmesh.delaunay, or lift them first with liftmesh.lift"
+        )
+    check_finite(rows, skippable=False)
+    outcome, counts = _kernel.lower_hull(rows, method)
+    status, _, distinct, faces, neighbors, rim, *_ = outcome
+    if status != "ok":
+        raise _upright(distinct, rim)
+    counters = Counters.from_kernel(counts) if method == "lf" else None
+    return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
+
+
+def _check_hull_method(method: str) -> None:
+    known = get_args(HullMethod)
+    if method in get_args(Method) and method not in known:
+        raise InputError(
+            f"method {method!r} is for planar points only, which it lifts itself: use "
+            f"liftmesh.delaunay(points, method={method!r}), or one of "
+            f"{', '.join(map(repr, known))} here"
+        )
+    check_option("method", method, HullMethod)
+
+
+def _upright(distinct: int, rim: Rows) -> DegenerateInputError:
+    if distinct < 3:
+        return DegenerateInputError(
+            f"the points have {distinct} distinct planar positions: a lower facet needs three"
+        )
+    return DegenerateInputError(
+        f"all {distinct} planar positions lie on one line, from row {int(rim[0])} to row "
+        f"{int(rim[1])}: points in a vertical plane have no lower facet; turn them first"
+    )

@@ -1,0 +1,1 @@
+"""Clouds to surfaces: projection planes, equal planar positions, triangulated surfaces."""

@@ -1,0 +1,201 @@
+"""What to do with rows that share one planar position.
+
+The triangulation keeps the lowest row of each position. Rows equal in height too are plain
+duplicates: merged and counted. Rows at another height are overhangs, as on walls, trees or two
+passes of a scanner, and a policy says which row of the position carries the surface. All rows stay
+vertices; the others are left out of the faces. A *group* here is all rows of one shared position.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.errors import DuplicateHeightError
+from liftmesh.options import Duplicates, check_option
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Choice:
+    """Which row carries the surface at each shared planar position.
+
+    Parameters
+    ----------
+    kept : (g,) ndarray of int32
+        The row of each group that the triangulation kept, increasing.
+    carriers : (g,) ndarray of int32
+        The row of each group that carries the surface.
+    left_out : (k,) ndarray of int32
+        The other rows of the groups, increasing.
+    stand_ins : (k,) ndarray of int32
+        For each row left out, the carrier of its group.
+    overhanging : (k,) ndarray of bool
+        Whether the row left out is at another height than its carrier; else it is a duplicate.
+    moved : (j,) ndarray of int32
+        Carriers whose height changes: with the policy ``"mean"``, those of groups of several
+        heights.
+    new_heights : (j,) ndarray of float64
+        Their new heights.
+
+    Examples
+    --------
+    >>> pairs = np.array([[2, 0]], dtype=np.int32)
+    >>> choice = choose_carriers(pairs, np.array([1.0, 5.0, 3.0]), np.zeros((3, 2)), "highest")
+    >>> choice.carriers, choice.left_out, choice.overhanging
+    (array([2], dtype=int32), array([0], dtype=int32), array([ True]))
+    """
+
+    kept: Rows
+    carriers: Rows
+    left_out: Rows
+    stand_ins: Rows
+    overhanging: Mask
+    moved: Rows
+    new_heights: Floats
+
+
+def choose_carriers(duplicates: Rows, heights: Floats, planar: Floats, policy: str) -> Choice:
+    """Choose the row that carries the surface at each shared planar position.
+
+    Parameters
+    ----------
+    duplicates : (k, 2) ndarray of int32
+        Pairs (row, kept row) as a triangulation reports them: the kept row is the lowest of its
+        position.
+    heights : (n,) ndarray of float64
+        The height of every row.
+    planar : (n, 2) ndarray of float64
+        The planar position of every row, for messages.
+    policy : {"first", "last", "lowest", "highest", "mean", "error"}
+        ``first`` and ``last`` take the row with the lowest and highest number; ``lowest`` and
+        ``highest`` the row with the least and greatest height, of several the one with the lowest
+        number; ``mean`` takes the first row and gives it the mean of the different heights of
+        its position; ``error`` allows plain duplicates only.
+
+    Returns
+    -------
+    Choice
+        The carriers, the rows left out, and the heights that change.
+
+    Raises
+    ------
+    InputError
+        The policy is unknown.
+    DuplicateHeightError
+        The policy is ``"error"`` and two rows of one position have different heights.
+
+    Examples
+    --------
+    >>> pairs = np.array([[1, 0], [2, 0]], dtype=np.int32)
+    >>> choice = choose_carriers(pairs, np.array([1.0, 1.0, 4.0]), np.zeros((3, 2)), "mean")
+    >>> choice.carriers, choice.new_heights
+    (array([0], dtype=int32), array([2.5]))
+    """
+    check_option("duplicates", policy, Duplicates)
+    if policy == "error":
+        _refuse_overhangs(duplicates, heights, planar)
+    groups = _Groups.of(duplicates, heights)
+    carriers = groups.carriers(policy)
+    moved, new_heights = groups.means() if policy == "mean" else (carriers[:0], heights[:0])
+    stand_ins = groups.spread(carriers)
+    left = groups.rows != stand_ins
+    left_out, stand_ins = _sorted_pairs(groups.rows[left], stand_ins[left])
+    return Choice(
+        kept=groups.firsts(),
+        carriers=carriers,
+        left_out=left_out,
+        stand_ins=stand_ins,
+        overhanging=heights[left_out] != heights[stand_ins],
+        moved=moved,
+        new_heights=new_heights,
+    )
+
+
+def _refuse_overhangs(duplicates: Rows, heights: Floats, planar: Floats) -> None:
+    """Raise for the first row at another height than the kept row of its position."""
+    unequal = heights[duplicates[:, 0]] != heights[duplicates[:, 1]]
+    if not unequal.any():
+        return
+    row, kept = duplicates[np.argmax(unequal)].tolist()
+    x, y = planar[kept].tolist()
+    raise DuplicateHeightError(
+        f"rows {kept} and {row} share the planar position ({x!r}, {y!r}) at the heights "
+        f"{float(heights[kept])!r} and {float(heights[row])!r}: give duplicates='first', 'last', "
+        "'lowest', 'highest' or 'mean' to say which one carries the surface",
+        rows=(kept, row),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Groups:
+    """The rows of all groups, one group after the other, rows increasing within each."""
+
+    rows: Rows
+    heights: Floats
+    starts: Integers
+
+    @classmethod
+    def of(cls, duplicates: Rows, heights: Floats) -> _Groups:
+        kept, others = _sorted_pairs(duplicates[:, 1], duplicates[:, 0])
+        begins = np.flatnonzero(np.diff(kept, prepend=-1))
+        rows = np.insert(others, begins, kept[begins])
+        return cls(rows, heights[rows], begins + np.arange(len(begins)))
+
+    def firsts(self) -> Rows:
+        return self.rows[self.starts]
+
+    def lengths(self) -> Integers:
+        return np.diff(self.starts, append=len(self.rows))
+
+    def spread(self, values: Array) -> Array:
+        """Repeat one value a group for each row of it."""
+        return np.repeat(values, self.lengths())
+
+    def carriers(self, policy: str) -> Rows:
+        if policy == "last":
+            lasts: Rows = self.rows[self.starts + self.lengths() - 1]
+            return lasts
+        if policy in ("lowest", "highest"):
+            return self._at_extreme(np.minimum if policy == "lowest" else np.maximum)
+        return self.firsts()
+
+    def _at_extreme(self, extreme: np.ufunc) -> Rows:
+        """Find the lowest row of each group among those of extreme height."""
+        reached = self.heights == self.spread(extreme.reduceat(self.heights, self.starts))
+        beyond = np.iinfo(self.rows.dtype).max
+        carriers: Rows = np.minimum.reduceat(np.where(reached, self.rows, beyond), self.starts)
+        return carriers
+
+    def means(self) -> tuple[Rows, Floats]:
+        """Average the groups of several heights: their first rows, and the means."""
+        labels = self.spread(np.arange(len(self.starts)))
+        ordered = self.heights[np.lexsort((self.heights, labels))]
+        distinct = np.ones(len(ordered), dtype=np.bool_)
+        distinct[1:] = ordered[1:] != ordered[:-1]
+        distinct[self.starts] = True
+        several = np.add.reduceat(distinct.astype(np.int64), self.starts) > 1
+        keep = distinct & self.spread(several)
+        counted = np.add.reduceat(keep.astype(np.int64), self.starts)[several]
+        starts = np.cumsum(counted) - counted
+        return self.firsts()[several], _means(ordered[keep], starts)
+
+
+def _sorted_pairs(first: Rows, second: Rows) -> tuple[Rows, Rows]:
+    """Sort pairs of rows by the first, then the second: as one number each, which sorts fastest."""
+    pairs = first.astype(np.int64) << 32 | second
+    pairs.sort()
+    return (pairs >> 32).astype(np.int32), (pairs & 0xFFFFFFFF).astype(np.int32)
+
+
+def _means(heights: Floats, starts: Integers) -> Floats:
+    """Average each run of increasing heights, within the run's range.
+
+    Runs of huge heights are scaled down by a power of two, so that no sum overflows.
+    """
+    counts = np.diff(starts, append=len(heights))
+    lows, highs = heights[starts], heights[starts + counts - 1]
+    scales = np.where(np.maximum(-lows, highs) > 2.0**960, 2.0**-40, 1.0)
+    sums = np.add.reduceat(heights * np.repeat(scales, counts), starts)
+    return np.clip(sums / counts / scales, lows, highs)

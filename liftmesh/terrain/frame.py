@@ -1,0 +1,342 @@
+"""How rows in space become planar input: the plane, its axes, and heights above it.
+
+For ``"xy"`` the planar coordinates are x and y themselves: a view, no arithmetic. Every other plane
+is a rigid frame, an origin and three right-handed unit axes u, v and normal: a row p has the planar
+coordinates (p - origin).u and (p - origin).v and the height (p - origin).normal, each rounded. The
+triangulation is exact for those rounded coordinates.
+
+The origin is taken from amid the rows, so that far from zero little is lost to rounding; where the
+axes are parallel to those of space it is zero, and the coordinates are the caller's own numbers.
+Products are summed column by column, not by a matrix product, so that equal rows have equal
+coordinates wherever they stand in the array, and on every machine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats
+from liftmesh.errors import DegenerateInputError, InputError
+
+_ROWS = 1 << 14  # measured at a time: what is computed on the way stays in the cache
+_DECOMPOSED_AT_ONCE = 1 << 19
+_RIGID = 1e-9
+_NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding, not tilt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A plane with its axes: turns rows in space into planar coordinates and heights.
+
+    Parameters
+    ----------
+    name : str
+        ``"xy"``, ``"fit"``, ``"normal"`` or ``"matrix"``: how the plane was given.
+    origin : (3,) ndarray of float64
+        The point in space that has planar coordinates (0, 0) and height 0.
+    axes : (3, 3) ndarray of float64
+        The rows u, v and normal: unit vectors, right-handed.
+
+    Examples
+    --------
+    >>> frame = resolve_plane((0, -2, 0), np.zeros((1, 3)))
+    >>> frame.planar(np.array([[1.0, 2.0, 3.0]])), frame.heights(np.array([[1.0, 2.0, 3.0]]))
+    (array([[1., 3.]]), array([-2.]))
+    """
+
+    name: str
+    origin: Floats
+    axes: Floats
+
+    @property
+    def normal(self) -> Floats:
+        """(3,) ndarray of float64: the unit vector that points up from the plane."""
+        normal: Floats = self.axes[2]
+        return normal
+
+    @property
+    def matrix(self) -> Floats:
+        """(4, 4) ndarray of float64: the rigid transformation from space to the plane."""
+        matrix: Floats = np.eye(4)
+        matrix[:3, :3] = self.axes
+        matrix[:3, 3] = -self.axes @ self.origin
+        return matrix
+
+    def planar(self, points: Floats) -> Floats:
+        """Planar coordinates of rows in space.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float64
+            Rows in space.
+
+        Returns
+        -------
+        (n, 2) ndarray of float64
+            For ``"xy"`` a view of the first two columns; rounded products otherwise.
+
+        Examples
+        --------
+        >>> resolve_plane("xy", np.zeros((0, 3))).planar(np.array([[1.0, 2.0, 3.0]]))
+        array([[1., 2.]])
+        """
+        if self.name == "xy":
+            return points[:, :2]
+        planar = np.empty((len(points), 2))
+        self._measure(points, 0, planar[:, 0])
+        self._measure(points, 1, planar[:, 1])
+        return planar
+
+    def heights(self, points: Floats) -> Floats:
+        """Heights of rows above the plane.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float64
+            Rows in space.
+
+        Returns
+        -------
+        (n,) ndarray of float64
+            For ``"xy"`` a view of the third column; rounded products otherwise.
+
+        Examples
+        --------
+        >>> resolve_plane("xy", np.zeros((0, 3))).heights(np.array([[1.0, 2.0, 3.0]]))
+        array([3.])
+        """
+        if self.name == "xy":
+            return points[:, 2]
+        heights = np.empty(len(points))
+        self._measure(points, 2, heights)
+        return heights
+
+    def raised(self, points: Floats, old: Floats, new: Floats) -> Floats:
+        """Rows moved along the normal from one height to another.
+
+        Parameters
+        ----------
+        points : (n, 3) ndarray of float64
+            Rows in space.
+        old, new : (n,) ndarray of float64
+            Their heights, and the heights they are to have.
+
+        Returns
+        -------
+        (n, 3) ndarray of float64
+            New rows. For ``"xy"`` z is ``new``, and x and y are the same bit for bit.
+
+        Examples
+        --------
+        >>> frame = resolve_plane("xy", np.zeros((0, 3)))
+        >>> frame.raised(np.array([[1.0, 2.0, 3.0]]), np.array([3.0]), np.array([9.0]))
+        array([[1., 2., 9.]])
+        """
+        if self.name == "xy":
+            return np.column_stack([points[:, :2], new])
+        return points + (new - old)[:, None] * self.normal
+
+    def _measure(self, points: Floats, axis: int, along: Floats) -> None:
+        """Measure the rows along one axis, rounding; NaN and infinity pass silently."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            for start in range(0, len(points), _ROWS):
+                rows = slice(start, start + _ROWS)
+                along[rows] = self._along(points[rows], axis)
+
+    def _along(self, points: Floats, axis: int) -> Floats:
+        total: Any = None
+        for column in np.flatnonzero(self.axes[axis]):
+            part = (points[:, column] - self.origin[column]) * self.axes[axis, column]
+            total = part if total is None else total + part
+        result: Floats = total
+        return result
+
+
+def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
+    """Make the frame that an option ``plane`` stands for.
+
+    Parameters
+    ----------
+    plane : "xy", "fit", (3,) or (4, 4) array-like
+        ``"xy"``: x and y as they are. ``"fit"``: the plane with the least sum of squared distances
+        to the finite rows; its normal has n_z > 0, or n_z = 0 and n_y > 0, or both zero and
+        n_x > 0. Being computed in floating point, it may differ by rounding for another order of
+        the rows. A vector: the normal, of any length but zero. A matrix: the rigid transformation
+        from space to the plane, as ``trimesh.geometry.plane_transform`` returns it.
+    points : (n, 3) ndarray of float64
+        The rows that will be turned into planar coordinates; non-finite ones are ignored.
+
+    Returns
+    -------
+    Frame
+        The plane with its axes.
+
+    Raises
+    ------
+    InputError
+        The option is none of these, the normal is zero, or the matrix is not rigid.
+    DegenerateInputError
+        A plane is to be fitted to fewer than three finite rows, or to rows on one line.
+
+    Notes
+    -----
+    For every plane but ``"xy"`` the planar coordinates are rounded, and the triangulation is exact
+    relative to them.
+
+    Examples
+    --------
+    >>> roof = np.array([[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [0.0, 3.0, 9.0], [4.0, 3.0, 9.0]])
+    >>> resolve_plane("fit", roof).normal.round(6)
+    array([ 0. , -0.8,  0.6])
+    """
+    if isinstance(plane, str):
+        return _named(plane, points)
+    values = _numbers(plane)
+    if values.shape == (3,):
+        return _around("normal", _normalized(values), _centre(points))
+    return _from_matrix(values)
+
+
+def _named(plane: str, points: Floats) -> Frame:
+    if plane == "xy":
+        return Frame("xy", np.zeros(3), np.eye(3))
+    if plane == "fit":
+        normal, centroid = _fit(points)
+        return _around("fit", normal, centroid)
+    raise InputError(f"plane {plane!r} is unknown: give 'xy', 'fit', a normal or a 4x4 matrix")
+
+
+def _numbers(plane: ArrayLike) -> Floats:
+    """Read a normal or a matrix as an array of finite numbers."""
+    remedy = "give 'xy', 'fit', a normal of three numbers or a rigid 4x4 matrix"
+    try:
+        values = np.asarray(plane, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"plane cannot be read as numbers ({error}): {remedy}") from error
+    if values.shape not in ((3,), (4, 4)):
+        raise InputError(f"plane has the shape {values.shape}: {remedy}")
+    if not np.isfinite(values).all():
+        raise InputError(f"plane holds values that are not finite, {values.tolist()}: {remedy}")
+    return values
+
+
+def _normalized(vector: Floats) -> Floats:
+    """Bring a vector to length one, by a power of two first, so that no square overflows."""
+    largest = np.abs(vector).max()
+    if largest == 0:
+        raise InputError("the plane's normal is (0, 0, 0): give a vector that points up from it")
+    scaled = np.ldexp(vector, -np.frexp(largest)[1])
+    unit: Floats = scaled / np.sqrt((scaled * scaled).sum())
+    return unit
+
+
+def _around(name: str, normal: Floats, centre: Floats) -> Frame:
+    """Make the frame of a unit normal, with origin zero where its axes are those of space."""
+    axes = _axes(normal + 0.0)  # the sum turns -0.0 into 0.0: it must not choose the axes
+    exact = bool(np.isin(axes, (-1.0, 0.0, 1.0)).all())
+    return Frame(name, np.zeros(3) if exact else centre, axes)
+
+
+def _axes(normal: Floats) -> Floats:
+    """Right-handed unit axes (u, v, normal) without branches or cancellation.
+
+    Duff and others, Building an Orthonormal Basis, Revisited, JCGT 6 (1), 2017: u and v are x and y
+    for the normal z, and turn continuously with it through each half of the sphere.
+    """
+    x, y, z = normal
+    sign = np.copysign(1.0, z)
+    factor = -1.0 / (sign + z)
+    shear = x * y * factor
+    u = [1.0 + sign * x * x * factor, sign * shear, -sign * x]
+    v = [shear, sign + y * y * factor, -y]
+    return np.array([u, v, normal])
+
+
+def _finite(points: Floats) -> Floats:
+    """Select the finite rows; the array itself where all are."""
+    finite = np.isfinite(points)
+    return points if finite.all() else points[finite.all(axis=1)]
+
+
+def _centre(points: Floats) -> Floats:
+    """Find the centre of the finite rows' bounding box, whatever their order."""
+    rows = _finite(points)
+    if len(rows) == 0:
+        return np.zeros(3)
+    # Column by column: along axis 0 NumPy takes ten times as long.
+    return np.array([column.min() / 2 + column.max() / 2 for column in rows.T])
+
+
+def _fit(points: Floats) -> tuple[Floats, Floats]:
+    """Fit the plane of least squared distances to the finite rows: its normal and the centroid.
+
+    The rows are taken relative to one of them before anything is summed, so that a large offset
+    costs no digits, and scaled by a power of two, so that nothing overflows. The normal is the last
+    right singular vector, which the rows share with the triangle of their QR decomposition.
+    """
+    rows = _finite(points)
+    if len(rows) < 3:
+        raise DegenerateInputError(
+            f"a plane cannot be fitted to {len(rows)} finite rows: it takes three or more"
+        )
+    exponent = int(np.frexp(np.abs(rows).max())[1])
+    base = np.ldexp(rows[0], -exponent)
+    centred = np.ldexp(rows, -exponent)
+    centred -= base
+    shift = centred.mean(axis=0)
+    centred -= shift
+    _, spread, directions = np.linalg.svd(_triangle(centred))
+    if spread[1] <= len(rows) * np.finfo(np.float64).eps * spread[0]:
+        raise DegenerateInputError(
+            "a plane cannot be fitted: all finite rows are equal or on one line; "
+            "give plane='xy', a normal or a matrix"
+        )
+    return _upward(directions[2]), np.ldexp(base + shift, exponent)
+
+
+def _triangle(rows: Floats) -> Floats:
+    """Make the triangle of the QR decomposition, in parts between which Ctrl-C is heard."""
+    triangle: Any = rows[:0]
+    for start in range(0, len(rows), _DECOMPOSED_AT_ONCE):
+        part = rows[start : start + _DECOMPOSED_AT_ONCE]
+        triangle = np.linalg.qr(np.concatenate((triangle, part)), mode="r")
+    return np.asarray(triangle)
+
+
+def _upward(normal: Floats) -> Floats:
+    """Free a fitted normal from noise and make its last component that is not zero positive."""
+    cleaned = _normalized(np.where(np.abs(normal) < _NOISE, 0.0, normal))
+    last = cleaned[np.flatnonzero(cleaned)[-1]]
+    return cleaned if last > 0 else -cleaned
+
+
+def _from_matrix(matrix: Floats) -> Frame:
+    """Make the frame of a rigid matrix, with the point that it takes to zero as origin."""
+    _check_rigid(matrix)
+    axes = matrix[:3, :3].copy()
+    origin: Floats = np.linalg.solve(axes, -matrix[:3, 3]).astype(np.float64)
+    return Frame("matrix", origin, axes)
+
+
+def _check_rigid(matrix: Floats) -> None:
+    axes = matrix[:3, :3]
+    if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        raise InputError(
+            f"the plane's matrix has the last row {matrix[3].tolist()}: it must be (0, 0, 0, 1); "
+            "transpose a matrix that acts on row vectors"
+        )
+    with np.errstate(over="ignore", invalid="ignore"):
+        error = np.abs(axes @ axes.T - np.eye(3)).max()
+    if not error <= _RIGID:
+        raise InputError(
+            f"the plane's matrix is not rigid, its rotation is off by {error:.3g}: "
+            "take scale and shear out of it"
+        )
+    if np.linalg.det(axes) < 0:
+        raise InputError(
+            "the plane's matrix mirrors (its determinant is -1): negate one row of its rotation"
+        )

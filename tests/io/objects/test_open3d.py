@@ -1,0 +1,253 @@
+"""Open3D objects in and out, legacy and tensor: every coordinate bit for bit, named values too."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import hypothesis.extra.numpy as hnp
+import numpy as np
+import open3d as o3d
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+from liftmesh.io.coercion import as_cloud
+from liftmesh.io.objects.open3d import to_legacy, to_tensor
+
+POINTS = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0], [1.0, 1.0, -0.0]])
+FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
+FLOATS = np.array([[1.0, 0.0, 0.0], [0.0, 0.2, 0.0], [0.1, 0.2, 0.3], [0.7, 0.8, 0.9]])
+BYTES = np.array([[255, 0, 0], [0, 51, 0], [1, 2, 3], [7, 8, 9]], dtype=np.uint8)
+NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.1, 0.2, 0.3]])
+
+any_rows = hnp.arrays(
+    np.float64,
+    st.tuples(st.integers(1, 12), st.just(3)),
+    elements=st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True),
+)
+
+
+def legacy_cloud(points):
+    return o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
+
+
+def tensor_cloud(**named):
+    cloud = o3d.t.geometry.PointCloud()
+    for name, values in named.items():
+        cloud.point[name] = o3d.core.Tensor(values)
+    return cloud
+
+
+@given(any_rows)
+@settings(max_examples=50, deadline=None)
+def test_coordinates_survive_bit_for_bit(points):
+    cloud = Cloud(points, faces=np.zeros((1, 3), dtype=np.int32))
+    legacy, tensor = to_legacy(cloud), to_tensor(cloud)
+    assert np.asarray(legacy.vertices).tobytes() == points.tobytes()
+    assert tensor.vertex["positions"].numpy().tobytes() == points.tobytes()
+    for source in (legacy, tensor, legacy_cloud(points), tensor_cloud(positions=points)):
+        assert as_cloud(source).points.tobytes() == points.tobytes()
+
+
+def test_legacy_cloud_comes_in_with_colours_and_normals():
+    source = legacy_cloud(POINTS)
+    source.colors = o3d.utility.Vector3dVector(FLOATS)
+    source.normals = o3d.utility.Vector3dVector(NORMALS)
+    cloud = as_cloud(source)
+    assert cloud.colors.tolist() == FLOATS.tolist()
+    assert cloud.normals.tolist() == NORMALS.tolist()
+    assert cloud.faces is None
+
+
+def test_legacy_cloud_without_colours_and_normals_has_none():
+    cloud = as_cloud(legacy_cloud(POINTS))
+    assert cloud.colors is None
+    assert cloud.normals is None
+
+
+def test_legacy_rows_outlive_their_reassignment():
+    source = legacy_cloud(POINTS)
+    cloud = as_cloud(source)
+    source.points = o3d.utility.Vector3dVector(np.full((100_000, 3), 9.0))
+    assert cloud.points.tobytes() == POINTS.tobytes()
+
+
+def test_tensor_cloud_comes_in_with_named_values():
+    source = tensor_cloud(
+        positions=POINTS,
+        colors=BYTES,
+        normals=NORMALS,
+        intensity=np.arange(4, dtype=np.uint16)[:, None],
+        scores=np.eye(4, 2),
+        label=np.array([2, 2, 6, 9]),
+    )
+    cloud = as_cloud(source)
+    assert cloud.colors.dtype == np.uint8
+    assert cloud.colors.tolist() == BYTES.tolist()
+    assert cloud.normals.tolist() == NORMALS.tolist()
+    assert cloud.attributes["intensity"].dtype == np.uint16
+    assert cloud.attributes["intensity"].tolist() == [0, 1, 2, 3]
+    assert cloud.attributes["scores"].tolist() == np.eye(4, 2).tolist()
+    assert cloud.attributes["label"].tolist() == [2, 2, 6, 9]
+
+
+def test_tensor_positions_outlive_the_cloud():
+    points = as_cloud(tensor_cloud(positions=POINTS)).points
+    assert points.tobytes() == POINTS.tobytes()
+
+
+def test_single_precision_positions_become_doubles_of_the_same_value():
+    single = (POINTS / 3).astype(np.float32)
+    points = as_cloud(tensor_cloud(positions=single)).points
+    assert points.dtype == np.float64
+    assert np.array_equal(points, single)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [o3d.geometry.PointCloud(), o3d.t.geometry.PointCloud(), o3d.t.geometry.TriangleMesh()],
+)
+def test_empty_objects_have_no_rows(source):
+    assert len(as_cloud(source)) == 0
+
+
+def test_a_bare_tensor_is_an_array():
+    assert as_cloud(o3d.core.Tensor(POINTS)).points.tobytes() == POINTS.tobytes()
+
+
+def test_attributes_of_another_length_are_refused():
+    with pytest.raises(InputError, match="bad has 3 rows for 4 points"):
+        as_cloud(tensor_cloud(positions=POINTS, bad=np.arange(3)))
+
+
+def test_legacy_mesh_goes_out_and_comes_back():
+    mesh = to_legacy(Cloud(POINTS, colors=FLOATS, normals=NORMALS, faces=FACES))
+    assert isinstance(mesh, o3d.geometry.TriangleMesh)
+    back = as_cloud(mesh)
+    assert back.colors.tobytes() == FLOATS.tobytes()
+    assert back.normals.tobytes() == NORMALS.tobytes()
+    assert back.faces.dtype == np.int32
+    assert back.faces.tolist() == FACES.tolist()
+
+
+def test_legacy_colours_lie_between_zero_and_one():
+    rgba = np.column_stack([BYTES, np.full(4, 255, dtype=np.uint8)])
+    mesh = to_legacy(Cloud(POINTS, colors=rgba, faces=FACES))
+    assert np.asarray(mesh.vertex_colors).tolist() == (BYTES / 255).tolist()
+
+
+def test_nothing_is_made_up_on_the_way_out():
+    cloud = Cloud(POINTS, faces=FACES)
+    legacy, tensor = to_legacy(cloud), to_tensor(cloud)
+    assert not legacy.has_vertex_colors()
+    assert not legacy.has_vertex_normals()
+    assert [name for name, _ in tensor.vertex.items()] == ["positions"]
+
+
+def test_read_only_and_strided_arrays_go_out():
+    points = np.asfortranarray(POINTS)
+    points.flags.writeable = False
+    faces = FACES.copy()
+    faces.flags.writeable = False
+    cloud = Cloud(points, normals=points, colors=BYTES[:, ::-1], faces=faces)
+    for mesh in (to_legacy(cloud), to_tensor(cloud)):
+        back = as_cloud(mesh)
+        assert np.array_equal(back.points, POINTS)
+        assert np.array_equal(back.normals, POINTS)
+        assert np.array_equal(back.faces, FACES)
+
+
+def test_tensor_mesh_goes_out_and_comes_back():
+    attributes = {
+        "intensity": np.arange(4, dtype=np.uint16),
+        "label": np.array([1, 2, 3, 2**53 + 1]),
+        "scores": np.eye(4, 2, dtype=np.float32),
+        "half": np.array([0.1, 0.2, 0.3, 0.4], dtype=np.float16),
+        "big_endian": np.array([1.5, 2.5, 3.5, np.nan], dtype=">f8"),
+        "ground": np.array([True, False, True, True]),
+    }
+    cloud = Cloud(POINTS, colors=FLOATS, normals=NORMALS, attributes=attributes, faces=FACES)
+    mesh = to_tensor(cloud)
+    assert mesh.vertex["positions"].dtype == o3d.core.float64
+    assert mesh.triangle["indices"].dtype == o3d.core.int64
+    assert tuple(mesh.vertex["intensity"].shape) == (4, 1)
+    back = as_cloud(mesh)
+    assert back.faces.tolist() == FACES.tolist()
+    assert back.colors.tobytes() == FLOATS.tobytes()
+    assert back.normals.tobytes() == NORMALS.tobytes()
+    assert set(back.attributes) == set(attributes)
+    for name, values in attributes.items():
+        assert np.array_equal(back.attributes[name], values, equal_nan=values.dtype.kind == "f")
+    assert back.attributes["intensity"].dtype == np.uint16
+
+
+def test_tensor_colours_survive_the_way_to_a_legacy_mesh():
+    mesh = to_tensor(Cloud(POINTS, colors=BYTES, faces=FACES))
+    assert mesh.vertex["colors"].dtype == o3d.core.float32
+    legacy = np.asarray(mesh.to_legacy().vertex_colors)
+    assert np.rint(legacy * 255).astype(np.uint8).tolist() == BYTES.tolist()
+
+
+def test_alpha_that_says_something_becomes_an_attribute():
+    opaque = np.column_stack([BYTES, np.full(4, 255, dtype=np.uint8)])
+    clear = np.column_stack([BYTES, np.array([255, 255, 51, 0], dtype=np.uint8)])
+    assert "alpha" not in to_tensor(Cloud(POINTS, colors=opaque, faces=FACES)).vertex
+    back = as_cloud(to_tensor(Cloud(POINTS, colors=clear, faces=FACES)))
+    assert np.rint(back.attributes["alpha"] * 255).tolist() == [255, 255, 51, 0]
+
+
+@pytest.mark.parametrize("name", ["positions", "normals", "colors", "alpha"])
+def test_names_that_tensors_keep_for_themselves(name):
+    cloud = Cloud(POINTS, attributes={name: np.arange(4.0)}, faces=FACES)
+    with pytest.raises(InputError, match=f"called '{name}', .*: rename it"):
+        to_tensor(cloud)
+
+
+def test_types_unknown_to_tensors_name_the_attribute():
+    cloud = Cloud(POINTS, attributes={"name": np.array(list("abcd"))}, faces=FACES)
+    with pytest.raises(InputError, match=r"attribute 'name' has the type <U1"):
+        to_tensor(cloud)
+
+
+def test_open3d_writes_what_goes_out(tmp_path):
+    path = str(tmp_path / "mesh.ply")
+    cloud = Cloud(POINTS, colors=BYTES, attributes={"label": np.arange(4)}, faces=FACES)
+    assert o3d.t.io.write_triangle_mesh(path, to_tensor(cloud))
+    read = o3d.io.read_triangle_mesh(path)
+    assert np.asarray(read.vertices).tolist() == POINTS.tolist()
+    assert np.rint(np.asarray(read.vertex_colors) * 255).tolist() == BYTES.tolist()
+
+
+@pytest.mark.parametrize(
+    ("cause", "remedy"),
+    [
+        ("libusb-1.0.so.0: cannot open shared object file", "libusb-1.0-0"),
+        ("No module named 'open3d.core'", r"pip install 'liftmesh[open3d]'"),
+    ],
+)
+def test_an_open3d_that_cannot_be_loaded_is_explained(tmp_path, cause, remedy):
+    package = tmp_path / "open3d"
+    package.mkdir()
+    (package / "__init__.py").write_text(f"raise ImportError({cause!r})\n")
+    script = (
+        "import numpy as np\n"
+        "from liftmesh.io.objects.open3d import to_tensor\n"
+        "from liftmesh import Cloud, MissingDependencyError\n"
+        "try:\n"
+        "    to_tensor(Cloud(np.zeros((3, 3))))\n"
+        "except MissingDependencyError as error:\n"
+        "    print(error)\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "open3d" in run.stdout
+    assert cause in run.stdout
+    assert remedy in run.stdout

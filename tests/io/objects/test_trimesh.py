@@ -1,0 +1,167 @@
+"""trimesh objects in and out: every coordinate bit for bit, nothing made up, nothing lost."""
+
+from __future__ import annotations
+
+import hypothesis.extra.numpy as hnp
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings, strategies as st
+
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+from liftmesh.io.coercion import as_cloud
+from liftmesh.io.objects.trimesh import to_mesh
+
+POINTS = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0], [1.0, 1.0, -0.0]])
+FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
+COLORS = np.array([[255, 0, 0, 255], [0, 255, 0, 128], [0, 0, 255, 0], [1, 2, 3, 4]], np.uint8)
+NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.1, 0.2, 0.3]])
+
+any_rows = hnp.arrays(
+    np.float64,
+    st.tuples(st.integers(1, 12), st.just(3)),
+    elements=st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True),
+)
+
+
+@given(any_rows)
+@settings(max_examples=50, deadline=None)
+def test_coordinates_survive_bit_for_bit(points):
+    faces = np.zeros((1, 3), dtype=np.int32)
+    mesh = to_mesh(Cloud(points, faces=faces))
+    assert np.asarray(mesh.vertices).tobytes() == points.tobytes()
+    assert as_cloud(mesh).points.tobytes() == points.tobytes()
+    assert as_cloud(trimesh.PointCloud(points)).points.tobytes() == points.tobytes()
+
+
+def test_point_cloud_shares_its_coordinates():
+    source = trimesh.PointCloud(POINTS)
+    points = as_cloud(source).points
+    assert type(points) is np.ndarray
+    assert np.shares_memory(points, source.vertices)
+
+
+def test_point_cloud_colours_and_metadata():
+    cloud = as_cloud(trimesh.PointCloud(POINTS, colors=COLORS, metadata={"crs": "EPSG:32614"}))
+    assert cloud.colors.dtype == np.uint8
+    assert cloud.colors.tolist() == COLORS.tolist()
+    assert cloud.metadata["crs"] == "EPSG:32614"
+    assert cloud.faces is None
+    assert cloud.normals is None
+    assert not cloud.attributes
+
+
+def test_point_cloud_without_colours_has_none():
+    assert as_cloud(trimesh.PointCloud(POINTS)).colors is None
+
+
+def test_empty_point_cloud():
+    assert len(as_cloud(trimesh.PointCloud(None))) == 0
+
+
+def test_mesh_carries_everything_in():
+    source = trimesh.Trimesh(
+        POINTS,
+        FACES,
+        vertex_colors=COLORS,
+        vertex_normals=NORMALS,
+        vertex_attributes={"intensity": np.arange(4.0), "flow": np.ones((4, 2))},
+        process=False,
+    )
+    cloud = as_cloud(source)
+    assert cloud.points.tobytes() == POINTS.tobytes()
+    assert cloud.faces.dtype == np.int32
+    assert cloud.faces.tolist() == FACES.tolist()
+    assert cloud.colors.tolist() == COLORS.tolist()
+    assert cloud.normals.tolist() == NORMALS.tolist()
+    assert cloud.attributes["intensity"].tolist() == [0, 1, 2, 3]
+    assert cloud.attributes["flow"].shape == (4, 2)
+
+
+def test_mesh_without_colours_and_normals_has_none_and_stays_without():
+    source = trimesh.Trimesh(POINTS, FACES, process=False)
+    cloud = as_cloud(source)
+    assert cloud.colors is None
+    assert cloud.normals is None
+    assert not source.visual.defined
+    assert "vertex_normals" not in source._cache
+
+
+def test_face_colours_are_no_vertex_colours():
+    source = trimesh.Trimesh(POINTS, FACES, face_colors=COLORS[:2], process=False)
+    assert as_cloud(source).colors is None
+
+
+def test_textures_are_no_vertex_colours():
+    visual = trimesh.visual.TextureVisuals(uv=np.zeros((4, 2)))
+    assert as_cloud(trimesh.Trimesh(POINTS, FACES, visual=visual, process=False)).colors is None
+
+
+def test_derived_classes_are_accepted():
+    class Terrain(trimesh.Trimesh):
+        pass
+
+    assert len(as_cloud(Terrain(POINTS, FACES, process=False))) == 4
+    assert len(as_cloud(trimesh.primitives.Box())) == 8
+
+
+def test_colours_of_another_length_are_refused():
+    source = trimesh.PointCloud(POINTS, colors=COLORS)
+    source.vertices = POINTS[:3]
+    with pytest.raises(InputError, match="colors has 4 rows for 3 points"):
+        as_cloud(source)
+
+
+def test_attributes_of_another_length_are_refused():
+    source = trimesh.Trimesh(POINTS, FACES, vertex_attributes={"a": 7.0}, process=False)
+    with pytest.raises(InputError, match="a has 1 rows for 4 points"):
+        as_cloud(source)
+
+
+def test_everything_goes_out():
+    cloud = Cloud(
+        POINTS,
+        colors=COLORS,
+        normals=NORMALS,
+        attributes={"class": np.array([2, 2, 6, 9], dtype=np.uint8)},
+        faces=FACES,
+        metadata={"comments": ["made by hand"]},
+    )
+    mesh = to_mesh(cloud)
+    assert mesh.faces.tolist() == FACES.tolist()
+    assert mesh.visual.kind == "vertex"
+    assert mesh.visual.vertex_colors.tolist() == COLORS.tolist()
+    assert mesh.vertex_normals.tolist() == NORMALS.tolist()
+    assert mesh.vertex_attributes["class"].dtype == np.uint8
+    assert mesh.metadata["comments"] == ["made by hand"]
+    back = as_cloud(mesh)
+    assert back.colors.tolist() == COLORS.tolist()
+    assert back.normals.tolist() == NORMALS.tolist()
+    assert back.attributes["class"].tolist() == [2, 2, 6, 9]
+
+
+def test_unused_and_equal_vertices_stay():
+    points = np.vstack([POINTS, POINTS, [[np.nan, 0, 0]]])
+    mesh = to_mesh(Cloud(points, faces=FACES))
+    assert len(mesh.vertices) == 9
+    assert mesh.faces.tolist() == FACES.tolist()
+
+
+def test_rgb_floats_become_opaque_bytes():
+    mesh = to_mesh(Cloud(POINTS, colors=np.full((4, 3), 0.2), faces=FACES))
+    assert mesh.visual.vertex_colors.tolist() == [[51, 51, 51, 255]] * 4
+
+
+def test_no_colours_are_made_up_on_the_way_out():
+    assert not to_mesh(Cloud(POINTS, faces=FACES)).visual.defined
+
+
+def test_edits_of_the_mesh_do_not_reach_the_cloud():
+    points, normals, values = POINTS.copy(), NORMALS.copy(), np.arange(4.0)
+    mesh = to_mesh(Cloud(points, normals=normals, attributes={"a": values}, faces=FACES))
+    mesh.vertices[:] = 9.0
+    mesh.vertex_attributes["a"][:] = 9.0
+    assert points.tobytes() == POINTS.tobytes()
+    assert values.tolist() == [0, 1, 2, 3]
+    assert normals.flags.writeable
