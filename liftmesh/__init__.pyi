@@ -12,9 +12,14 @@ from .errors import (
     UnsupportedTypeError as UnsupportedTypeError,
 )
 from .io.coercion import as_cloud as as_cloud
-from .io.files import Written as Written, read as read, write as write
+from .io.files import (
+    Written as Written,
+    read as read,
+    read_chunks as read_chunks,
+    write as write,
+)
 from .io.format import Format as Format
-from .io.objects.registry import Adapter as Adapter
+from .io.registry import Adapter as Adapter
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
 from .planar.counters import Counters as Counters
 from .planar.delaunay import Delaunay as Delaunay, delaunay as delaunay

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -29,11 +29,14 @@ class Cloud:
         Triangles as rows of ``points``.
     metadata : mapping
         What belongs to the whole: comments of a file, its path.
+    crs : str, optional
+        The coordinate reference system of the points, as WKT or ``EPSG:n``: carried along, and
+        written where a format has a place for it, but not interpreted.
 
     Raises
     ------
     InputError
-        An array does not have one row a point.
+        An array does not have one row a point, or ``crs`` is no text.
 
     Examples
     --------
@@ -49,6 +52,7 @@ class Cloud:
     attributes: Mapping[str, Array] = field(default_factory=dict)
     faces: Rows | None = None
     metadata: Mapping[str, Any] = field(default_factory=dict)
+    crs: str | None = None
 
     def __post_init__(self) -> None:
         if self.points.ndim != 2 or self.points.shape[1] != 3:
@@ -59,6 +63,8 @@ class Cloud:
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
                     "give one row a point"
                 )
+        if self.crs is not None and (not isinstance(self.crs, str) or not self.crs):
+            raise InputError(f"crs is {self.crs!r}: give a text, WKT or 'EPSG:n', or None")
         object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
 
@@ -67,6 +73,35 @@ class Cloud:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def select(self, which: slice | Array) -> Cloud:
+        """Select rows, with all that is known of them, without the faces.
+
+        Parameters
+        ----------
+        which : slice or ndarray
+            Rows, or a mask of them, as NumPy indexes.
+
+        Returns
+        -------
+        Cloud
+            The selected rows in the order they were named; slices share memory with this cloud.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> Cloud(np.eye(3)).select(slice(1, None)).points
+        array([[0., 1., 0.],
+               [0., 0., 1.]])
+        """
+        return replace(
+            self,
+            points=self.points[which],
+            colors=None if self.colors is None else self.colors[which],
+            normals=None if self.normals is None else self.normals[which],
+            attributes={name: values[which] for name, values in self.attributes.items()},
+            faces=None,
+        )
 
     def _per_row(self) -> list[tuple[str, Array]]:
         named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]

@@ -174,7 +174,7 @@ def test_streams_with_json():
     )
     assert done.returncode == 0
     told = json.loads(done.stderr)
-    assert (told["path"], told["dropped"]) == ("-", ["colors"])
+    assert (told["path"], told["dropped"]) == ("-", ["colors", "double precision"])
     assert len(done.stdout) == told["bytes"]
 
 

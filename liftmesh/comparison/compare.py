@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from time import perf_counter
 from types import MappingProxyType
 from typing import Literal
@@ -17,8 +16,7 @@ from liftmesh.comparison.evidence import Evidence
 from liftmesh.comparison.hull_facets import trimesh_hull
 from liftmesh.comparison.matching import used_rows
 from liftmesh.comparison.report import Comparison
-from liftmesh.io import files
-from liftmesh.io.coercion import as_cloud
+from liftmesh.io.files import read_cloud
 from liftmesh.options import NonFinite
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import resolve_q
@@ -116,9 +114,7 @@ def _triangulate(
         source = source.triangulation
     if isinstance(source, Triangulation):
         return source, _timed(source.points, "skip")[1]
-    if isinstance(source, (str, os.PathLike)):
-        source = files.read(source)
-    cloud = as_cloud(source)
+    cloud = read_cloud(source)
     return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
 
 

@@ -1,8 +1,9 @@
 """Colours between the conventions: unsigned integers over their full range, or floats in [0, 1].
 
-trimesh keeps 8-bit RGBA, Open3D floats from 0 to 1, files either. An integer k of b bits is the
-float k / (2^b - 1); rounding to the nearest step takes it back, so 8-bit colours survive the way
-there and back unchanged. Signed integers, NumPy's default for a plain list, are read as 8-bit.
+trimesh keeps 8-bit RGBA, Open3D floats from 0 to 1, files either, and text files just numbers. An
+integer k of b bits is the float k / (2^b - 1); rounding to the nearest step takes it back, so 8-bit
+colours survive the way there and back unchanged. Signed integers, NumPy's default for a plain list,
+are read as 8-bit.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import InputError
+
+# What six printed digits, or single precision, leave of k/255.
+_PRINTED = 1e-6
 
 
 def as_uint8(colors: Array) -> NDArray[np.uint8]:
@@ -96,6 +100,139 @@ def with_alpha(colors: Array) -> Array:
         return colors
     opaque = np.full((len(colors), 1), _full_scale(colors.dtype), dtype=colors.dtype)
     return np.concatenate([colors, opaque], axis=1)
+
+
+def is_opaque(colors: Array) -> bool:
+    """Whether colours have no alpha, or one of full scale everywhere.
+
+    Parameters
+    ----------
+    colors : (n, 3) or (n, 4) ndarray
+        As for `as_uint8`.
+
+    Returns
+    -------
+    bool
+        True where RGB says it all.
+
+    Examples
+    --------
+    >>> is_opaque(np.array([[1, 2, 3, 255]], dtype=np.uint8))
+    True
+    """
+    return colors.shape[1] < 4 or bool((colors[:, 3] == _full_scale(colors.dtype)).all())
+
+
+def fits_eight_bits(colors: Array) -> bool:
+    """Whether eight bits a channel hold colours without loss.
+
+    Parameters
+    ----------
+    colors : (n, c) ndarray
+        As for `as_uint8`.
+
+    Returns
+    -------
+    bool
+        True where rounding to eight bits changes no value.
+
+    Raises
+    ------
+    InputError
+        A value is outside its range or not a number.
+
+    Examples
+    --------
+    >>> fits_eight_bits(np.array([[0.0, 0.2, 1.0]])), fits_eight_bits(np.array([[0.0, 0.5, 1.0]]))
+    (True, False)
+    """
+    if colors.dtype == np.uint8:
+        return True
+    values = as_float(colors)
+    eighths = as_uint8(colors) / 255.0
+    if colors.dtype.kind == "f":
+        eighths = eighths.astype(colors.dtype).astype(np.float64)
+    return np.array_equal(eighths, values)
+
+
+def recognized(values: Floats) -> Array | None:
+    """Find the type of colours that a text file holds as numbers.
+
+    Whole numbers up to 255 are 8-bit, up to 65,535 16-bit; where no value exceeds one they are
+    floats. Floats that are all k/255, as far as printed digits tell, are 8-bit too.
+
+    Parameters
+    ----------
+    values : (n, c) ndarray of float64
+        The numbers.
+
+    Returns
+    -------
+    (n, c) ndarray of uint8, uint16 or float64, or None
+        None where the numbers cannot be colours.
+
+    Examples
+    --------
+    >>> recognized(np.array([[0.0, 128.0, 255.0]]))
+    array([[  0, 128, 255]], dtype=uint8)
+    """
+    scale = ColorScale()
+    scale.look_at(values)
+    return scale.convert(values)
+
+
+class ColorScale:
+    """What the numbers of a text file are as colours, found block by block.
+
+    Examples
+    --------
+    >>> scale = ColorScale()
+    >>> scale.look_at(np.array([[0.0, 0.5, 1.0]]))
+    >>> scale.look_at(np.array([[300.0, 0.0, 0.0]]))
+    >>> scale.convert(np.array([[0.0, 0.5, 1.0]])) is None  # neither floats nor whole numbers
+    True
+    """
+
+    def __init__(self) -> None:
+        self._inside = self._whole = self._eighths = True
+        self._top = 0.0
+
+    def look_at(self, values: Floats) -> None:
+        """Take further numbers into account.
+
+        Parameters
+        ----------
+        values : (n, c) ndarray of float64
+            The numbers.
+        """
+        self._inside &= bool(np.all((values >= 0) & (values <= 65535)))
+        self._whole &= bool(np.all(values == np.rint(values)))
+        self._eighths &= bool(np.all(np.abs(values - _eighths(values) / 255.0) <= _PRINTED))
+        self._top = max(self._top, float(values.max(initial=0.0)))
+
+    def convert(self, values: Floats) -> Array | None:
+        """Convert numbers that were looked at.
+
+        Parameters
+        ----------
+        values : (n, c) ndarray of float64
+            The numbers.
+
+        Returns
+        -------
+        (n, c) ndarray of uint8, uint16 or float64, or None
+            As `recognized`, by all numbers that were looked at.
+        """
+        if not self._inside or (self._top > 1 and not self._whole):
+            return None
+        if self._top > 1:
+            return values.astype(np.uint8 if self._top <= 255 else np.uint16)
+        return _eighths(values).astype(np.uint8) if self._eighths else values
+
+
+def _eighths(values: Floats) -> Floats:
+    scaled: Floats = np.rint(values * 255.0)
+    return scaled
 
 
 def _full_scale(dtype: np.dtype[Any]) -> float:

@@ -1,13 +1,14 @@
 """A cloud under construction, filled column by column.
 
-Files name their columns: x, y, z, red, nx and so on. The sheet owns the arrays that the cloud will
-own, and hands out each named column as a view of them, so that a reader fills the final arrays
-directly, block by block.
+Files name their columns: x, y, z, red, nx and so on. A `CloudBuilder` owns the arrays that the
+cloud will own, and hands out each named column as a view of them, so that a reader fills the final
+arrays directly, block by block.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ COLOR = ("red", "green", "blue")
 ALPHA = "alpha"
 
 
-class Sheet:
+class CloudBuilder:
     """Arrays for ``rows`` points with the named columns.
 
     Parameters
@@ -47,7 +48,22 @@ class Sheet:
         self.attributes = {each: np.empty(rows, types[each].newbyteorder("=")) for each in others}
         self.columns |= self.attributes
 
-    def cloud(self, faces: Rows | None, metadata: Mapping[str, Any]) -> Cloud:
+    @property
+    def rows(self) -> int:
+        """How many rows there is room for."""
+        return len(self.points)
+
+    def fill(self, rows: slice, columns: Mapping[str, Array]) -> None:
+        """Put values into some rows of the columns of that name."""
+        for name, values in columns.items():
+            self.columns[name][rows] = values
+
+    def cloud(
+        self,
+        faces: Rows | None = None,
+        metadata: Mapping[str, Any] = MappingProxyType({}),
+        crs: str | None = None,
+    ) -> Cloud:
         """Hand the filled arrays over."""
         return Cloud(
             self.points,
@@ -56,6 +72,7 @@ class Sheet:
             attributes=self.attributes,
             faces=faces,
             metadata=metadata,
+            crs=crs,
         )
 
     def _grouped(
@@ -70,3 +87,26 @@ class Sheet:
 
     def _share(self, array: Array, names: tuple[str, ...]) -> None:
         self.columns |= {each: array[:, position] for position, each in enumerate(names)}
+
+
+def built_in_chunks(
+    types: Mapping[str, np.dtype], total: int, blocks: Iterable[Mapping[str, Array]], rows: int
+) -> Iterator[CloudBuilder]:
+    """Fill builders of ``rows`` rows each, the last of fewer, from blocks of any size.
+
+    The first block is taken before arrays are allocated: a header that lies about ``total`` fails
+    there.
+    """
+    filled, done = 0, 0
+    builder: CloudBuilder | None = None
+    for block in blocks:
+        size, taken = len(next(iter(block.values()))), 0
+        while taken < size:
+            builder = builder or CloudBuilder(types, min(rows, total - done))
+            count = min(size - taken, builder.rows - filled)
+            part = {name: values[taken : taken + count] for name, values in block.items()}
+            builder.fill(slice(filled, filled + count), part)
+            taken, filled = taken + count, filled + count
+            if filled == builder.rows:
+                yield builder
+                done, filled, builder = done + filled, 0, None

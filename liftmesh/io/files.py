@@ -1,26 +1,31 @@
-"""read() and write(): a path or a stream in, the right format, a path or a stream out."""
+"""read(), read_chunks() and write(): from a path or a stream to a cloud, and back."""
 
 from __future__ import annotations
 
 import inspect
 import io
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.meshes import as_mesh
+from liftmesh.io.coercion import as_cloud
+from liftmesh.io.faces import checked_faces
+from liftmesh.io.format import check_needs, dropped
 from liftmesh.io.registry import find_format
 from liftmesh.io.streams import remaining, seekable
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.format import Format, Origin
+    from liftmesh.io.format import ChunkReader, Format, Origin, Reader
 
 PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
+
+CHUNK_ROWS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +44,8 @@ class Written:
         x, y, z that were subtracted from every vertex because the format holds single precision
         only; the file states it too. None: coordinates are written as they are.
     dropped : tuple of str
-        Colours, normals and attributes of the mesh that the format has no place for.
+        What the mesh has and the file does not keep: colors, alpha, normals, attributes by their
+        names, the crs, rows in no face, double precision, colors beyond 8 bits.
 
     Examples
     --------
@@ -71,8 +77,9 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
     Returns
     -------
     Cloud
-        The rows in the file's order, with colours, normals, attributes and faces if it has them.
-        ``metadata["source"]`` is the file's name, ``metadata["format"]`` the format's.
+        The rows in the file's order, with colours, normals, attributes, faces and coordinate system
+        if it has them. ``metadata["source"]`` is the file's name, ``metadata["format"]`` the
+        format's.
 
     Raises
     ------
@@ -91,15 +98,92 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
     """
     name = _name(source)
     found = _find(source, format, name)
-    if found.read is None:
-        raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
+    read_whole = _reader(found, name)
+    with _opened(source, name) as stream:
+        return _labelled(read_whole(stream, name), found, name)
+
+
+def read_chunks(
+    source: PathOrStream,
+    *,
+    rows: int = CHUNK_ROWS,
+    format: str | None = None,  # noqa: A002
+) -> Iterator[Cloud]:
+    r"""Read a point cloud piece by piece, in bounded memory where its format allows it.
+
+    PLY, text, NPY and NPZ are read in pieces; of text, every line is parsed twice, to find the
+    types of columns first. Other formats, pipes, and PLY files whose vertices have lists are read
+    whole, then cut.
+
+    Parameters
+    ----------
+    source : str, path, or binary stream
+        What to read, as for `read`.
+    rows : int, default 1,000,000
+        How many rows a chunk has at most.
+    format : str, optional
+        As for `read`.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows, at most `rows` of them: together the rows of ``read(source)``, with the
+        same types, colours, normals, attributes and coordinate system, without faces.
+
+    Raises
+    ------
+    InputError
+        `rows` is no positive whole number.
+    FormatError
+        As for `read`: before the first chunk, or at the chunk that is broken.
+    OSError
+        The file is not there or cannot be opened.
+
+    Examples
+    --------
+    >>> import io
+    >>> table = io.BytesIO(b"0 0 5\n1 0 6\n0 1 7\n")
+    >>> [len(chunk) for chunk in read_chunks(table, rows=2, format="xyz")]
+    [2, 1]
+    """
+    if isinstance(rows, bool) or not isinstance(rows, int) or rows < 1:
+        raise InputError(f"rows is {rows!r}: give a whole number from 1")
+    name = _name(source)
+    found = _find(source, format, name)
+    chunks = found.read_chunks or _cut(_reader(found, name))
+    return _chunks(source, found, chunks, name, rows)
+
+
+def read_cloud(source: object) -> Cloud:
+    """Read a path, or make a cloud of any object that holds points.
+
+    Parameters
+    ----------
+    source : path or object
+        A path, as for `read`, or what `as_cloud` takes.
+
+    Returns
+    -------
+    Cloud
+        Its rows.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit.
+    UnsupportedTypeError
+        Nothing turns the object into a cloud.
+    FormatError
+        As for `read`.
+
+    Examples
+    --------
+    >>> len(read_cloud([[0, 0, 5], [1, 0, 6]]))
+    2
+    """
     if isinstance(source, str | os.PathLike):
-        with _opened(source) as stream:
-            cloud = _read(seekable(stream), found.read, name)
-    else:
-        _check_stream(source, "read")
-        cloud = _read(seekable(source), found.read, name)
-    return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
+        return read(source)
+    return as_cloud(source)
 
 
 def write(
@@ -116,8 +200,9 @@ def write(
     target : str, path, or binary stream
         Where to write. A file is written beside its place and then renamed, so that an error
         leaves an old file as it was.
-    mesh : Cloud, (n, 3) array, or object with vertices and faces
-        What to write; colours, normals and attributes go along if the format has a place for them.
+    mesh : object
+        What to write: anything that `as_cloud` takes, and so `triangulate`, but no path. Colours,
+        normals, attributes and the coordinate system go along if the format has a place for them.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name tells.
     **options
@@ -127,14 +212,17 @@ def write(
     Returns
     -------
     Written
-        The format, the number of bytes, and the origin that was subtracted, if any.
+        The format, the number of bytes, the origin that was subtracted, if any, and what the format
+        did not keep.
 
     Raises
     ------
     FormatError
         The format or an option is not known, or the format cannot hold this mesh.
+    InputError
+        Colours or other arrays that cannot be used.
     UnsupportedTypeError
-        ``mesh`` is nothing that can be written.
+        ``mesh`` is nothing that can be written, or a path: `read` it first.
     OSError
         The file cannot be written; the message names what is in the way.
 
@@ -152,21 +240,41 @@ def write(
     name = _name(target)
     found = _find(target, format, name)
     writer = _writer(found, name, options)
-    cloud = as_mesh(mesh, name)
+    cloud = as_cloud(mesh)
+    if cloud.faces is not None:
+        checked_faces(cloud.faces, len(cloud), name)
+    check_needs(found, cloud)
     if isinstance(target, str | os.PathLike):
         with replacing(target) as stream:
             origin, size = _write(stream, cloud, writer, options)
-        return Written(Path(target), found.name, size, origin, _dropped(cloud, found))
-    _check_stream(target, "write")
-    origin, size = _write(target, cloud, writer, options)
-    return Written(None, found.name, size, origin, _dropped(cloud, found))
+    else:
+        _check_stream(target, "write")
+        origin, size = _write(target, cloud, writer, options)
+    path = Path(target) if isinstance(target, str | os.PathLike) else None
+    return Written(path, found.name, size, origin, dropped(found, cloud, options, origin))
 
 
-def _dropped(cloud: Cloud, found: Format) -> tuple[str, ...]:
-    """Name what the mesh has and the format does not keep."""
-    whole = [name for name in ("colors", "normals") if getattr(cloud, name) is not None]
-    dropped = [name for name in whole if name not in found.keeps]
-    return (*dropped, *(() if "attributes" in found.keeps else sorted(cloud.attributes)))
+def _chunks(
+    source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
+) -> Iterator[Cloud]:
+    with _opened(source, name) as stream:
+        for chunk in chunks(stream, name, rows):
+            yield _labelled(chunk, found, name)
+
+
+def _cut(reader: Reader) -> ChunkReader:
+    """Make a chunk reader of a reader of whole files."""
+
+    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        cloud = reader(stream, name)
+        for start in range(0, len(cloud), rows):
+            yield cloud.select(slice(start, start + rows))
+
+    return chunks
+
+
+def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
+    return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
 
 
 def _name(place: object) -> str:
@@ -184,10 +292,29 @@ def _find(place: object, wanted: str | None, name: str) -> Format:
     return find_format(Path(name).suffix, name)
 
 
-def _opened(path: str | os.PathLike[str]) -> BinaryIO:
-    if Path(path).is_dir():
-        raise FormatError(f"{os.fspath(path)}: this is a folder, not a file")
-    return Path(path).open("rb")
+def _reader(found: Format, name: str) -> Reader:
+    if found.read is None:
+        raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
+    return found.read
+
+
+@contextmanager
+def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
+    """Open a path, or take a stream; either as a seekable stream that holds something."""
+    if not isinstance(source, str | os.PathLike):
+        _check_stream(source, "read")
+        yield _filled(seekable(source), name)
+        return
+    if Path(source).is_dir():
+        raise FormatError(f"{name}: this is a folder, not a file")
+    with Path(source).open("rb") as stream:
+        yield _filled(seekable(stream), name)
+
+
+def _filled(stream: BinaryIO, name: str) -> BinaryIO:
+    if not remaining(stream):
+        raise FormatError(f"{name}: the file is empty (0 bytes)")
+    return stream
 
 
 def _check_stream(stream: object, method: str) -> None:
@@ -196,12 +323,6 @@ def _check_stream(stream: object, method: str) -> None:
             f"a {type(stream).__name__} is neither a path nor a binary stream: "
             "open files with mode 'rb' or 'wb'"
         )
-
-
-def _read(stream: BinaryIO, reader: Callable[[BinaryIO, str], Cloud], name: str) -> Cloud:
-    if not remaining(stream):
-        raise FormatError(f"{name}: the file is empty (0 bytes)")
-    return reader(stream, name)
 
 
 def _writer(found: Format, name: str, options: dict[str, Any]) -> Callable[..., Origin | None]:

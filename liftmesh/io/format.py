@@ -1,16 +1,43 @@
-"""What a file format is: a name, its suffixes, and how to read and write it."""
+"""What a file format is: its names, how it is read and written, what it needs and what it keeps.
+
+A format declares once what a cloud must have to be written (`Format.needs`) and what of a cloud the
+file keeps (`Format.keeps`). `liftmesh.write` refuses a cloud that lacks a need, and names in
+`Written.dropped` what the cloud has and the file does not keep.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import BinaryIO, TypeAlias
+from typing import Any, BinaryIO, TypeAlias
 
+import numpy as np
+
+from liftmesh._typing import Floats, Indices
 from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.colors import fits_eight_bits, is_opaque
 
 Origin: TypeAlias = tuple[float, float, float]
 Reader: TypeAlias = Callable[[BinaryIO, str], Cloud]
+ChunkReader: TypeAlias = Callable[[BinaryIO, str, int], Iterator[Cloud]]
 Writer: TypeAlias = Callable[..., Origin | None]
+Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
+
+NEEDS = ("points", "faces", "finite")
+
+# What a file may keep of a cloud, and what it is called where it was dropped.
+CONTENT = {
+    "points": "rows in no face",
+    "faces": "faces",
+    "colors": "colors",
+    "alpha": "alpha",
+    "deep_colors": "colors beyond 8 bits",
+    "normals": "normals",
+    "attributes": "attributes",
+    "crs": "crs",
+    "float64": "double precision",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +59,25 @@ class Format:
     description : str
         One line for people.
     keeps : tuple of str
-        Which of "colors", "normals" and "attributes" the writer has a place for; `write` reports
-        what is not kept.
+        What the file keeps of a cloud: "points" (every row in its place, those in no face
+        included), "faces", "colors" (at 8 bits a channel), "alpha", "deep_colors" (colours of more
+        than 8 bits), "normals", "attributes" (named values), "crs", "float64" (every coordinate bit
+        for bit). By default all of them.
+    needs : tuple of str
+        What a cloud must have to be written: "points" (one row at least), "faces" (one at least),
+        "finite" (no NaN or infinity in a row that the file holds). By default nothing.
+    loses : callable, optional
+        ``loses(cloud, options)``: what of ``keeps`` this cloud loses when written with these
+        options.
+    read_chunks : callable, optional
+        ``read_chunks(stream, name, rows)`` yields clouds of at most ``rows`` consecutive rows each,
+        without faces; together they are the rows that ``read`` returns. Formats without it are read
+        whole, then cut.
+
+    Raises
+    ------
+    InputError
+        ``keeps`` or ``needs`` holds another word than these.
 
     Examples
     --------
@@ -50,4 +94,105 @@ class Format:
     read: Reader | None
     write: Writer | None
     description: str
-    keeps: tuple[str, ...] = ("colors", "normals", "attributes")
+    keeps: tuple[str, ...] = tuple(CONTENT)
+    needs: tuple[str, ...] = ()
+    loses: Losses | None = None
+    read_chunks: ChunkReader | None = None
+
+    def __post_init__(self) -> None:
+        for name, words, known in (
+            ("keeps", self.keeps, tuple(CONTENT)),
+            ("needs", self.needs, NEEDS),
+        ):
+            unknown = [word for word in words if word not in known]
+            if unknown:
+                raise InputError(
+                    f"{name} of the format {self.name!r} holds {unknown[0]!r}: "
+                    f"known are {', '.join(known)}"
+                )
+
+
+def check_needs(found: Format, cloud: Cloud) -> None:
+    """Refuse a cloud that lacks what the format needs: its file would lose rows, or be unreadable.
+
+    Raises
+    ------
+    FormatError
+        There are no points, no faces, or a coordinate is not finite; the message names the row.
+    """
+    if "points" in found.needs and not len(cloud):
+        raise FormatError(
+            f"a cloud without points cannot be written as {found.name.upper()}: write PLY or NPZ"
+        )
+    if "faces" in found.needs and (cloud.faces is None or not len(cloud.faces)):
+        raise FormatError(
+            f"a cloud without faces cannot be written as {found.name.upper()}: write PLY"
+        )
+    if "finite" in found.needs:
+        _check_finite(cloud, _held(found, cloud), found.name)
+
+
+def dropped(
+    found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
+) -> tuple[str, ...]:
+    """Name what a cloud has and its file does not keep, attributes by their own names."""
+    kept = set(found.keeps)
+    if found.loses is not None:
+        kept -= set(found.loses(cloud, options))
+    if "colors" not in kept:
+        kept |= {"alpha", "deep_colors"}  # parts of what is named as a whole
+    missing = [
+        name for word, name in CONTENT.items() if word not in kept and _has(cloud, word, origin)
+    ]
+    if "attributes" in missing:
+        at = missing.index("attributes")
+        missing[at : at + 1] = sorted(cloud.attributes)
+    return tuple(missing)
+
+
+def _has(cloud: Cloud, word: str, origin: Origin | None) -> bool:
+    """Say whether a cloud has something to lose."""
+    colors = cloud.colors
+    if word == "points":
+        return _unused(cloud)
+    if word == "float64":
+        return not _fits_single(cloud.points, origin)
+    if word == "alpha":
+        return colors is not None and not is_opaque(colors)
+    if word == "deep_colors":
+        return colors is not None and not fits_eight_bits(colors)
+    if word == "attributes":
+        return len(cloud.attributes) > 0
+    return getattr(cloud, word) is not None
+
+
+def _held(found: Format, cloud: Cloud) -> Indices:
+    """List the rows that a file holds: all, or those of the faces."""
+    if "points" in found.keeps or cloud.faces is None:
+        return np.arange(len(cloud))
+    return np.unique(cloud.faces).astype(np.intp)
+
+
+def _unused(cloud: Cloud) -> bool:
+    used = np.zeros(len(cloud), dtype=np.bool_)
+    if cloud.faces is not None:
+        used[cloud.faces] = True
+    return not used.all()
+
+
+def _fits_single(points: Floats, origin: Origin | None) -> bool:
+    """Say whether single precision, relative to an origin, brings every coordinate back."""
+    shift = np.zeros(3) if origin is None else np.array(origin)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        again = (points - shift).astype(np.float32).astype(np.float64) + shift
+    return np.array_equal(again, points, equal_nan=True)
+
+
+def _check_finite(cloud: Cloud, rows: Indices, name: str) -> None:
+    bad = ~np.isfinite(cloud.points[rows]).all(axis=1)
+    if bad.any():
+        row = int(rows[np.argmax(bad)])
+        raise FormatError(
+            f"vertex {row} is {cloud.points[row].tolist()}: {name} holds finite coordinates only: "
+            "drop such rows, or write PLY or OBJ"
+        )

@@ -1,20 +1,68 @@
-"""What a glTF file promises, held against what is there, before anything is allocated.
+"""Validation of glTF files before anything is allocated, and the files that they may name.
 
 The JSON tree of a glTF or GLB file says which bytes of which buffer are which numbers. Counts that
 lie would ask for memory that no file backs; numbers that are written as differences to others, or
 compressed, would be read as zeros; indices below zero would be counted from the end. All are
 refused here.
+
+A glTF file may keep its numbers in other files. Whoever made it is not trusted with a choice among
+all files of the machine, nor with its network: only buffers in its own folder are read. Names that
+lead out of it, by ``..``, from the root, through a link or to a server, are refused.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import struct
+from collections.abc import Collection
+from pathlib import Path
 from typing import Any, BinaryIO
+from urllib.parse import unquote
 
 from liftmesh.errors import FormatError
-from liftmesh.io.beside import Beside
 from liftmesh.io.streams import remaining
+
+
+class Resolver:
+    """Reads files in the folder of ``name``, each once, and only those that were ``announced``."""
+
+    def __init__(self, name: str, announced: Collection[str] = ()) -> None:
+        self._name = name
+        self._announced = announced
+        self._contents: dict[str, bytes] = {}
+
+    def __getitem__(self, wanted: str) -> bytes:
+        if wanted not in self._announced:
+            raise FormatError(f"{self._name}: {wanted[:60]!r} is none of its buffers")
+        if wanted not in self._contents:
+            self._contents[wanted] = self._path(wanted).read_bytes()
+        return self._contents[wanted]
+
+    def size(self, wanted: str) -> int:
+        """Count the bytes of a file without reading it."""
+        return self._path(wanted).stat().st_size
+
+    def _path(self, wanted: str) -> Path:
+        if not os.path.isfile(self._name):  # noqa: PTH113 - a name of a stream may hold any bytes
+            raise FormatError(
+                f"{self._name}: its buffer {wanted[:60]!r} is another file, and only a file has "
+                "others beside it: give its path"
+            )
+        folder = Path(self._name).absolute().parent.resolve()
+        try:
+            path = (folder / unquote(wanted)).resolve()
+            is_there = path.is_file()
+        except (OSError, ValueError):  # no name that a file can have
+            path, is_there = folder, False
+        if "://" in wanted or not path.is_relative_to(folder):
+            raise FormatError(
+                f"{self._name}: its buffer {wanted[:60]!r} is not in its folder: put it there"
+            )
+        if not is_there:
+            raise FormatError(f"{self._name}: its buffer {wanted[:60]!r} is not there")
+        return path
+
 
 Tree = dict[str, Any]
 
@@ -28,7 +76,7 @@ _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, 
 _SHARED = 64
 
 
-def checked_gltf(stream: BinaryIO, name: str, kind: str) -> Beside:
+def checked_gltf(stream: BinaryIO, name: str, kind: str) -> Resolver:
     """Check the tree of a file, and say how the files that it names are read.
 
     The stream stays where it is.
@@ -41,7 +89,7 @@ def checked_gltf(stream: BinaryIO, name: str, kind: str) -> Beside:
     begin, size = stream.tell(), remaining(stream)
     tree = _tree(stream, name, kind)
     stream.seek(begin)
-    return _Promises(tree, name, kind).check(size)
+    return _Validation(tree, name, kind).check(size)
 
 
 def _tree(stream: BinaryIO, name: str, kind: str) -> Tree:
@@ -68,7 +116,7 @@ def _json_chunk(stream: BinaryIO, name: str) -> bytes:
     return stream.read(size)
 
 
-class _Promises:
+class _Validation:
     """The parts of a tree, each checked."""
 
     def __init__(self, tree: Tree, name: str, kind: str) -> None:
@@ -76,19 +124,19 @@ class _Promises:
         self._name = name
         self._kind = kind
 
-    def check(self, size: int) -> Beside:
+    def check(self, size: int) -> Resolver:
         """Hold everything against the bytes of the file and of those that it names."""
         uris = [each["uri"] for each in self._list("buffers") if "uri" in each]
         if not all(isinstance(uri, str) for uri in uris):
             raise self._error("a buffer has a name that is no text")
         named = {uri for uri in uris if "base64," not in uri}
-        beside = Beside(self._name, named)
-        there = size + sum(map(beside.size, named))
+        resolver = Resolver(self._name, named)
+        there = size + sum(map(resolver.size, named))
         self._check_views(there)
         self._check_accessors(there)
         self._check_primitives()
         self._check_nodes()
-        return beside
+        return resolver
 
     def _check_views(self, there: int) -> None:
         buffers = len(self._list("buffers"))
@@ -133,9 +181,10 @@ class _Promises:
                         )
 
     def _used(self, primitive: Tree, what: str) -> Tree:
-        """Pick the accessors that become rows, colours and faces."""
+        """Pick the accessors that become rows, normals, colours and faces."""
         (attributes,) = self._dicts([primitive.get("attributes", {})], what)
-        used = {key: attributes[key] for key in ("POSITION", "COLOR_0") if key in attributes}
+        read = ("POSITION", "NORMAL", "COLOR_0")
+        used = {key: attributes[key] for key in read if key in attributes}
         return used | ({"indices": primitive["indices"]} if "indices" in primitive else {})
 
     def _check_nodes(self) -> None:

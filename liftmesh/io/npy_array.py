@@ -1,12 +1,14 @@
 """One array in NumPy's NPY layout: a short header, then the values.
 
-``numpy.load`` takes the memory that a header asks for before it looks at the file. Here the header
-is compared with the file first.
+``numpy.load`` allocates what a header asks for before it looks at the file. Here the header is
+compared with the file first.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import BinaryIO
 
 import numpy as np
@@ -26,25 +28,65 @@ def read_array(stream: BinaryIO, name: str) -> Array:
     FormatError
         The header is broken or promises more than is there, or the values are Python objects.
     """
-    try:
-        shape, by_columns, dtype = _header(stream)
-    except MemoryError:
-        raise
-    except Exception as error:  # the header is a Python literal: its parser raises many kinds
-        raise FormatError(f"{name}: not an NPY file, or its header is broken: {error}") from error
-    if dtype.hasobject:
-        raise FormatError(f"{name}: the array holds Python objects: save it as numbers")
-    shown = shortened(str(shape))
-    if not all(type(length) is int and length >= 0 for length in shape) or not dtype.itemsize:
-        raise FormatError(f"{name}: the header says shape {shown} of {dtype}")
-    count = math.prod(shape)
-    what = f"{dtype} array of shape {shown}"
-    data = read_exactly(stream, count * dtype.itemsize, name, what)
-    flat = np.frombuffer(bytearray(data), dtype, count) if data else np.empty(count, dtype)
-    try:
-        return flat.reshape(shape, order="F" if by_columns else "C")
-    except ValueError as error:  # of more axes than there are, or of none and endless ones
-        raise FormatError(f"{name}: the header says shape {shown}: {error}") from error
+    layout = Layout.read(stream, name)
+    data = read_exactly(stream, layout.size, name, layout.what)
+    return layout.array(data, layout.shape, name)
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What the header of an NPY file says of its array."""
+
+    shape: tuple[int, ...]
+    by_columns: bool
+    dtype: np.dtype
+
+    @classmethod
+    def read(cls, stream: BinaryIO, name: str) -> Layout:
+        """Read the header, and leave the stream at the first value."""
+        try:
+            layout = cls(*_header(stream))
+        except MemoryError:
+            raise
+        except Exception as error:  # the header is a Python literal: its parser raises many kinds
+            raise FormatError(
+                f"{name}: not an NPY file, or its header is broken: {error}"
+            ) from error
+        if layout.dtype.hasobject:
+            raise FormatError(f"{name}: the array holds Python objects: save it as numbers")
+        lengths = all(type(length) is int and length >= 0 for length in layout.shape)
+        if not lengths or not layout.dtype.itemsize:
+            raise FormatError(
+                f"{name}: the header says shape {shortened(str(layout.shape))} of {layout.dtype}"
+            )
+        return layout
+
+    @property
+    def size(self) -> int:
+        """How many bytes the values take."""
+        return math.prod(self.shape) * self.dtype.itemsize
+
+    @property
+    def what(self) -> str:
+        """The array, for messages."""
+        return f"{self.dtype} array of shape {shortened(str(self.shape))}"
+
+    @property
+    def is_by_rows(self) -> bool:
+        """Whether the values of a row stand side by side, so that rows can be read in parts."""
+        return len(self.shape) > 0 and (len(self.shape) == 1 or not self.by_columns)
+
+    def array(self, data: bytes, shape: tuple[int, ...], name: str) -> Array:
+        """Make an array of that shape of its bytes."""
+        count = math.prod(shape)
+        flat = np.frombuffer(bytearray(data), self.dtype, count) if data else None
+        flat = np.empty(count, self.dtype) if flat is None else flat
+        try:
+            return flat.reshape(shape, order="F" if self.by_columns else "C")
+        except ValueError as error:  # of more axes than there are, or of none and endless ones
+            raise FormatError(
+                f"{name}: the header says shape {shortened(str(shape))}: {error}"
+            ) from error
 
 
 def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype]:
@@ -54,3 +96,24 @@ def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype]:
     if version == (2, 0):
         return npy.read_array_header_2_0(stream)
     raise ValueError(f"version {version} of the layout is not known")
+
+
+def array_parts(stream: BinaryIO, layout: Layout, name: str, rows: int) -> Iterator[Array]:
+    """Read an array some rows at a time, or whole and then cut where rows lie scattered."""
+    if not layout.is_by_rows:
+        array = layout.array(_taken(stream, layout.size, name, layout.what), layout.shape, name)
+        yield from (array[start : start + rows] for start in range(0, len(array), rows))
+        return
+    total, *rest = layout.shape
+    row = math.prod(rest) * layout.dtype.itemsize
+    for start in range(0, total, rows):
+        count = min(rows, total - start)
+        data = _taken(stream, count * row, name, layout.what)
+        yield layout.array(data, (count, *rest), name)
+
+
+def _taken(stream: BinaryIO, size: int, name: str, what: str) -> bytes:
+    data = stream.read(size)
+    if len(data) != size:
+        raise FormatError(f"{name}: {what}: the values end too early: the file is cut short")
+    return data

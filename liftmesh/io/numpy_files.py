@@ -9,9 +9,10 @@ import io
 import re
 import zipfile
 import zlib
-from collections.abc import Mapping
-from contextlib import suppress
-from typing import BinaryIO
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import cached_property
+from typing import BinaryIO, Protocol, cast
 
 import numpy as np
 from numpy.lib import format as npy
@@ -20,16 +21,17 @@ from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.columns import Sheet
+from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import Format
-from liftmesh.io.npy_array import read_array
+from liftmesh.io.npy_array import Layout, array_parts, read_array
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 
 _POINTS = ("points", "vertices", "xyz")
 _FACES = ("faces", "triangles")
-_RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
+_CRS = "crs"
+_RESERVED = {*_POINTS, *_FACES, _CRS, "colors", "normals"}
 
 # Deflate shrinks nothing more than 1,032-fold.
 _DENSEST = 1100
@@ -65,6 +67,36 @@ def read_npy(stream: BinaryIO, name: str) -> Cloud:
     return _points_alone(read_array(stream, name), name)
 
 
+def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+    """Read points from an NPY file piece by piece.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+    rows : int
+        How many rows a chunk has at most.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows. Arrays in column-major order are read whole first.
+
+    Raises
+    ------
+    FormatError
+        As `read_npy`.
+    """
+    layout = Layout.read(stream, name)
+    left = remaining(stream)
+    if layout.size > left:
+        raise FormatError(f"{name}: {layout.what}: only {left} bytes of values are there")
+    for part in array_parts(stream, layout, name, rows):
+        yield _points_alone(part, name)
+
+
 def read_npz(stream: BinaryIO, name: str) -> Cloud:
     """Read a cloud or mesh from an NPZ file.
 
@@ -87,13 +119,40 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         The file is broken, or has no array of points.
     """
-    arrays = _members(stream, name)
-    key = next((each for each in _POINTS if each in arrays), None)
-    if key is None and len(arrays) == 1:
-        return _points_alone(next(iter(arrays.values())), name)
-    if key is None:
-        raise FormatError(f"{name}: no array is called points: there are {_listed(arrays)}")
-    return _cloud(_points(arrays.pop(key), name), arrays, name)
+    with _archive(stream, name) as members:
+        arrays = {key: member.whole() for key, member in members.items()}
+    return _Roles(arrays, name).cloud(arrays)
+
+
+def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+    """Read the points of an NPZ file, and all that belongs to them, piece by piece.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+    rows : int
+        How many rows a chunk has at most.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows, without faces. Arrays in column-major order are read whole first.
+
+    Raises
+    ------
+    FormatError
+        As `read_npz`.
+    """
+    with _archive(stream, name) as members:
+        roles = _Roles({key: member.layout for key, member in members.items()}, name)
+        needed = roles.row_arrays
+        crs = {} if roles.crs is None else {roles.crs: members[roles.crs].whole()}
+        streams = [members[key].parts(rows) for key in needed]
+        for parts in zip(*streams, strict=True):
+            yield roles.cloud(dict(zip(needed, parts, strict=True)) | crs)
 
 
 def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> None:
@@ -104,8 +163,8 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     stream : binary stream
         Where to write.
     cloud : Cloud
-        ``points``, and if it has them ``colors``, ``normals``, ``faces`` and each attribute by its
-        name.
+        ``points``, and if it has them ``colors``, ``normals``, ``faces``, ``crs`` and each
+        attribute by its name.
     compressed : bool
         Deflate the arrays.
 
@@ -115,7 +174,8 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
         An attribute has the name of one of these, or one that would be unpacked elsewhere, or holds
         Python objects.
     """
-    parts = {"colors": cloud.colors, "normals": cloud.normals, "faces": cloud.faces}
+    crs = None if cloud.crs is None else np.array(cloud.crs)
+    parts = {"colors": cloud.colors, "normals": cloud.normals, "faces": cloud.faces, _CRS: crs}
     arrays = {key: values for key, values in parts.items() if values is not None}
     for key, values in cloud.attributes.items():
         leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
@@ -148,14 +208,16 @@ def _write_array(archive: zipfile.ZipFile, name: str, values: Array) -> None:
     member.close()
 
 
-def _members(stream: BinaryIO, name: str) -> dict[str, Array]:
+@contextmanager
+def _archive(stream: BinaryIO, name: str) -> Iterator[dict[str, _Member]]:
+    """Open an archive; what zipfile says of a broken one becomes a `FormatError`."""
     try:
         size = remaining(stream)
         with zipfile.ZipFile(stream) as archive:
-            members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
-            _check_sizes(members, size, name)
-            return {
-                each.filename.removesuffix(".npy"): _member(archive, each, name) for each in members
+            infos = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+            _check_sizes(infos, size, name)
+            yield {
+                each.filename.removesuffix(".npy"): _Member(archive, each, name) for each in infos
             }
     except FormatError:
         raise
@@ -180,13 +242,31 @@ def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
         names.add(each.filename)
 
 
-def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> Array:
-    where = f"{name}: {shortened(info.filename)}"
-    return read_array(io.BytesIO(archive.read(info)), where)
+class _Member:
+    """One array of an archive: its layout, and its values when they are asked for."""
 
+    def __init__(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> None:
+        self._archive = archive
+        self._info = info
+        self._where = f"{name}: {shortened(info.filename)}"
 
-def _listed(arrays: Mapping[str, Array]) -> str:
-    return shortened(", ".join(sorted(arrays))) or "none"
+    @cached_property
+    def layout(self) -> Layout:
+        with self._archive.open(self._info) as stream:
+            return Layout.read(cast("BinaryIO", stream), self._where)
+
+    def whole(self) -> Array:
+        return read_array(io.BytesIO(self._archive.read(self._info)), self._where)
+
+    def parts(self, rows: int) -> Iterator[Array]:
+        """Read the values piece by piece; a size that the directory does not confirm is refused."""
+        if self.layout.size > self._info.file_size:
+            raise FormatError(
+                f"{self._where}: {self.layout.what}: the member has {self._info.file_size} bytes"
+            )
+        with self._archive.open(self._info) as stream:
+            layout = Layout.read(cast("BinaryIO", stream), self._where)
+            yield from array_parts(cast("BinaryIO", stream), layout, self._where, rows)
 
 
 def _points_alone(array: Array, name: str) -> Cloud:
@@ -196,10 +276,9 @@ def _points_alone(array: Array, name: str) -> Cloud:
     numeric = all(each.kind in "biuf" for each in types.values())
     if array.ndim != 1 or not numeric or not {"x", "y"} <= types.keys():
         raise FormatError(f"{name}: a structured array needs numeric fields x and y: {array.dtype}")
-    sheet = Sheet(types, len(array))
-    for each in types:
-        sheet.columns[each][:] = array[each]
-    return sheet.cloud(None, {})
+    builder = CloudBuilder(types, len(array))
+    builder.fill(slice(None), {each: array[each] for each in types})
+    return builder.cloud()
 
 
 def _points(array: Array, name: str) -> Floats:
@@ -214,32 +293,82 @@ def _points(array: Array, name: str) -> Floats:
         raise FormatError(f"{name}: the points cannot be used: {error}") from error
 
 
-def _cloud(points: Floats, arrays: Mapping[str, Array], name: str) -> Cloud:
-    faces = next((arrays[each] for each in _FACES if each in arrays), None)
-    rest = {key: values for key, values in arrays.items() if key not in _RESERVED}
-    fitting = {key: v for key, v in rest.items() if v.ndim and len(v) == len(points)}
-    skipped = tuple(f"{key} {v.shape}" for key, v in rest.items() if key not in fitting)
-    return Cloud(
-        points,
-        colors=_rows(arrays, "colors", (3, 4), len(points), name),
-        normals=_rows(arrays, "normals", (3,), len(points), name),
-        attributes=fitting,
-        faces=None if faces is None else checked_faces(faces, len(points), name),
-        metadata={"skipped": skipped} if skipped else {},
-    )
+class _Shaped(Protocol):
+    """An array, or the layout of one."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def dtype(self) -> np.dtype: ...
 
 
-def _rows(
-    arrays: Mapping[str, Array], key: str, widths: tuple[int, ...], rows: int, name: str
-) -> Array | None:
-    values = arrays.get(key)
-    if values is None:
-        return None
-    if values.ndim != 2 or len(values) != rows or values.shape[1] not in widths:
-        raise FormatError(f"{name}: {key} have shape {values.shape} for {rows} points")
-    if values.dtype.kind not in "iuf":
-        raise FormatError(f"{name}: {key} of type {values.dtype} are no numbers")
-    return values
+class _Roles:
+    """Which array of an archive is what."""
+
+    def __init__(self, arrays: Mapping[str, _Shaped], name: str) -> None:
+        self._name = name
+        self._alone = len(arrays) == 1 and not arrays.keys() & set(_POINTS)
+        self._points = self._key_of_points(arrays)
+        shape = arrays[self._points].shape
+        count = shape[0] if shape else 0
+        self._faces = next((each for each in _FACES if each in arrays), None)
+        self.crs = _CRS if _CRS in arrays and _is_text(arrays[_CRS]) else None
+        self._check(arrays, "colors", (3, 4), count)
+        self._check(arrays, "normals", (3,), count)
+        rest = {key: arrays[key].shape for key in arrays if key not in self._known()}
+        self._attributes = [
+            key
+            for key, shape in rest.items()
+            if key not in _RESERVED and shape and shape[0] == count
+        ]
+        self._skipped = tuple(
+            f"{key} {shape}" for key, shape in rest.items() if key not in self._attributes
+        )
+        special = [key for key in ("colors", "normals") if key in arrays]
+        self.row_arrays = [self._points, *special, *self._attributes]
+
+    def cloud(self, arrays: Mapping[str, Array]) -> Cloud:
+        """Make a cloud of all arrays, or of some rows of those that have a row for each point."""
+        if self._alone:
+            return _points_alone(arrays[self._points], self._name)
+        points = _points(arrays[self._points], self._name)
+        faces = arrays.get(self._faces) if self._faces else None
+        return Cloud(
+            points,
+            colors=arrays.get("colors"),
+            normals=arrays.get("normals"),
+            attributes={key: arrays[key] for key in self._attributes},
+            faces=None if faces is None else checked_faces(faces, len(points), self._name),
+            metadata={"skipped": self._skipped} if self._skipped else {},
+            crs=None if self.crs is None else str(arrays[self.crs]) or None,
+        )
+
+    def _known(self) -> set[str | None]:
+        return {self._points, self._faces, self.crs, "colors", "normals"}
+
+    def _key_of_points(self, arrays: Mapping[str, _Shaped]) -> str:
+        if self._alone:
+            return next(iter(arrays))
+        key = next((each for each in _POINTS if each in arrays), None)
+        if key is None:
+            listed = shortened(", ".join(sorted(arrays))) or "none"
+            raise FormatError(f"{self._name}: no array is called points: there are {listed}")
+        return key
+
+    def _check(
+        self, arrays: Mapping[str, _Shaped], key: str, widths: tuple[int, ...], count: int
+    ) -> None:
+        if key not in arrays or self._alone:
+            return
+        shape, dtype = arrays[key].shape, arrays[key].dtype
+        if len(shape) != 2 or shape[0] != count or shape[1] not in widths:
+            raise FormatError(f"{self._name}: {key} have shape {shape} for {count} points")
+        if dtype.kind not in "iuf":
+            raise FormatError(f"{self._name}: {key} of type {dtype} are no numbers")
+
+
+def _is_text(array: _Shaped) -> bool:
+    return array.shape == () and array.dtype.kind == "U"
 
 
 NPY = Format(
@@ -248,6 +377,7 @@ NPY = Format(
     read=read_npy,
     write=None,
     description="one NumPy array of points",
+    read_chunks=read_npy_chunks,
 )
 
 NPZ = Format(
@@ -256,4 +386,5 @@ NPZ = Format(
     read=read_npz,
     write=write_npz,
     description="NumPy arrays by name: points, faces, colors, normals, attributes",
+    read_chunks=read_npz_chunks,
 )

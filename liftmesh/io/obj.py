@@ -1,10 +1,417 @@
-"""OBJ, the text format that every program opens: doubles, colours, normals, triangles."""
+"""OBJ, the text format that every program opens: doubles, colours, normals, triangles.
+
+An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, ``vn`` a normal,
+``f`` a face whose corners are vertex, vertex/texture, vertex/texture/normal or vertex//normal,
+counted from 1, or backwards from the last one so far. The lines are read in large blocks and sorted
+by keyword, so that all vertices of a block are parsed at once. Keywords that say nothing about the
+shape are counted and skipped. The writer gives the shortest digits that round-trip. A coordinate
+system stands in a comment, ``# crs "EPSG:25832"``, as a JSON string.
+"""
 
 from __future__ import annotations
 
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError
+from liftmesh.io.colors import as_float, recognized
+from liftmesh.io.comments import crs_comment, stated_crs
+from liftmesh.io.faces import Ragged, remarks, triangulated
 from liftmesh.io.format import Format
-from liftmesh.io.obj_reader import read_obj
-from liftmesh.io.obj_writer import write_obj
+from liftmesh.io.text_tables import (
+    BLOCK,
+    Block,
+    Lines,
+    leading_comments,
+    number_table,
+    shown,
+    write_rows,
+)
+
+_KEYWORDS = ("v", "vn", "f")
+
+# How many values a vertex line may have: x y z, with a weight, with r g b, with alpha.
+_VERTEX_WIDTHS = (3, 4, 6, 7)
+
+_PAIRS = re.compile(r"-?\d+//-?\d+(?:[ \t]+-?\d+//-?\d+)*", re.ASCII)
+
+# k/255 in the digits of single precision: readers that hold floats get the very same number.
+_EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=object)
+
+
+def read_obj(stream: BinaryIO, name: str) -> Cloud:
+    """Read an OBJ file.
+
+    Parameters
+    ----------
+    stream : binary stream
+        At the first byte of the file.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Cloud
+        Coordinates as float64; colours ``v x y z r g b`` as uint8 if they are multiples of 1/255,
+        else as floats; normals if all corners of a vertex agree on one. ``metadata`` counts
+        ``ignored`` lines by keyword, ``polygons`` cut into triangles, ``degenerate_faces`` of fewer
+        than three corners left out.
+
+    Raises
+    ------
+    FormatError
+        A line is broken; the message names it.
+    """
+    crs = stated_crs(leading_comments(stream, name))
+    reading = _Reading(name, crs)
+    lines = Lines(stream, name, comments=("#",), continued=True)
+    while len(block := lines.take(BLOCK)):
+        reading.take(block)
+    return reading.cloud()
+
+
+@dataclass(slots=True)
+class _Reading:
+    """One OBJ file on its way into a Cloud: what the blocks gave so far."""
+
+    name: str
+    crs: str | None
+    vertices: list[Array] = field(default_factory=list)
+    normals: list[Array] = field(default_factory=list)
+    corners: list[_Corners] = field(default_factory=list)
+    ignored: Counter[str] = field(default_factory=Counter)
+    vertex_count: int = 0
+    normal_count: int = 0
+
+    def take(self, block: Block) -> None:
+        v, vn, f = self._sorted(block)
+        if len(f):
+            before = (self.vertex_count, self.normal_count)
+            self.corners.append(_parse_corners(f, self.name, (v.numbers, vn.numbers), before))
+        self._take_vertices(v)
+        if len(vn):
+            self.normals.append(number_table(vn, self.name, width=3))
+        self.vertex_count += len(v)
+        self.normal_count += len(vn)
+
+    def _sorted(self, block: Block) -> tuple[Block, ...]:
+        """Take the lines of each keyword that matters, without it, and count the others."""
+        masks = [_begin_with(block, keyword) for keyword in _KEYWORDS]
+        for text, number in block[~np.any(masks, axis=0)]:
+            if text in _KEYWORDS:
+                raise FormatError(f"{self.name}: line {number}: {text!r} without values")
+            self.ignored[text.split(None, 1)[0]] += 1
+        return tuple(
+            Block([text[len(keyword) + 1 :] for text in found.texts], found.numbers)
+            for keyword, found in zip(_KEYWORDS, (block[mask] for mask in masks), strict=True)
+        )
+
+    def _take_vertices(self, block: Block) -> None:
+        if not len(block):
+            return
+        width = self.vertices[0].shape[1] if self.vertices else None
+        table = number_table(block, self.name, width=width)
+        if table.shape[1] not in _VERTEX_WIDTHS:
+            raise FormatError(
+                f"{self.name}: line {block.numbers[0]}: a vertex has 3 coordinates, and perhaps "
+                f"3 colours: found {table.shape[1]} values"
+            )
+        if table.shape[1] == 4:
+            self.ignored["weight of v"] += len(table)
+        self.vertices.append(table)
+
+    def cloud(self) -> Cloud:
+        if not self.vertices:
+            raise FormatError(f"{self.name}: no line 'v x y z': no OBJ file, or one of no vertices")
+        table = np.concatenate(self.vertices)
+        corners = _Corners.joined(self.corners) if self.corners else None
+        colors, attributes = _colors(table[:, 3:])
+        # Faces first: that checks the vertices which normals are gathered for.
+        faces = self._faces(corners, len(table))
+        return Cloud(
+            np.ascontiguousarray(table[:, :3]),
+            colors=colors,
+            normals=self._normals(corners, len(table)),
+            attributes=attributes,
+            faces=faces,
+            metadata=self._metadata(corners),
+            crs=self.crs,
+        )
+
+    def _faces(self, corners: _Corners | None, vertices: int) -> Rows | None:
+        if corners is None:
+            return None
+        lines = corners.lines
+        return triangulated(
+            corners.vertices, vertices, self.name, lambda face: f"line {lines[face]}: face"
+        )
+
+    def _metadata(self, corners: _Corners | None) -> dict[str, Any]:
+        ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
+        return ignored | (remarks(corners.vertices) if corners is not None else {})
+
+    def _normals(self, corners: _Corners | None, vertices: int) -> Array | None:
+        if not self.normals:
+            return None
+        return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
+
+
+def _begin_with(block: Block, keyword: str) -> Mask:
+    begins = (f"{keyword} ", f"{keyword}\t")
+    return np.fromiter((text.startswith(begins) for text in block.texts), bool, len(block))
+
+
+def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
+    """Tell colours; three more values that cannot be colours become an attribute instead."""
+    if extra.shape[1] < 3:
+        return None, {}
+    values = np.ascontiguousarray(extra)
+    colors = recognized(values)
+    return colors, {} if colors is not None else {"color": values}
+
+
+@dataclass(frozen=True, slots=True)
+class _Corners:
+    """Faces: their vertices, counted from 0, the normal of each corner (-1: none), their lines."""
+
+    vertices: Ragged
+    normals: Integers
+    lines: Integers
+
+    @classmethod
+    def joined(cls, parts: Sequence[_Corners]) -> _Corners:
+        """Stack faces upon faces."""
+        return cls(
+            Ragged.joined([each.vertices for each in parts]),
+            np.concatenate([each.normals for each in parts]),
+            np.concatenate([each.lines for each in parts]),
+        )
+
+
+def _parse_corners(
+    faces: Block, name: str, numbers: tuple[Integers, Integers], before: tuple[int, int]
+) -> _Corners:
+    """Parse the face lines of a block.
+
+    Parameters
+    ----------
+    faces : Block
+        What follows the keyword ``f``.
+    name : str
+        The file's name for messages.
+    numbers : pair of arrays of int
+        The lines of the block's vertices and of its normals: backward indices count from there.
+    before : pair of int
+        How many vertices and normals the blocks before had.
+
+    Raises
+    ------
+    FormatError
+        A corner is broken; the message names its line.
+    """
+    sizes, vertices, normals = _plain(faces, name) or _general(faces, name)
+    at = np.repeat(faces.numbers, sizes)
+    return _Corners(
+        Ragged(sizes, _from_zero(vertices, at, numbers[0], before[0])),
+        _from_zero(normals, at, numbers[1], before[1]),
+        faces.numbers,
+    )
+
+
+def _plain(faces: Block, name: str) -> tuple[Integers, Integers, Integers] | None:
+    """Parse faces all of one size, each corner ``vertex`` or ``vertex//normal``, as most are."""
+    texts, pair = faces.texts, False
+    if any("/" in text for text in texts):
+        if not all(map(_PAIRS.fullmatch, texts)):
+            return None
+        texts, pair = [text.replace("//", " ") for text in texts], True
+    try:
+        table = number_table(Block(texts, faces.numbers), name)
+    except FormatError:
+        return None
+    with np.errstate(invalid="ignore"):
+        numbers = table.astype(np.int64)
+    if not np.all(numbers == table) or not numbers.all():
+        return None
+    vertices = numbers[:, ::2] if pair else numbers
+    normals = numbers[:, 1::2] if pair else np.zeros_like(numbers)
+    sizes = np.full(len(faces), vertices.shape[1], dtype=np.int64)
+    return sizes, vertices.reshape(-1), normals.reshape(-1)
+
+
+def _general(faces: Block, name: str) -> tuple[Integers, Integers, Integers]:
+    corners = [text.split() for text in faces.texts]
+    sizes = np.fromiter(map(len, corners), np.int64, len(corners))
+    try:
+        vertices, normals = _indices([corner for row in corners for corner in row])
+    except (ValueError, OverflowError) as error:
+        raise _blame(faces, name) from error
+    return sizes, vertices, normals
+
+
+def _indices(corners: list[str]) -> tuple[Integers, Integers]:
+    """Split corners into vertex and normal numbers, 0 for no normal."""
+    joined = " ".join(corners)
+    if "_" in joined:
+        raise ValueError("_")
+    if "/" not in joined:
+        vertices = np.fromiter(map(int, corners), np.int64, len(corners))
+        return _nonzero(vertices), np.zeros(len(corners), dtype=np.int64)
+    parts = [corner.split("/") for corner in corners]
+    if max(map(len, parts)) > 3:
+        raise ValueError("/")
+    count = len(parts)
+    vertices = np.fromiter((int(part[0]) for part in parts), np.int64, count)
+    has_normal = np.fromiter((len(part) == 3 for part in parts), bool, count)
+    normals = np.zeros(count, dtype=np.int64)
+    normals[has_normal] = [int(part[2]) for part in parts if len(part) == 3]
+    _nonzero(normals[has_normal])
+    return _nonzero(vertices), normals
+
+
+def _nonzero(numbers: Integers) -> Integers:
+    if not numbers.all():
+        raise ValueError("0")
+    return numbers
+
+
+def _from_zero(numbers: Integers, at: Integers, lines: Integers, before: int) -> Integers:
+    """Count from 0; negative numbers count back from what the file held up to their own line."""
+    backward = numbers < 0
+    if not backward.any():
+        return numbers - 1
+    so_far = before + np.searchsorted(lines, at)
+    resolved = np.where(backward, so_far + numbers, numbers - 1)
+    # Back beyond the first is no vertex at all; -1 would mean that there is no normal.
+    return np.where(backward & (resolved < 0), resolved - 1, resolved)
+
+
+def _blame(faces: Block, name: str) -> FormatError:
+    bad = (
+        (corner, number)
+        for text, number in faces
+        for corner in text.split()
+        if not _is_corner(corner)
+    )
+    corner, number = next(bad)
+    return FormatError(
+        f"{name}: line {number}: {shown(corner)} is no corner of a face: it should be vertex, "
+        "vertex/texture, vertex/texture/normal or vertex//normal, counted from 1"
+    )
+
+
+def _is_corner(text: str) -> bool:
+    try:
+        _indices([text])
+    except (ValueError, OverflowError):
+        return False
+    return True
+
+
+def _vertex_normals(
+    normals: Floats, corners: _Corners | None, vertices: int, name: str
+) -> Floats | None:
+    """Give every vertex the normal that its corners name, if they agree.
+
+    Where corners use the numbers of their vertices, or there are no faces, and there are as many
+    normals as vertices, the two lists belong together row by row. Otherwise a vertex without any
+    corner gets the normal (0, 0, 0). None if corners of a vertex differ, or have no normal.
+
+    Raises
+    ------
+    FormatError
+        A corner refers to a normal that is not there; the message names its line.
+    """
+    if corners is None:
+        return normals if len(normals) == vertices else None
+    _check(corners, len(normals), name)
+    named = corners.normals
+    if len(normals) == vertices and np.array_equal(named, corners.vertices.values):
+        return normals
+    if not len(named) or (named == -1).any():
+        return None
+    return _gathered(normals, corners, vertices)
+
+
+def _gathered(normals: Floats, corners: _Corners, vertices: int) -> Floats | None:
+    at = corners.vertices.values
+    found = np.zeros((vertices, 3))
+    found[at] = normals[corners.normals]
+    agree = np.array_equal(found[at], normals[corners.normals], equal_nan=True)
+    return found if agree else None
+
+
+def _check(corners: _Corners, count: int, name: str) -> None:
+    wrong = np.flatnonzero((corners.normals < -1) | (corners.normals >= count))
+    if len(wrong):
+        line = corners.lines[corners.vertices.row_of(wrong[0])]
+        raise FormatError(
+            f"{name}: line {line}: a corner refers to normal {corners.normals[wrong[0]]} "
+            f"(counted from 0), but there are {count} normals"
+        )
+
+
+def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -> None:
+    """Write a cloud, or a mesh, as OBJ.
+
+    Vertices are ``v x y z``, with colours ``v x y z r g b`` (the common extension, floats from 0 to
+    1); normals are ``vn`` lines, one a vertex, and faces ``f a b c`` or ``f a//a b//b c//c``. OBJ
+    has no place for alpha and attributes.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Where to write.
+    cloud : Cloud
+        What to write.
+    comments : sequence of str
+        Lines for the top of the file.
+
+    Raises
+    ------
+    FormatError
+        A comment is not one line.
+    InputError
+        A colour is outside its range.
+    """
+    own = ["liftmesh", *crs_comment(cloud.crs)]
+    for comment in [*own, *([comments] if isinstance(comments, str) else comments)]:
+        if not comment.isprintable():
+            raise FormatError(f"comment {comment!r} cannot stand in an OBJ file: give single lines")
+        stream.write(f"# {comment}\n".encode())
+    write_rows(stream, [cloud.points, *_color_columns(cloud)], prefix="v ")
+    if cloud.normals is not None:
+        write_rows(stream, [cloud.normals], prefix="vn ")
+    if cloud.faces is not None:
+        _write_faces(stream, cloud.faces, normals=cloud.normals is not None)
+
+
+def _color_columns(cloud: Cloud) -> list[Array]:
+    if cloud.colors is None:
+        return []
+    rgb = cloud.colors[:, :3]
+    if rgb.dtype == np.uint8:
+        return [np.take(_EIGHT_BITS, rgb)]
+    unit = as_float(rgb)
+    # Single precision stays so: it takes fewer digits.
+    return [unit.astype(rgb.dtype) if rgb.dtype.kind == "f" else unit]
+
+
+def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
+    counted = faces.astype(np.int64) + 1
+    if normals:
+        a, b, c = counted.T
+        write_rows(stream, [a, a, b, b, c, c], template="f %d//%d %d//%d %d//%d\n")
+    else:
+        write_rows(stream, [counted], prefix="f ")
+
 
 FORMAT = Format(
     name="obj",
@@ -12,5 +419,6 @@ FORMAT = Format(
     read=read_obj,
     write=write_obj,
     description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
-    keeps=("colors", "normals"),
+    keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "float64"),
+    needs=("points",),
 )

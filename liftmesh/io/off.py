@@ -17,12 +17,9 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.digits import write_rows
-from liftmesh.io.faces import remarks, triangulated
+from liftmesh.io.faces import Ragged, remarks, triangulated
 from liftmesh.io.format import Format
-from liftmesh.io.needs import check_finite, check_points, needed_faces
-from liftmesh.io.ragged import Ragged
-from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table, shown
+from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table, shown, write_rows
 
 _HEAD = re.compile(r"(?:ST)?C?N?OFF(?:\s+(.*))?")
 
@@ -72,15 +69,8 @@ def write_off(stream: BinaryIO, cloud: Cloud) -> None:
         Where to write.
     cloud : Cloud
         A mesh; colours, normals and attributes are left out.
-
-    Raises
-    ------
-    FormatError
-        There are no points or no faces, or a coordinate is not finite.
     """
-    check_points(cloud, "OFF")
-    faces = needed_faces(cloud, "OFF")
-    check_finite(cloud.points, np.arange(len(cloud)), "off")
+    faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
     stream.write(b"OFF\n%d %d 0\n" % (len(cloud), len(faces)))
     write_rows(stream, [cloud.points])
     write_rows(stream, [faces], prefix="3 ")
@@ -161,4 +151,12 @@ def _row(text: str, number: int, name: str) -> list[int]:
     return [int(word) for word in corners]
 
 
-FORMAT = Format("off", (".off",), read_off, write_off, "OFF: coordinates and faces as text", ())
+FORMAT = Format(
+    name="off",
+    suffixes=(".off",),
+    read=read_off,
+    write=write_off,
+    description="OFF: coordinates and faces as text",
+    keeps=("points", "faces", "float64"),
+    needs=("points", "faces", "finite"),
+)

@@ -1,27 +1,80 @@
-"""Which formats exist, and which one a file name or a ``format=`` asks for.
+"""Which format serves a file, and which adapter serves an object; plugins included.
 
-The formats of this package come first; then those that other installed packages register as
-entry points of the group ``liftmesh.formats``. The name of such an entry point is the suffix it
-serves, without the dot, and its object is a :class:`Format`: a package is imported only when its
-suffix is asked for, so that a broken one disturbs nobody else.
+Another package adds a file format by an entry point in the group ``liftmesh.formats``: its name is
+the suffix it serves, without the dot, its object a `Format`. It adds a cloud type by one in the
+group ``liftmesh.adapters``, whose object is an `Adapter`. Built-in entries come first, then plugins
+in the order of their names. A plugin that cannot be loaded is named when its suffix is asked for,
+or when no adapter accepts an object, and affects nobody else.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from liftmesh.errors import FormatError
 from liftmesh.io import numpy_files, obj, off, ply, text, trimesh_files
 from liftmesh.io.format import Format
+from liftmesh.io.objects import open3d, trimesh
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["Format", "find_format", "known_formats"]
+    from liftmesh.cloud import Cloud
 
-GROUP = "liftmesh.formats"
+Entry = TypeVar("Entry")
 
-BUILT_IN: tuple[Format, ...] = (
+FORMAT_GROUP = "liftmesh.formats"
+ADAPTER_GROUP = "liftmesh.adapters"
+
+
+@dataclass(frozen=True, slots=True)
+class Adapter:
+    """How one kind of object becomes a cloud: what another package registers to add one.
+
+    Parameters
+    ----------
+    name : str
+        What the adapter is called in messages.
+    accepts : callable
+        Whether an object is of this kind. It is asked about objects of every kind, so it answers
+        from the type alone and imports no library.
+    to_cloud : callable
+        Turns an accepted object into a `Cloud`, one row a point, in the object's own order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from liftmesh import Cloud
+    >>> adapter = Adapter(
+    ...     name="complex plane",
+    ...     accepts=lambda source: isinstance(source, complex),
+    ...     to_cloud=lambda source: Cloud(np.array([[source.real, source.imag, 0.0]])),
+    ... )
+    >>> adapter.accepts(1 + 2j), adapter.to_cloud(1 + 2j).points.tolist()
+    (True, [[1.0, 2.0, 0.0]])
+    """
+
+    name: str
+    accepts: Callable[[Any], bool]
+    to_cloud: Callable[[Any], Cloud]
+
+
+def _is_of(package: str, names: Collection[str]) -> Callable[[object], bool]:
+    """Make a test for objects of some classes of a package, derived or not, without import."""
+
+    def accepts(source: object) -> bool:
+        return any(
+            kind.__name__ in names and kind.__module__.partition(".")[0] == package
+            for kind in type(source).__mro__
+        )
+
+    return accepts
+
+
+FORMATS: tuple[Format, ...] = (
     ply.FORMAT,
     obj.FORMAT,
     text.FORMAT,
@@ -29,6 +82,11 @@ BUILT_IN: tuple[Format, ...] = (
     numpy_files.NPZ,
     off.FORMAT,
     *trimesh_files.FORMATS,
+)
+
+ADAPTERS = (
+    Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh", "Scene"}), trimesh.to_cloud),
+    Adapter("open3d", _is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}), open3d.to_cloud),
 )
 
 
@@ -46,8 +104,8 @@ def known_formats() -> dict[str, Format]:
     >>> known_formats()["ply"].suffixes
     ('.ply',)
     """
-    plugins = {entry.name.lower(): _listed(entry) for entry in reversed(_entries())}
-    return plugins | {each.name: each for each in BUILT_IN}
+    plugins = {entry.name.lower(): _listed(entry) for entry in reversed(_entries(FORMAT_GROUP))}
+    return plugins | {each.name: each for each in FORMATS}
 
 
 def find_format(wanted: str, name: str) -> Format:
@@ -76,13 +134,78 @@ def find_format(wanted: str, name: str) -> Format:
     'text'
     """
     key = wanted.lower().removeprefix(".")
-    for built_in in BUILT_IN:
-        if key == built_in.name or f".{key}" in built_in.suffixes:
-            return built_in
-    for entry in _entries():
+    for each in FORMATS:
+        if key == each.name or f".{key}" in each.suffixes:
+            return each
+    for entry in _entries(FORMAT_GROUP):
         if entry.name.lower() == key:
-            return _load(entry)
+            return _format(entry)
     raise FormatError(f"{name}: {_unknown(key)}; known are {', '.join(_suffixes())}")
+
+
+def find_adapter(source: object) -> Adapter | None:
+    """Find the first adapter that accepts an object.
+
+    Parameters
+    ----------
+    source : object
+        Anything.
+
+    Returns
+    -------
+    Adapter or None
+        None where no adapter accepts it.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> find_adapter(trimesh.creation.box()).name
+    'trimesh'
+    """
+    for adapter in ADAPTERS:
+        if adapter.accepts(source):
+            return adapter
+    installed, _ = _installed_adapters()
+    return next((adapter for adapter in installed if adapter.accepts(source)), None)
+
+
+def broken_adapters() -> tuple[str, ...]:
+    """Say which adapters of other packages cannot be loaded, and why.
+
+    Returns
+    -------
+    tuple of str
+        A reason each.
+
+    Examples
+    --------
+    >>> broken_adapters()
+    ()
+    """
+    return _installed_adapters()[1]
+
+
+def qualified_name(source: object) -> str:
+    """Name the type of an object in full.
+
+    Parameters
+    ----------
+    source : object
+        Anything.
+
+    Returns
+    -------
+    str
+        Module and name, as a message shows it.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> qualified_name(Fraction(1, 2))
+    'fractions.Fraction'
+    """
+    kind = type(source)
+    return f"{kind.__module__}.{kind.__qualname__}"
 
 
 def _unknown(key: str) -> str:
@@ -92,35 +215,60 @@ def _unknown(key: str) -> str:
 
 
 def _suffixes() -> list[str]:
-    own = {suffix for each in BUILT_IN for suffix in each.suffixes}
-    return sorted(own | {f".{entry.name.lower()}" for entry in _entries()})
+    own = {suffix for each in FORMATS for suffix in each.suffixes}
+    return sorted(own | {f".{entry.name.lower()}" for entry in _entries(FORMAT_GROUP)})
 
 
-def _entries() -> list[EntryPoint]:
-    """Sort the plugins, so that of two that serve one suffix the same one wins everywhere."""
-    from importlib.metadata import entry_points  # noqa: PLC0415 - slow, and seldom needed
-
-    return sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value))
-
-
-def _load(entry: EntryPoint) -> Format:
+def _format(entry: EntryPoint) -> Format:
     try:
-        loaded = entry.load()
-    except Exception as error:
+        return _loaded(entry, Format)
+    except _NotLoadedError as error:
         raise FormatError(
-            f"the plugin {entry.value!r} for {entry.name!r} files cannot be loaded "
-            f"({type(error).__name__}: {error}): repair or uninstall its package"
-        ) from error
-    if not isinstance(loaded, Format):
-        raise FormatError(
-            f"the plugin {entry.value!r} for {entry.name!r} files is a {type(loaded).__name__}, "
-            "not a liftmesh.Format: repair or uninstall its package"
-        )
-    return loaded
+            f"the plugin {entry.value!r} for {entry.name!r} files {error}: "
+            "repair or uninstall its package"
+        ) from error.__cause__
 
 
 def _listed(entry: EntryPoint) -> Format:
     try:
-        return _load(entry)
+        return _format(entry)
     except FormatError as error:
         return Format(entry.name, (f".{entry.name.lower()}",), None, None, str(error))
+
+
+@lru_cache(maxsize=1)
+def _installed_adapters() -> tuple[tuple[Adapter, ...], tuple[str, ...]]:
+    """Load the adapters of other packages, and say what is wrong with those that fail."""
+    loaded = [_adapter(entry) for entry in _entries(ADAPTER_GROUP)]
+    good = tuple(each for each in loaded if isinstance(each, Adapter))
+    return good, tuple(each for each in loaded if isinstance(each, str))
+
+
+def _adapter(entry: EntryPoint) -> Adapter | str:
+    """Load an adapter, or give the reason why there is none."""
+    try:
+        return _loaded(entry, Adapter)
+    except _NotLoadedError as error:
+        return f"{entry.name} ({entry.value}) {error}"
+
+
+class _NotLoadedError(Exception):
+    """An entry point that names nothing of use; the message completes "the plugin ..."."""
+
+
+def _entries(group: str) -> list[EntryPoint]:
+    """Sort the plugins, so that of two that serve one name the same one wins everywhere."""
+    from importlib.metadata import entry_points  # noqa: PLC0415 - slow, and seldom needed
+
+    return sorted(entry_points(group=group), key=lambda entry: (entry.name, entry.value))
+
+
+def _loaded(entry: EntryPoint, kind: type[Entry]) -> Entry:
+    """Load what an entry point names."""
+    try:
+        loaded = entry.load()
+    except Exception as error:
+        raise _NotLoadedError(f"cannot be loaded ({type(error).__name__}: {error})") from error
+    if not isinstance(loaded, kind):
+        raise _NotLoadedError(f"is a {qualified_name(loaded)}, not a liftmesh.{kind.__name__}")
+    return loaded

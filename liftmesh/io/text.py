@@ -1,10 +1,16 @@
 """Points as text: XYZ, CSV, TSV, TXT and ASC, with or without a header.
 
-``numpy.loadtxt`` parses the numbers; this module finds out what the columns mean.
+`text_tables` parses the numbers; this module finds the layout of a file, its delimiter and header,
+and what its columns mean.
 """
 
 from __future__ import annotations
 
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import chain
 from typing import BinaryIO
 
 import numpy as np
@@ -12,11 +18,127 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
+from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.file_colors import recognized
 from liftmesh.io.format import Format
-from liftmesh.io.text_layout import Layout, sniff, unnamed
-from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table
+from liftmesh.io.text_tables import (
+    BLOCK,
+    Lines,
+    fields,
+    is_number,
+    leading_comments,
+    number_table,
+    shown,
+)
+
+# What columns are called in the wild, in lower case.
+_ALIASES = {
+    "x": ("x", "easting", "east", "lon", "longitude", "x_coord", "xcoord", "coord_x"),
+    "y": ("y", "northing", "north", "lat", "latitude", "y_coord", "ycoord", "coord_y"),
+    "z": ("z", "elevation", "elev", "height", "altitude", "alt", "z_coord", "zcoord", "coord_z"),
+    "red": ("red", "r"),
+    "green": ("green", "g"),
+    "blue": ("blue", "b"),
+    "alpha": ("alpha", "a"),
+    "nx": ("nx", "normal_x", "normalx"),
+    "ny": ("ny", "normal_y", "normaly"),
+    "nz": ("nz", "normal_z", "normalz"),
+}
+_MEANING = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How lines are to be split, and what their values are called.
+
+    The delimiter is None for white space, the header None if there is none; ``in_first_line`` tells
+    a header that is the first line from one in a comment before it.
+    """
+
+    delimiter: str | None
+    header: tuple[str, ...] | None
+    in_first_line: bool
+
+
+def sniff(first: str, remark: str, name: str, line: int) -> Layout:
+    """Tell the layout from the first line that is no comment, and the comment before it.
+
+    Raises
+    ------
+    FormatError
+        The line is neither a header with x and y nor a row of numbers.
+    """
+    delimiter = _delimiter(first)
+    values = fields(first, delimiter)
+    _check(values, name, line)
+    if not any(is_number(value) for value in values):
+        return Layout(delimiter, columns(values, name, line), in_first_line=True)
+    told = [value.lower() for value in fields(remark, _delimiter(remark))]
+    meanings = [_MEANING.get(value) for value in told]
+    is_header = len(told) == len(values) and {"x", "y"} <= set(meanings)
+    header = columns(told, name, line) if is_header else None
+    return Layout(delimiter, header, in_first_line=False)
+
+
+def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
+    """Translate the names of a header; those of other meaning stay as they are.
+
+    Raises
+    ------
+    FormatError
+        Neither x nor y is among them, or a name is there twice.
+    """
+    found = tuple(
+        _MEANING.get(each.lower(), each or f"column_{k}") for k, each in enumerate(names, 1)
+    )
+    missing = [each for each in ("x", "y") if each not in found]
+    if missing:
+        raise FormatError(
+            f"{name}: line {line}: the header {shown(' '.join(names))} names no column "
+            f"{' or '.join(missing)}: call two of its columns x and y"
+        )
+    twice = next((each for each, count in Counter(found).items() if count > 1), None)
+    if twice is not None:
+        raise FormatError(f"{name}: line {line}: two columns of the header mean {twice!r}")
+    return found
+
+
+def unnamed(width: int, name: str, line: int) -> tuple[str, ...]:
+    """Name the columns of a file without a header: x, y, z, then column_4 and so on.
+
+    Raises
+    ------
+    FormatError
+        There is only one column.
+    """
+    if width < 2:
+        raise FormatError(f"{name}: line {line}: one value a line: a point needs x and y at least")
+    return ("x", "y", "z", *(f"column_{k}" for k in range(4, width + 1)))[:width]
+
+
+def _delimiter(text: str) -> str | None:
+    if ";" in text:
+        return ";"
+    if "\t" in text and all(len(value.split()) == 1 for value in text.split("\t")):
+        return "\t"
+    words = text.split()
+    if len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(word) for word in words):
+        return None
+    return "," if "," in text else None
+
+
+def _check(values: list[str], name: str, line: int) -> None:
+    if values[0].lower() in ("ncols", "nrows"):
+        raise FormatError(f"{name}: this is an Arc/Info ASCII grid, not a list of points")
+    for value in values:
+        if _DECIMAL_COMMA.fullmatch(value):
+            raise FormatError(
+                f"{name}: line {line}: {shown(value)} has a decimal comma: "
+                "save the file with decimal points"
+            )
+
 
 _COMMENTS = ("#", "//")
 _UTF8_MARK = b"\xef\xbb\xbf"
@@ -51,15 +173,147 @@ def read_text(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         The file is broken; the message names the line.
     """
-    remark = _first_remark(stream, name)
-    lines = Lines(stream, name, encoding="utf-8", comments=_COMMENTS)
-    first = lines.take(1)
-    if not len(first):
-        raise FormatError(f"{name}: no line holds numbers: the file has no points")
-    layout = sniff(first.texts[0], remark, name, first.numbers[0])
-    table = _table(first, lines, layout, name)
-    names = layout.header or _unnamed(table, name, first.numbers[0])
-    return _cloud(table, names)
+    table = _Table(stream, name)
+    rows = np.concatenate([*table.blocks()])
+    meaning = _Meaning(table)
+    meaning.look_at(rows)
+    return meaning.cloud(rows)
+
+
+def read_text_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+    """Read points from text piece by piece, as `read_text` reads them.
+
+    What the columns are depends on all rows: the file is parsed once to find that, and once more.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+    rows : int
+        How many rows a chunk has at most.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows.
+
+    Raises
+    ------
+    FormatError
+        As `read_text`.
+    """
+    begin = stream.tell()
+    meaning = _Meaning.of(_Table(stream, name))
+    stream.seek(begin)
+    for part in _regrouped(_Table(stream, name).blocks(), rows):
+        yield meaning.cloud(part)
+
+
+class _Table:
+    """The rows of a text file, parsed block by block."""
+
+    def __init__(self, stream: BinaryIO, name: str) -> None:
+        remark = _first_remark(stream, name)
+        self._lines = Lines(stream, name, encoding="utf-8", comments=_COMMENTS)
+        self._first = self._lines.take(1)
+        if not len(self._first):
+            raise FormatError(f"{name}: no line holds numbers: the file has no points")
+        self.name = name
+        self.line = int(self._first.numbers[0])
+        self.layout = sniff(self._first.texts[0], remark, name, self.line)
+        self.width = len(self.layout.header) if self.layout.header else 0
+
+    def blocks(self) -> Iterator[Floats]:
+        """Parse the rows, the first line among them unless it is the header."""
+        block = self._lines.take(BLOCK) if self.layout.in_first_line else self._first
+        if not len(block):
+            raise FormatError(f"{self.name}: the file has a header but no points")
+        while len(block):
+            width = self.width or None
+            table = number_table(block, self.name, width=width, delimiter=self.layout.delimiter)
+            self.width = table.shape[1]
+            yield table
+            block = self._lines.take(BLOCK)
+
+
+def _regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
+    """Cut tables anew: ``rows`` rows each, the last of fewer."""
+    held: list[Floats] = []
+    count = 0
+    for table in tables:
+        rest = table
+        while len(rest):
+            held.append(rest[: rows - count])
+            count += len(held[-1])
+            rest = rest[len(held[-1]) :]
+            if count == rows:
+                yield np.concatenate(held)
+                held, count = [], 0
+    if held:
+        yield np.concatenate(held)
+
+
+class _Meaning:
+    """What the columns of a table are: their names, and the type of colours, from all its rows."""
+
+    def __init__(self, table: _Table) -> None:
+        self._header = table.layout.header
+        self._names = self._header or unnamed(table.width, table.name, table.line)
+        self._maybe_colors = not self._header and table.width == len(POSITION) + len(COLOR)
+        self._scale = ColorScale()
+
+    @classmethod
+    def of(cls, table: _Table) -> _Meaning:
+        """Look at all rows of a file, holding a block of them at a time."""
+        blocks = table.blocks()
+        first = next(blocks)  # tells the width
+        meaning = cls(table)
+        for block in chain([first], blocks):
+            meaning.look_at(block)
+        return meaning
+
+    def look_at(self, table: Floats) -> None:
+        """Take further rows into account."""
+        if self._maybe_colors:
+            rest = table[:, len(POSITION) :]
+            whole = (rest >= 0) & (rest <= 255) & (rest == np.rint(rest))
+            self._maybe_colors = bool(whole.all())
+        if all(each in self.names for each in COLOR):
+            self._scale.look_at(table[:, [self.names.index(each) for each in self._color_names()]])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return (*POSITION, *COLOR) if self._maybe_colors else self._names
+
+    def cloud(self, table: Floats) -> Cloud:
+        """Make a cloud of rows that were looked at."""
+        columns = dict(zip(self.names, table.T, strict=True))
+        points = np.zeros((len(table), 3))
+        for position, each in enumerate(POSITION):
+            if each in columns:
+                points[:, position] = columns.pop(each)
+        return Cloud(
+            points,
+            colors=self._colors(columns),
+            normals=_popped(columns, NORMAL),
+            attributes={each: np.ascontiguousarray(values) for each, values in columns.items()},
+        )
+
+    def _color_names(self) -> tuple[str, ...]:
+        return (*COLOR, ALPHA) if ALPHA in self.names else COLOR
+
+    def _colors(self, columns: dict[str, Floats]) -> Array | None:
+        """Take the colours out; columns of that name which cannot be colours stay attributes."""
+        rest = dict(columns)
+        values = _popped(rest, self._color_names())
+        colors = None if values is None else self._scale.convert(values)
+        if colors is not None:
+            for each in self._color_names():
+                del columns[each]
+        return colors
 
 
 def _first_remark(stream: BinaryIO, name: str) -> str:
@@ -68,61 +322,9 @@ def _first_remark(stream: BinaryIO, name: str) -> str:
     mark = stream.read(3)
     if mark[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise FormatError(f"{name}: byte {begin}: the text is UTF-16: save it as UTF-8")
-    begin += 3 if mark == _UTF8_MARK else 0
-    stream.seek(begin)
-    remark = ""
-    lines = Lines(stream, name, encoding="utf-8")
-    while (line := lines.next()).startswith(_COMMENTS):
-        remark = line.lstrip("#/ \t")
-    stream.seek(begin)
-    return remark
-
-
-def _table(first: Block, lines: Lines, layout: Layout, name: str) -> Floats:
-    """Parse the rows, the first line among them unless it is the header."""
-    told = len(layout.header) if layout.header else None
-    tables: list[Floats] = []
-    if not layout.in_first_line:
-        tables.append(number_table(first, name, width=told, delimiter=layout.delimiter))
-    width = told or tables[0].shape[1]
-    while len(block := lines.take(BLOCK)):
-        tables.append(number_table(block, name, width=width, delimiter=layout.delimiter))
-    if not tables:
-        raise FormatError(f"{name}: the file has a header but no points")
-    return np.concatenate(tables)
-
-
-def _unnamed(table: Floats, name: str, line: int) -> tuple[str, ...]:
-    names = unnamed(table.shape[1], name, line)
-    rest = table[:, 3:]
-    whole = np.all((rest >= 0) & (rest <= 255) & (rest == np.rint(rest)))
-    return (*POSITION, *COLOR) if rest.shape[1] == 3 and whole else names
-
-
-def _cloud(table: Floats, names: tuple[str, ...]) -> Cloud:
-    columns = dict(zip(names, table.T, strict=True))
-    points = np.zeros((len(table), 3))
-    for position, each in enumerate(POSITION):
-        if each in columns:
-            points[:, position] = columns.pop(each)
-    return Cloud(
-        points,
-        colors=_colors(columns),
-        normals=_popped(columns, NORMAL),
-        attributes={each: np.ascontiguousarray(values) for each, values in columns.items()},
-    )
-
-
-def _colors(columns: dict[str, Floats]) -> Array | None:
-    """Take the colours out; columns of that name which cannot be colours stay attributes."""
-    names = (*COLOR, ALPHA) if ALPHA in columns else COLOR
-    rest = dict(columns)
-    values = _popped(rest, names)
-    colors = None if values is None else recognized(values)
-    if colors is not None:
-        for each in names:
-            del columns[each]
-    return colors
+    stream.seek(begin + 3 if mark == _UTF8_MARK else begin)
+    comments = leading_comments(stream, name, encoding="utf-8", marks=_COMMENTS)
+    return comments[-1] if comments else ""
 
 
 def _popped(columns: dict[str, Floats], names: tuple[str, ...]) -> Floats | None:
@@ -137,4 +339,5 @@ FORMAT = Format(
     read=read_text,
     write=None,
     description="points as text, one a line, with or without a header",
+    read_chunks=read_text_chunks,
 )

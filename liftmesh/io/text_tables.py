@@ -1,22 +1,29 @@
-"""Lines of text turned into tables of numbers; errors name the line.
+"""Tables of numbers as text: lines read in blocks and parsed, rows written digit by digit.
 
-``numpy.loadtxt`` parses: fast, and every number rounds exactly as Python rounds it. When it
-refuses a block of lines, they are looked at one by one for the line and the value to blame.
+Reading: ``numpy.loadtxt`` parses: fast, and every number rounds exactly as Python rounds it. When
+it refuses a block of lines, they are examined one by one for the line and the value to name.
+
+Writing: doubles are written by Python's ``repr``, the shortest digits that round-trip. Single
+precision gets nine significant digits: these bring a float back even where a reader rounds to
+double first, which the shortest digits do not guarantee.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO
+from itertools import chain
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh._typing import Floats, Integers, Mask
+from liftmesh._typing import Array, Floats, Integers, Mask
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 BLOCK = 1 << 17
 
@@ -143,6 +150,19 @@ def _joined(lines: list[str]) -> list[str]:
     return [*joined[:-1], " ".join(held) or joined[-1]]
 
 
+def leading_comments(
+    stream: BinaryIO, name: str, *, encoding: str = "latin-1", marks: tuple[str, ...] = ("#",)
+) -> list[str]:
+    """Read the comments before the first line that is none; the stream stays where it is."""
+    begin = stream.tell()
+    lines = Lines(stream, name, encoding=encoding)
+    found: list[str] = []
+    while (line := lines.next()).startswith(marks):
+        found.append(line.lstrip("".join(marks) + " \t"))
+    stream.seek(begin)
+    return found
+
+
 def number_table(
     block: Block, name: str, *, width: int | None = None, delimiter: str | None = None
 ) -> Floats:
@@ -223,3 +243,33 @@ def shortened(text: str) -> str:
 def shown(text: str) -> str:
     """Quote a piece of a file, shortened."""
     return repr(shortened(text))
+
+
+ROWS = 1 << 15
+
+
+def write_rows(
+    stream: BinaryIO, columns: Sequence[Array], *, prefix: str = "", template: str = ""
+) -> None:
+    """Write one line a row: ``prefix``, then the values of all columns between single spaces.
+
+    Columns are (n,) or (n, k) arrays of float, integers, or ready-made strings (dtype object);
+    ``template`` replaces the whole line if it must look otherwise.
+    """
+    values_apart = " ".join(chain.from_iterable(map(_specifiers, columns)))
+    template = template or f"{prefix}{values_apart}\n"
+    for start in range(0, len(columns[0]), ROWS):
+        flat = [part for each in columns for part in _flat(each[start : start + ROWS])]
+        values = tuple(chain.from_iterable(zip(*flat, strict=True)))
+        stream.write(((template * len(flat[0])) % values).encode("ascii"))
+
+
+def _specifiers(column: Array) -> Iterable[str]:
+    kind = column.dtype.kind
+    single = kind == "f" and column.dtype.itemsize < 8
+    specifier = "%.9g" if single else {"f": "%r", "O": "%s"}.get(kind, "%d")
+    return [specifier] * (column.shape[1] if column.ndim == 2 else 1)
+
+
+def _flat(block: Array) -> list[list[Any]]:
+    return [block.tolist()] if block.ndim == 1 else [column.tolist() for column in block.T]

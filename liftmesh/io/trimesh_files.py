@@ -1,59 +1,35 @@
-"""Formats handed to trimesh: STL, GLB and glTF.
+"""Formats read and written through trimesh: STL, GLB and glTF.
 
-They hold single precision, so large coordinates are written relative to an origin (see
-``origin.py``), which the file states: an STL file in its header, ``liftmesh origin x y z``, a GLB
-or glTF file in the ``extras`` of its scene. Reading such a file here adds the origin again.
+They hold single precision. A float has 24 bits: at 5,200,000 m its steps are half a metre. Where
+rounding the coordinates along an axis would move a vertex by more than a millionth of the model's
+size, an origin near the smallest coordinate is subtracted first: a round number, a multiple of one
+unit, or of a power of ten for models smaller than that. The file states it: an STL file in its
+header, ``liftmesh origin x y z``, a GLB or glTF file in the ``extras`` of its scene. Reading such a
+file here adds the origin again.
 """
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Array
+from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.beside import Beside
-from liftmesh.io.file_colors import eight_bit
 from liftmesh.io.format import Format, Origin
-from liftmesh.io.gltf_validation import checked_gltf
-from liftmesh.io.needs import check_finite, check_points, needed_faces
-from liftmesh.io.origin import needed_origin
-from liftmesh.io.scene import scene_cloud
+from liftmesh.io.gltf_validation import Resolver, checked_gltf
+from liftmesh.io.objects.trimesh import from_scene, to_mesh, to_points
 from liftmesh.optional import load
+
+TOLERANCE = 1e-6
 
 _HEADER_SIZE = 80
 _GLTF_KINDS = ("glb", "gltf")
 _STATED = "liftmesh origin"
-
-
-def read_with_trimesh(stream: BinaryIO, name: str, kind: str) -> Cloud:
-    """Read what trimesh reads; every geometry of a scene in its place.
-
-    Raises
-    ------
-    FormatError
-        trimesh cannot read the file, or it holds no vertices.
-    """
-    options: dict[str, Any] = {"file_type": kind, "process": False, "resolver": Beside(name)}
-    if kind in _GLTF_KINDS:
-        # Without materials no image is opened, and colours of vertices stay what they are.
-        options |= {"resolver": checked_gltf(stream, name, kind), "skip_materials": True}
-    trimesh = load("trimesh")
-    try:
-        with warnings.catch_warnings():
-            # NumPy only warns where text stops being numbers, and trimesh takes what came before.
-            warnings.simplefilter("error", DeprecationWarning)
-            scene = trimesh.load_scene(stream, **options)
-        cloud = scene_cloud(scene, name)
-    except (FormatError, MemoryError):
-        raise
-    except Exception as error:
-        cause = f"{type(error).__name__}: {error}"
-        raise FormatError(f"{name}: not a whole {kind} file: {cause[:300]}") from error
-    return cloud
 
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
@@ -80,7 +56,7 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
     begin = stream.tell()
     header = stream.read(_HEADER_SIZE)
     stream.seek(begin)
-    cloud = _welded(read_with_trimesh(stream, name, "stl"))
+    cloud = _welded(_read(stream, name, "stl"))
     return _moved_back(cloud, _stated_origin(header, name))
 
 
@@ -102,17 +78,15 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     Raises
     ------
     FormatError
-        There are no faces, or the coordinates do not fit single precision.
+        The coordinates do not fit single precision.
     """
-    faces = needed_faces(cloud, "STL")
-    used = np.unique(faces)
-    check_finite(cloud.points, used, "stl")
-    origin = needed_origin(cloud.points[used], "stl")
+    faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+    origin = needed_origin(cloud.points[np.unique(faces)], "stl")
     shown = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(shown) > _HEADER_SIZE:
         raise FormatError(f"the origin {origin} does not fit the header of STL: write PLY or OBJ")
-    mesh = load("trimesh").Trimesh(_shifted(cloud.points, origin), faces, process=False)
-    data: bytes = mesh.export(file_type="stl")
+    mesh = to_mesh(Cloud(_shifted(cloud.points, origin), faces=faces))
+    data: Any = mesh.export(file_type="stl")
     stream.write(shown.encode("ascii").ljust(_HEADER_SIZE, b"\0"))
     stream.write(memoryview(data)[_HEADER_SIZE:])
     return origin
@@ -131,23 +105,24 @@ def read_glb(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        Vertices with their colours; a scene of several meshes as one.
+        Vertices with their colours and normals, if every mesh has them; a scene of several meshes
+        as one.
 
     Raises
     ------
     FormatError
         The file is broken.
     """
-    return _read_scene(stream, name, "glb")
+    return _read_gltf(stream, name, "glb")
 
 
 def read_gltf(stream: BinaryIO, name: str) -> Cloud:
     """Read a glTF file, its buffers inside or beside it; see :func:`read_glb`."""
-    return _read_scene(stream, name, "gltf")
+    return _read_gltf(stream, name, "gltf")
 
 
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
-    """Write a mesh, or points, as GLB with eight-bit colours.
+    """Write a mesh, or points, as GLB with 8-bit colours.
 
     Parameters
     ----------
@@ -164,7 +139,7 @@ def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     Raises
     ------
     FormatError
-        There are no points, a coordinate is not finite, or they do not fit single precision.
+        The coordinates do not fit single precision.
     """
     scene, origin = _scene(cloud, "glb")
     stream.write(scene.export(file_type="glb"))
@@ -179,8 +154,31 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     return origin
 
 
-def _read_scene(stream: BinaryIO, name: str, kind: str) -> Cloud:
-    cloud = read_with_trimesh(stream, name, kind)
+def _read(stream: BinaryIO, name: str, kind: str) -> Cloud:
+    """Read what trimesh reads; every geometry of a scene in its place."""
+    options: dict[str, Any] = {"file_type": kind, "process": False, "resolver": Resolver(name)}
+    if kind in _GLTF_KINDS:
+        # Without materials no image is opened, and colours of vertices stay what they are.
+        options |= {"resolver": checked_gltf(stream, name, kind), "skip_materials": True}
+    trimesh = load("trimesh")
+    try:
+        with warnings.catch_warnings():
+            # NumPy only warns where text stops being numbers, and trimesh takes what came before.
+            warnings.simplefilter("error", DeprecationWarning)
+            scene = trimesh.load_scene(stream, **options)
+        cloud = from_scene(scene, name)
+    except (FormatError, MemoryError):
+        raise
+    except Exception as error:
+        cause = f"{type(error).__name__}: {error}"
+        raise FormatError(f"{name}: not a whole {kind} file: {cause[:300]}") from error
+    if not len(cloud):
+        raise FormatError(f"{name}: the file holds no vertices")
+    return cloud
+
+
+def _read_gltf(stream: BinaryIO, name: str, kind: str) -> Cloud:
+    cloud = _read(stream, name, kind)
     origin = cloud.metadata.get("origin")
     try:
         stated = None if origin is None else np.array(origin, dtype=np.float64).reshape(3)
@@ -190,20 +188,22 @@ def _read_scene(stream: BinaryIO, name: str, kind: str) -> Cloud:
 
 
 def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
-    trimesh = load("trimesh")
-    check_points(cloud, kind.upper())
-    check_finite(cloud.points, np.arange(len(cloud)), kind)
     origin = needed_origin(cloud.points, kind)
-    points = _shifted(cloud.points, origin)
-    colors = None if cloud.colors is None else eight_bit(cloud.colors)
-    if cloud.faces is None or not len(cloud.faces):
-        geometry = trimesh.PointCloud(points, colors=colors)
-    else:
-        geometry = trimesh.Trimesh(
-            points, cloud.faces, vertex_colors=colors, vertex_normals=cloud.normals, process=False
-        )
-    metadata = {} if origin is None else {"origin": list(origin)}
-    return trimesh.Scene(geometry, metadata=metadata), origin
+    shown = Cloud(
+        _shifted(cloud.points, origin),
+        colors=cloud.colors,
+        normals=cloud.normals,
+        faces=cloud.faces,
+    )
+    geometry = to_mesh(shown) if _has_faces(cloud) else to_points(shown)
+    metadata: dict[str, Any] = {} if origin is None else {"origin": list(origin)}
+    if cloud.crs is not None:
+        metadata["crs"] = cloud.crs
+    return load("trimesh").Scene(geometry, metadata=metadata), origin
+
+
+def _has_faces(cloud: Cloud) -> bool:
+    return cloud.faces is not None and len(cloud.faces) > 0
 
 
 def _shifted(points: Array, origin: Origin | None) -> Array:
@@ -213,10 +213,9 @@ def _shifted(points: Array, origin: Origin | None) -> Array:
 def _moved_back(cloud: Cloud, origin: Array | None) -> Cloud:
     if origin is None:
         return cloud
-    return Cloud(
-        cloud.points + origin,
-        colors=cloud.colors,
-        faces=cloud.faces,
+    return replace(
+        cloud,
+        points=cloud.points + origin,
         metadata={**cloud.metadata, "origin": tuple(origin.tolist())},
     )
 
@@ -243,10 +242,86 @@ def _welded(cloud: Cloud) -> Cloud:
     return Cloud(cloud.points[kept], faces=faces, metadata={**cloud.metadata, **repeated})
 
 
-_GLTF = ("colors", "normals")
+def needed_origin(points: Floats, what: str) -> Origin | None:
+    """Find the origin to subtract before coordinates are rounded to single precision.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        Finite coordinates.
+    what : str
+        The format's name for messages.
+
+    Returns
+    -------
+    tuple of float, or None
+        x, y and z of the origin, 0 along axes that need none; None if no axis needs one.
+
+    Raises
+    ------
+    FormatError
+        Even with an origin the coordinates do not fit single precision.
+
+    Examples
+    --------
+    >>> needed_origin(np.array([[450000.1, 5200000.2, 3.0], [450100.0, 5200100.0, 4.0]]), "stl")
+    (450000.0, 5200000.0, 0.0)
+    >>> needed_origin(np.array([[0.1, 0.2, 3.0], [100.0, 100.0, 4.0]]), "stl") is None
+    True
+    """
+    if not len(points):
+        return None
+    low = points.min(axis=0)
+    with np.errstate(over="ignore"):
+        size = float((points.max(axis=0) - low).max())
+    needed = _moved(points) > TOLERANCE * size
+    origin = np.where(needed, _round_below(low, size), 0.0)
+    fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
+    if not fits:
+        raise FormatError(
+            f"the coordinates do not fit the single precision of {what}: write PLY or OBJ"
+        )
+    return (float(origin[0]), float(origin[1]), float(origin[2])) if needed.any() else None
+
+
+def _moved(points: Floats) -> Floats:
+    """Measure how far rounding to single precision moves coordinates at most, for each axis."""
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        moved: Floats = np.abs(points - points.astype(np.float32)).max(axis=0)
+    return moved
+
+
+def _round_below(low: Floats, size: float) -> Floats:
+    if size == 0:
+        return low
+    step = 10.0 ** min(np.floor(np.log10(size)), 0.0)
+    rounded: Floats = np.floor(low / step) * step
+    return rounded
+
+
+def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Points alone are written without their normals."""
+    return () if _has_faces(cloud) else ("normals",)
+
+
+_GLTF: dict[str, Any] = {
+    "keeps": ("points", "faces", "colors", "alpha", "normals", "crs"),
+    "needs": ("points", "finite"),
+    "loses": _lost_in_gltf,
+}
 
 FORMATS = (
-    Format("stl", (".stl",), read_stl, write_stl, "STL: triangles in single precision", ()),
-    Format("glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours", _GLTF),
-    Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours", _GLTF),
+    Format(
+        "stl",
+        (".stl",),
+        read_stl,
+        write_stl,
+        "STL: triangles in single precision",
+        keeps=("faces",),
+        needs=("faces", "finite"),
+    ),
+    Format(
+        "glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours", **_GLTF
+    ),
+    Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours", **_GLTF),
 )

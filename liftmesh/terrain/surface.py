@@ -128,6 +128,8 @@ class Surface:
         Further named values of the vertices.
     metadata : mapping
         What belongs to the whole input.
+    crs : str, optional
+        The coordinate reference system of the input: WKT or ``EPSG:n``.
 
     Examples
     --------
@@ -145,6 +147,7 @@ class Surface:
     normals: Array | None = None
     attributes: Mapping[str, Array] = field(default_factory=dict)
     metadata: Mapping[str, Any] = field(default_factory=dict)
+    crs: str | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
@@ -175,6 +178,7 @@ class Surface:
             attributes=self.attributes,
             faces=self.faces,
             metadata=self.metadata,
+            crs=self.crs,
         )
 
     def to_trimesh(self) -> trimesh_package.Trimesh:

@@ -8,7 +8,6 @@ order: only the faces choose among them.
 
 from __future__ import annotations
 
-import os
 import time
 from typing import TYPE_CHECKING, Literal, TypedDict
 
@@ -18,8 +17,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.arrays import check_finite, non_finite
 from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.io import files
-from liftmesh.io.coercion import as_cloud
+from liftmesh.io.files import read_cloud
 from liftmesh.options import Duplicates, Method, NonFinite, check_option
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.equal_positions import Choice, choose_carriers
@@ -27,7 +25,6 @@ from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.surface import Report, Surface
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
     from liftmesh.planar.triangulation import Triangulation
 
 
@@ -116,7 +113,7 @@ def triangulate(
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("method", method, Method)
     course = _Course(progress)
-    source = _read(cloud)
+    source = read_cloud(cloud)
     course.lap("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit passes over such rows: the engine never saw them
@@ -140,6 +137,7 @@ def triangulate(
         normals=source.normals,
         attributes=source.attributes,
         metadata=source.metadata,
+        crs=source.crs,
     )
     course.end()
     return surface
@@ -186,12 +184,6 @@ class _Course:
         self._done = max(self._done, done)
         if self._progress is not None:
             self._progress(self._done)
-
-
-def _read(cloud: object) -> Cloud:
-    if isinstance(cloud, str | os.PathLike):
-        return files.read(cloud)
-    return as_cloud(cloud)
 
 
 def _solve(

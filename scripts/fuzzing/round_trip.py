@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh import Cloud, FormatError, read, write
+from liftmesh import Cloud, FormatError, InputError, read, write
 from liftmesh.io.columns import COLOR
 
 Array = NDArray[Any]
@@ -100,7 +100,7 @@ def _rewritten(cloud: Cloud, kind: str, **options: Any) -> Cloud | None:
     stream = io.BytesIO()
     try:
         write(stream, cloud, format=kind, **options)
-    except FormatError:
+    except (FormatError, InputError):  # InputError: colours outside their range
         return None
     stream.seek(0)
     try:

@@ -135,10 +135,17 @@ def test_everything_with_vertices_and_faces_can_be_written() -> None:
     assert_same_bits(loaded(saved(AWKWARD, "obj"), "obj").points, AWKWARD)
 
 
-@pytest.mark.parametrize("thing", [None, "mesh", 3, [[0, 0, 0]], SimpleNamespace(vertices=AWKWARD)])
+@pytest.mark.parametrize("thing", [None, 3, SimpleNamespace(vertices=AWKWARD)])
 def test_what_cannot_be_written(tmp_path: Path, thing: object) -> None:
-    with pytest.raises(UnsupportedTypeError, match=r"cannot be written: give a liftmesh\.Cloud"):
+    with pytest.raises(UnsupportedTypeError, match="is no point cloud: give an array"):
         liftmesh.write(tmp_path / "mesh.ply", thing)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("path", ["mesh.ply", Path("mesh.ply")])
+def test_a_path_is_to_be_read_first(tmp_path: Path, path: object) -> None:
+    with pytest.raises(UnsupportedTypeError, match=r"is a path, not a cloud: liftmesh\.read it"):
+        liftmesh.write(tmp_path / "other.ply", path)
     assert not list(tmp_path.iterdir())
 
 

@@ -16,7 +16,7 @@ import pytest
 from file_samples import assert_same_mesh, full_mesh, loaded, saved
 
 import liftmesh
-from liftmesh import Cloud, FormatError
+from liftmesh import Cloud, FormatError, InputError
 from liftmesh.io.atomic import replacing
 
 
@@ -79,11 +79,11 @@ def test_an_error_while_writing_leaves_the_old_file_and_no_debris(tmp_path: Path
     target = tmp_path / "mesh.obj"
     target.write_bytes(b"old")
     late = Cloud(np.zeros((2, 3)), colors=np.array([[0.0, 0, 0], [0, 9, 0]]))
-    with pytest.raises(FormatError, match="row 1"):
+    with pytest.raises(InputError, match="row 1"):
         liftmesh.write(target, late)
     assert target.read_bytes() == b"old"
     assert names_in(tmp_path) == ["mesh.obj"]
-    with pytest.raises(FormatError, match="row 1"):
+    with pytest.raises(InputError, match="row 1"):
         liftmesh.write(tmp_path / "new.obj", late)
     assert names_in(tmp_path) == ["mesh.obj"]
 

@@ -16,7 +16,7 @@ from file_samples import (
     saved,
 )
 
-from liftmesh import Cloud, FormatError
+from liftmesh import Cloud, FormatError, InputError
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -183,7 +183,7 @@ def test_broken_files_name_the_line(text: str, cause: str) -> None:
 
 
 def test_bad_colours_and_comments_are_refused() -> None:
-    with pytest.raises(FormatError, match="row 0"):
+    with pytest.raises(InputError, match="row 0"):
         saved(Cloud(AWKWARD[:1], colors=np.array([[0.0, 2.0, 0.0]])), "obj")
     with pytest.raises(FormatError, match="single lines"):
         saved(full_mesh(), "obj", comments=["v 1 2 3\nv 4 5 6"])

@@ -170,7 +170,9 @@ def test_the_example_works_and_broken_plugins_harm_nobody(site: Path, tmp_path: 
     assert no_option.endswith("tri1 takes title")
     assert "'liftmesh_no_such_module:FORMAT' for 'brk' files cannot be loaded" in unloadable
     assert "ModuleNotFoundError" in unloadable
-    assert "'os.path:join' for 'odd' files is a function, not a liftmesh.Format" in no_format
+    assert (
+        "'os.path:join' for 'odd' files is a builtins.function, not a liftmesh.Format" in no_format
+    )
     assert ".ply, " in unknown
     assert ".tri1" in unknown
     assert "cannot be loaded" in listed

@@ -14,7 +14,7 @@ from file_samples import (
     saved,
 )
 
-from liftmesh import Cloud, FormatError
+from liftmesh import Cloud, FormatError, InputError
 
 
 def header_of(data: bytes) -> list[str]:
@@ -122,13 +122,13 @@ def test_colours_are_rounded_unless_asked_to_be_exact() -> None:
 @pytest.mark.parametrize(
     ("colors", "cause"),
     [
-        (np.array([[0.0, 0.0, 0.0], [0.0, 1.5, 0.0]]), r"row 1 is \[0.0, 1.5, 0.0\]"),
+        (np.array([[0.0, 0.0, 0.0], [0.0, 1.5, 0.0]]), r"row 1 has the colour \[0.0, 1.5, 0.0\]"),
         (np.array([[0.0, np.nan, 0.0], [0.0, 1.0, 0.0]]), "row 0"),
-        (np.array([[0, 0, 0], [1, 2, 3]]), "type int64"),
+        (np.array([[0, 0, 0], [1, 256, 3]]), "row 1 .* outside 0..255"),
     ],
 )
 def test_bad_colours_are_refused(colors: np.ndarray, cause: str) -> None:
-    with pytest.raises(FormatError, match=cause):
+    with pytest.raises(InputError, match=cause):
         saved(Cloud(AWKWARD[:2], colors=colors), "ply")
 
 

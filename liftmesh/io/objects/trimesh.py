@@ -1,4 +1,4 @@
-"""trimesh: point clouds and meshes in, meshes out.
+"""trimesh: point clouds, meshes and scenes in, meshes and point clouds out.
 
 trimesh merges vertices and drops rows unless told ``process=False``, keeps colours as 8-bit RGBA,
 and makes up a grey for objects that have none, so colours are read only where some are defined.
@@ -8,29 +8,32 @@ goes out is copied: trimesh edits meshes in place and locks the arrays of normal
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh import arrays
-from liftmesh._typing import Array
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.io.colors import as_uint8, with_alpha
+from liftmesh.io.faces import checked_faces
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     import trimesh
 
 
-def to_cloud(source: trimesh.PointCloud | trimesh.Trimesh) -> Cloud:
-    """Make a cloud of a trimesh point cloud or mesh.
+def to_cloud(source: Any) -> Cloud:
+    """Make a cloud of a trimesh point cloud, mesh or scene.
 
     Parameters
     ----------
-    source : trimesh.PointCloud or trimesh.Trimesh
-        Vertices, with vertex colours, vertex normals, vertex attributes and metadata if any.
+    source : trimesh.PointCloud, trimesh.Trimesh or trimesh.Scene
+        Vertices, with vertex colours, vertex normals, vertex attributes and metadata if any; the
+        text ``metadata["crs"]`` is the coordinate system. Of a scene, what `from_scene` gives.
 
     Returns
     -------
@@ -42,6 +45,8 @@ def to_cloud(source: trimesh.PointCloud | trimesh.Trimesh) -> Cloud:
     ------
     InputError
         Colours or an attribute do not have one row a vertex.
+    FormatError
+        A face of a scene names a vertex that is not there.
 
     Examples
     --------
@@ -49,6 +54,8 @@ def to_cloud(source: trimesh.PointCloud | trimesh.Trimesh) -> Cloud:
     >>> len(to_cloud(trimesh.PointCloud([[0, 0, 5], [1, 0, 6], [0, 1, 7]])))
     3
     """
+    if hasattr(source, "graph"):
+        return from_scene(source, "the scene")
     attributes: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
     faces = getattr(source, "faces", None)
     return Cloud(
@@ -57,7 +64,51 @@ def to_cloud(source: trimesh.PointCloud | trimesh.Trimesh) -> Cloud:
         normals=_normals(source),
         attributes={name: np.atleast_1d(values) for name, values in attributes.items()},
         faces=None if faces is None else np.asarray(faces, dtype=np.int32),
-        metadata=source.metadata,
+        **_described(source.metadata),
+    )
+
+
+def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
+    """Make one cloud of all meshes and point clouds of a scene, each in its place.
+
+    Parameters
+    ----------
+    scene : trimesh.Scene
+        Its geometries and where they stand.
+    name : str
+        What messages call it.
+
+    Returns
+    -------
+    Cloud
+        All vertices and faces, in the order of the scene. Colours and normals are kept if every
+        geometry has them, named values are not. Lines are left out and counted in
+        ``metadata["skipped"]``.
+
+    Raises
+    ------
+    FormatError
+        A face names a vertex that is not there.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> box = trimesh.creation.box()
+    >>> len(from_scene(trimesh.Scene([box, box]), "boxes"))
+    16
+    """
+    placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
+    parts = [_moved(to_cloud(each), matrix) for each, matrix in placed if _holds_points(each)]
+    skipped = len(placed) - len(parts)
+    described = _described(scene.metadata)
+    if skipped:
+        described["metadata"]["skipped"] = (f"{skipped} lines",)
+    return Cloud(
+        np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
+        colors=_joined([part.colors for part in parts]),
+        normals=_joined([part.normals for part in parts]),
+        faces=_joined_faces(parts, name),
+        **described,
     )
 
 
@@ -67,7 +118,8 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     Parameters
     ----------
     cloud : Cloud
-        Points and faces; colours become 8-bit RGBA, named values vertex attributes.
+        Points and faces; colours become 8-bit RGBA, named values vertex attributes, the coordinate
+        system ``metadata["crs"]``.
 
     Returns
     -------
@@ -94,10 +146,98 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
         vertex_colors=colors,
         vertex_normals=None if cloud.normals is None else np.array(cloud.normals),
         vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
-        metadata=dict(cloud.metadata),
+        metadata=_metadata(cloud),
         process=False,
     )
     return mesh
+
+
+def to_points(cloud: Cloud) -> trimesh.PointCloud:
+    """Make a trimesh point cloud of the rows of a cloud.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Points; colours become 8-bit RGBA. Point clouds have no place for normals and named values.
+
+    Returns
+    -------
+    trimesh.PointCloud
+        Every row, in the same order.
+
+    Raises
+    ------
+    InputError
+        A colour is outside its range.
+    MissingDependencyError
+        trimesh is not installed.
+
+    Examples
+    --------
+    >>> to_points(Cloud(np.eye(3))).vertices.shape
+    (3, 3)
+    """
+    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
+    points: trimesh.PointCloud = load("trimesh").PointCloud(
+        cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
+    )
+    return points
+
+
+def _metadata(cloud: Cloud) -> dict[str, Any]:
+    crs = {} if cloud.crs is None else {"crs": cloud.crs}
+    return {**cloud.metadata, **crs}
+
+
+def _described(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Split metadata into a cloud's metadata and its coordinate system."""
+    rest = dict(metadata)
+    crs = rest.pop("crs", None)
+    if isinstance(crs, str) and crs:
+        return {"metadata": rest, "crs": crs}
+    return {"metadata": dict(metadata), "crs": None}
+
+
+def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:
+    for node in scene.graph.nodes_geometry:
+        yield scene.graph[node]
+
+
+def _holds_points(geometry: Any) -> bool:
+    """Tell meshes and point clouds from paths."""
+    return hasattr(geometry, "vertices") and not hasattr(geometry, "entities")
+
+
+def _moved(cloud: Cloud, matrix: Floats) -> Cloud:
+    """Put a geometry in its place; normals turn with it."""
+    if np.array_equal(matrix, np.eye(4)):
+        return cloud
+    points = cloud.points @ matrix[:3, :3].T + matrix[:3, 3]
+    return replace(cloud, points=points, normals=_turned(cloud.normals, matrix[:3, :3]))
+
+
+def _turned(normals: Array | None, matrix: Floats) -> Array | None:
+    if normals is None or np.linalg.det(matrix) == 0:
+        return None
+    turned: Floats = normals @ np.linalg.inv(matrix)
+    lengths = np.sqrt((turned * turned).sum(axis=1, keepdims=True))
+    np.divide(turned, lengths, out=turned, where=lengths > 0)
+    return turned
+
+
+def _joined(parts: list[Array | None]) -> Array | None:
+    known = [each for each in parts if each is not None]
+    return np.concatenate(known) if known and len(known) == len(parts) else None
+
+
+def _joined_faces(parts: list[Cloud], name: str) -> Rows | None:
+    found: list[Rows] = []
+    start = 0
+    for part in parts:
+        if part.faces is not None and len(part.faces):
+            found.append(checked_faces(part.faces, len(part), name) + np.int32(start))
+        start += len(part)
+    return np.concatenate(found) if found else None
 
 
 def _colors(source: Any) -> Array | None:

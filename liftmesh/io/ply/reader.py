@@ -6,21 +6,22 @@ over, and named in the metadata.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import Sheet
+from liftmesh.io.columns import CloudBuilder, built_in_chunks
+from liftmesh.io.comments import stated_crs
 from liftmesh.io.faces import remarks, triangulated
-from liftmesh.io.ply.ascii_body import AsciiBody
-from liftmesh.io.ply.binary_body import BinaryBody
-from liftmesh.io.ply.header import Element, Header, read_header
+from liftmesh.io.ply.body import AsciiBody, BinaryBody
+from liftmesh.io.ply.header import Element, read_header
 from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.ragged import Ragged
+    from liftmesh.io.faces import Ragged
 
 _INDICES = ("vertex_indices", "vertex_index")
 
@@ -42,6 +43,7 @@ def read_ply(stream: BinaryIO, name: str) -> Cloud:
     Cloud
         Coordinates as float64; nx, ny, nz as normals, red, green, blue (alpha) as colours, other
         scalar properties as attributes, all in the file's types; polygons as fans of triangles.
+        A comment ``crs "EPSG:25832"`` is the coordinate system.
         ``metadata`` holds ``comments``, ``obj_info``, and, where there are any, the number of
         ``polygons`` cut into triangles, of ``degenerate_faces`` of fewer than three corners left
         out, and the names of properties and elements that were ``skipped``.
@@ -51,38 +53,76 @@ def read_ply(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         The file is broken; the message names the line or byte.
     """
-    header = read_header(stream, name)
-    ascii_body = header.encoding == "ascii"
-    body = AsciiBody(stream, name, header.lines) if ascii_body else BinaryBody(stream, name)
-    return _Reading(header, body, name).cloud()
+    return _Reading(stream, name).cloud()
+
+
+def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+    """Read the vertices of a PLY file piece by piece.
+
+    What stands behind the vertices, faces too, is neither read nor checked.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Seekable, at the first byte of the file.
+    name : str
+        The file's name for messages.
+    rows : int
+        How many rows a chunk has at most.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows, as `read_ply` reads them. Where vertices have lists, all are read first.
+
+    Raises
+    ------
+    FormatError
+        As `read_ply`.
+    """
+    yield from _Reading(stream, name).chunks(rows)
 
 
 class _Reading:
     """One PLY file on its way into a Cloud."""
 
-    def __init__(self, header: Header, body: Body, name: str) -> None:
-        self._header = header
-        self._body = body
+    def __init__(self, stream: BinaryIO, name: str) -> None:
+        self._header = read_header(stream, name)
+        self._body: Body = (
+            AsciiBody(stream, name, self._header.lines)
+            if self._header.encoding == "ascii"
+            else BinaryBody(stream, name)
+        )
         self._name = name
         self._skipped: list[str] = []
 
     def cloud(self) -> Cloud:
-        sheet, faces = None, None
+        builder, faces = None, None
         for element in self._header.elements:
             if element.name == "vertex":
-                sheet = self._vertices(element)
+                builders = self._vertices(element, max(element.rows, 1))
+                builder = next(builders, None) or CloudBuilder(_scalars(element), 0)
             elif element.name == "face":
                 faces = self._faces(element)
             else:
                 self._pass_over(element)
-        if sheet is None:
-            raise FormatError(f"{self._name}: the header announces no vertex element")
+        if builder is None:
+            raise self._no_vertices()
         self._body.check_end()
-        triangles = None if faces is None else triangulated(faces, len(sheet.points), self._name)
-        return sheet.cloud(triangles, self._metadata(faces))
+        triangles = None if faces is None else triangulated(faces, builder.rows, self._name)
+        return builder.cloud(triangles, self._metadata(faces), self._crs())
 
-    def _vertices(self, element: Element) -> Sheet:
-        scalars = {each.name: each.dtype for each in element.properties if each.length is None}
+    def chunks(self, rows: int) -> Iterator[Cloud]:
+        for element in self._header.elements:
+            if element.name == "vertex":
+                for builder in self._vertices(element, rows):
+                    yield builder.cloud(None, self._metadata(None), self._crs())
+                return
+            self._pass_over(element)
+        raise self._no_vertices()
+
+    def _vertices(self, element: Element, rows: int) -> Iterator[CloudBuilder]:
+        scalars = _scalars(element)
         if not {"x", "y"} <= scalars.keys():
             raise FormatError(
                 f"{self._name}: the vertex element has no x and y: its properties are "
@@ -90,24 +130,17 @@ class _Reading:
             )
         self._skip(element, [each.name for each in element.properties if each.length is not None])
         if element.is_table:
-            return self._table(element, scalars)
-        lists = self._body.lists(element)
-        sheet = Sheet(scalars, element.rows)
-        for each in scalars:
-            sheet.columns[each][:] = lists[each].values
-        return sheet
+            blocks = self._body.blocks(element)
+        else:
+            lists = self._body.lists(element)
+            blocks = iter([{each: lists[each].values for each in scalars}])
+        return built_in_chunks(scalars, element.rows, blocks, rows)
 
-    def _table(self, element: Element, types: dict[str, np.dtype]) -> Sheet:
-        blocks = self._body.blocks(element)
-        # The first block is taken before the arrays are made: a header that lies fails here.
-        taken = next(blocks, None)
-        sheet = Sheet(types, element.rows)
-        while taken is not None:
-            rows, columns = taken
-            for each, values in columns.items():
-                sheet.columns[each][rows] = values
-            taken = next(blocks, None)
-        return sheet
+    def _no_vertices(self) -> FormatError:
+        return FormatError(f"{self._name}: the header announces no vertex element")
+
+    def _crs(self) -> str | None:
+        return stated_crs(self._header.comments)
 
     def _faces(self, element: Element) -> Ragged | None:
         usable = [each for each in element.properties if each.name in _INDICES and each.length]
@@ -145,3 +178,7 @@ class _Reading:
         return {key: value for key, value in found.items() if value} | (
             remarks(faces) if faces is not None else {}
         )
+
+
+def _scalars(element: Element) -> dict[str, np.dtype]:
+    return {each.name: each.dtype for each in element.properties if each.length is None}

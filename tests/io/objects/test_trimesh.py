@@ -46,7 +46,7 @@ def test_point_cloud_colours_and_metadata():
     cloud = as_cloud(trimesh.PointCloud(POINTS, colors=COLORS, metadata={"crs": "EPSG:32614"}))
     assert cloud.colors.dtype == np.uint8
     assert cloud.colors.tolist() == COLORS.tolist()
-    assert cloud.metadata["crs"] == "EPSG:32614"
+    assert cloud.crs == "EPSG:32614"
     assert cloud.faces is None
     assert cloud.normals is None
     assert not cloud.attributes

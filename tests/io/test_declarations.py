@@ -1,0 +1,215 @@
+"""What formats declare: each is held to what it needs and keeps, for every kind of content."""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import liftmesh
+from liftmesh import Cloud, Format, FormatError, InputError, Written
+from liftmesh.io.colors import as_float, as_uint8
+from liftmesh.io.format import CONTENT, NEEDS
+from liftmesh.io.registry import FORMATS
+
+WRITABLE = {each.name: each for each in FORMATS if each.write is not None}
+OPTIONS = {name: [{}] for name in WRITABLE} | {
+    "ply": [
+        {},
+        {"colors": "exact"},
+        {"encoding": "ascii"},
+        {"encoding": "ascii", "colors": "exact"},
+    ],
+    "npz": [{}, {"compressed": True}],
+}
+CALLS = [(name, options) for name, several in OPTIONS.items() for options in several]
+
+# Four vertices, three of them in a face; single precision holds every coordinate.
+POINTS = np.array([[0, 0, 1], [4, 0, 2.5], [0, 3, 0.25], [8, 8, 8]], dtype=np.float64)
+FACES = np.array([[0, 1, 2]], dtype=np.int32)
+ALL_FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
+NORMALS = np.array([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0.6, 0.8]], dtype=np.float32)
+RGB = np.array([[0, 128, 255], [1, 2, 3], [254, 127, 64], [9, 9, 9]], dtype=np.uint8)
+RGBA = np.column_stack([RGB, [255, 10, 0, 128]]).astype(np.uint8)
+DEEP = np.array([[0, 1, 65535], [300, 2, 3], [4, 5, 6], [7, 8, 9]], dtype=np.uint16)
+
+MESH = Cloud(POINTS, faces=ALL_FACES)
+
+# A cloud for each kind of content, and the words of `Format.keeps` that it takes to keep it.
+CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
+    "a mesh": (MESH, {"faces"}),
+    "points": (Cloud(POINTS), {"points"}),
+    "a row in no face": (Cloud(POINTS, faces=FACES), {"faces", "points"}),
+    "colours": (replace(MESH, colors=RGB), {"faces", "colors"}),
+    "colours of points": (Cloud(POINTS, colors=RGB), {"points", "colors"}),
+    "opaque colours": (
+        replace(MESH, colors=np.column_stack([RGB, [255] * 4]).astype(np.uint8)),
+        {"faces", "colors"},
+    ),
+    "signed colours": (replace(MESH, colors=RGB.astype(np.int64)), {"faces", "colors"}),
+    "8-bit colours as floats": (replace(MESH, colors=RGB / 255.0), {"faces", "colors"}),
+    "alpha": (replace(MESH, colors=RGBA), {"faces", "colors", "alpha"}),
+    "16-bit colours": (replace(MESH, colors=DEEP), {"faces", "colors", "deep_colors"}),
+    "float colours": (replace(MESH, colors=DEEP / 65535.0), {"faces", "colors", "deep_colors"}),
+    "normals": (replace(MESH, normals=NORMALS), {"faces", "normals"}),
+    "normals of points": (Cloud(POINTS, normals=NORMALS), {"points", "normals"}),
+    "named values": (
+        replace(MESH, attributes={"class": np.arange(4, dtype=np.uint8), "z0": POINTS[:, 2]}),
+        {"faces", "attributes"},
+    ),
+    "a coordinate system": (replace(MESH, crs="EPSG:25832"), {"faces", "crs"}),
+    "a long coordinate system": (
+        replace(MESH, crs='PROJCRS["ETRS89 / Gauß",\n  "two lines\\and \x07"]' * 50),
+        {"faces", "crs"},
+    ),
+    "double precision": (replace(MESH, points=POINTS + 0.1), {"faces", "float64"}),
+    "far away": (replace(MESH, points=POINTS / 3 + [450000.1, 5200000.2, 0]), {"faces", "float64"}),
+    "everything": (
+        replace(
+            MESH,
+            points=POINTS / 7,
+            faces=FACES,
+            colors=DEEP,
+            normals=NORMALS,
+            attributes={"class": np.arange(4, dtype=np.uint8)},
+            crs="EPSG:2056",
+        ),
+        set(CONTENT) - {"alpha"},
+    ),
+}
+
+
+def round_trip(cloud: Cloud, kind: str, options: dict[str, str]) -> tuple[Cloud, Written]:
+    stream = io.BytesIO()
+    written = liftmesh.write(stream, cloud, format=kind, **options)
+    return liftmesh.read(io.BytesIO(stream.getvalue()), format=kind), written
+
+
+def corners(cloud: Cloud) -> set[tuple[bytes, ...]]:
+    """Give the triangles by the positions of their corners, whatever the order of rows."""
+    assert cloud.faces is not None
+    return {tuple(sorted(row.tobytes() for row in cloud.points[face])) for face in cloud.faces}
+
+
+def same_colors(ours: np.ndarray | None, theirs: np.ndarray | None, channels: int) -> bool:
+    if ours is None or theirs is None:
+        return ours is theirs
+    return np.array_equal(as_float(ours)[:, :channels], as_float(theirs)[:, :channels])
+
+
+def eight(colors: np.ndarray | None) -> np.ndarray | None:
+    return None if colors is None else as_uint8(colors)
+
+
+def kept(back: Cloud, cloud: Cloud) -> dict[str, bool]:
+    """Compare what came back with what was written, for each word of `Format.keeps`."""
+    near = same_rows(back, cloud)
+    return {
+        "points": len(back) == len(cloud) and near,
+        "faces": cloud.faces is None or (back.faces is not None and len(back.faces) > 0),
+        "colors": same_colors(eight(back.colors), eight(cloud.colors), 3),
+        "alpha": same_colors(back.colors, cloud.colors, 4),
+        "deep_colors": same_colors(back.colors, cloud.colors, 3),
+        "normals": equal(back.normals, cloud.normals),
+        "attributes": back.attributes.keys() == cloud.attributes.keys()
+        and all(np.array_equal(v, cloud.attributes[k]) for k, v in back.attributes.items()),
+        "crs": back.crs == cloud.crs,
+        "float64": same_positions(back, cloud),
+    }
+
+
+def same_rows(back: Cloud, cloud: Cloud) -> bool:
+    """Say whether every row came back in its place, as far as single precision tells."""
+    scale = np.abs(cloud.points).max()
+    return len(back) == len(cloud) and np.allclose(back.points, cloud.points, atol=1e-6 * scale)
+
+
+def same_positions(back: Cloud, cloud: Cloud) -> bool:
+    if cloud.faces is not None and len(cloud.faces):
+        return back.faces is not None and corners(back) == corners(cloud)
+    return np.array_equal(back.points, cloud.points)
+
+
+def equal(ours: np.ndarray | None, theirs: np.ndarray | None) -> bool:
+    """Compare normals in the precision that they were given in."""
+    if ours is None or theirs is None:
+        return ours is theirs
+    return np.array_equal(ours.astype(theirs.dtype), theirs)
+
+
+def expected_drops(cloud: Cloud, lost: set[str]) -> set[str]:
+    if "colors" in lost:
+        lost -= {"alpha", "deep_colors"}
+    names = {CONTENT[word] for word in lost - {"attributes"}}
+    return names | (set(cloud.attributes) if "attributes" in lost else set())
+
+
+@pytest.mark.parametrize("content", CONTENTS)
+@pytest.mark.parametrize(("kind", "options"), CALLS, ids=[f"{k}-{o}" for k, o in CALLS])
+def test_a_format_keeps_what_it_declares_and_names_the_rest(
+    kind: str, options: dict[str, str], content: str
+) -> None:
+    cloud, needed = CONTENTS[content]
+    declared = WRITABLE[kind]
+    if "faces" in declared.needs and cloud.faces is None:
+        with pytest.raises(FormatError, match=f"without faces .* as {kind.upper()}"):
+            round_trip(cloud, kind, options)
+        return
+    back, written = round_trip(cloud, kind, options)
+    promised = set(declared.keeps)
+    if declared.loses is not None:
+        promised -= set(declared.loses(cloud, options))
+    lost = needed - promised
+    found = kept(back, cloud)
+    assert {word for word in promised & needed if not found[word]} == set()
+    assert {word for word in lost if found[word]} == set()
+    assert set(written.dropped) == expected_drops(cloud, lost)
+    assert len(set(written.dropped)) == len(written.dropped)
+
+
+@pytest.mark.parametrize("kind", WRITABLE)
+def test_every_need_is_refused_and_nothing_else(kind: str, tmp_path: Path) -> None:
+    lacking = {
+        "points": Cloud(np.zeros((0, 3)), faces=np.zeros((0, 3), dtype=np.int32)),
+        "faces": Cloud(POINTS),
+        "finite": Cloud(np.where(POINTS == 4, np.inf, POINTS), faces=ALL_FACES),
+    }
+    declared = set(WRITABLE[kind].needs)
+    refused = {need for need in NEEDS if is_refused(lacking[need], kind, tmp_path)}
+    assert refused == declared | ({"points"} if "faces" in declared else set())
+    assert not list(tmp_path.glob("*refused*"))
+
+
+def is_refused(cloud: Cloud, kind: str, folder: Path) -> bool:
+    try:
+        liftmesh.write(folder / "refused", cloud, format=kind)
+    except FormatError as error:
+        return re.search("vertex 1 is|without (points|faces)", str(error)) is not None
+    (folder / "refused").unlink()
+    return False
+
+
+def test_stl_looks_at_the_rows_of_its_triangles_alone() -> None:
+    points = POINTS.copy()
+    points[3] = np.nan
+    back, written = round_trip(Cloud(points, faces=FACES), "stl", {})
+    assert len(back) == 3
+    assert written.dropped == ("rows in no face",)
+
+
+@pytest.mark.parametrize("words", [{"keeps": ("colours",)}, {"needs": ("rows",)}])
+def test_a_declaration_of_unknown_words_is_refused(words: dict[str, tuple[str, ...]]) -> None:
+    with pytest.raises(InputError, match=r"of the format 'odd' holds '(colours|rows)': known are"):
+        Format("odd", (".odd",), None, None, "", **words)
+
+
+def test_every_word_is_kept_by_some_format_and_lost_by_another() -> None:
+    for word in CONTENT:
+        keeping = [name for name, each in WRITABLE.items() if word in each.keeps]
+        assert keeping, word
+        if word != "faces":
+            assert set(keeping) < set(WRITABLE), word
