@@ -3,7 +3,7 @@
 #   scripts/coverage.sh              runs all tests: half an hour on two cores
 #   scripts/coverage.sh --report     tells once more what the last run found
 # Installs liftmesh into .venv-coverage with a kernel that counts; the ordinary build stays as it is. Ends with
-# a non-zero exit if a test fails, a share is below 95 %, or scripts/uncovered.toml does not explain a gap.
+# a non-zero exit if a test fails, a share is below 95 %, or scripts/coverage_gaps.toml does not explain a gap.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
@@ -75,5 +75,5 @@ if [[ ${1-} != --report ]]; then
     say "Adding up what every process counted ..."
     gather
 fi
-"$python" scripts/uncovered.py "$out/python.json" "$out/kernel.json" || failed=1
+"$python" scripts/coverage_gaps.py "$out/python.json" "$out/kernel.json" || failed=1
 exit "$failed"

@@ -1,13 +1,13 @@
 """What the tests leave out of liftmesh: shares of lines and branches, and each gap with its reason.
 
-    python scripts/uncovered.py out/coverage/python.json out/coverage/kernel.json
+    python scripts/coverage_gaps.py out/coverage/python.json out/coverage/kernel.json
 
 `scripts/coverage.sh` runs the tests, has coverage and gcovr write the two files, and calls this. A
 gap is a run of lines none of which was reached, or a branch of a line that was reached which was
-never taken though its target was reached otherwise. `uncovered.toml` names gaps by a piece of the
-text of their first line, which outlives line numbers, and says why no test goes there; a text
-stands for one gap. The command fails where a share is too small, where a gap has no reason, and
-where a source was not measured.
+never taken though its target was reached by another. `coverage_gaps.toml` gives the reason for each
+gap, which it identifies by a piece of its first line, since line numbers change; an entry explains
+one gap. The command fails if a share is too small, a gap has no reason, or a source file was not
+measured.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ def _runs(lines: list[dict[str, Any]]) -> dict[int, int]:
 
 
 def read_reasons(path: Path = REASONS) -> list[Reason]:
-    """The reasons of `uncovered.toml`."""
+    """The reasons of `coverage_gaps.toml`."""
     entries = tomllib.loads(path.read_text("utf-8")).get("gap", [])
     return [
         Reason(entry["file"], line, " ".join(entry["why"].split()))

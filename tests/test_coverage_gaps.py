@@ -8,9 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import coverage_gaps
 import pytest
-import uncovered
-from uncovered import Gap, Reason, Share, Source, gaps_of, read_kernel, read_python
+from coverage_gaps import Gap, Reason, Share, Source, gaps_of, read_kernel, read_python
 
 PYTHON = """\
 def sign(x):
@@ -78,7 +78,7 @@ def test_what_coverage_counts(counted: Path) -> None:
         ("5-6", 'text = "negative"'),
         ("10 never to the end", "if sign(x):"),
     ]
-    lines, branches = uncovered.shares("it", [source])
+    lines, branches = coverage_gaps.shares("it", [source])
     assert (lines.of - lines.reached, branches.of, branches.reached) == (2, 6, 4)
 
 
@@ -110,10 +110,10 @@ def test_lines_in_a_row_are_one_gap(runs: dict[int, int], where: list[str]) -> N
 def test_a_reason_holds_for_its_file_and_text_alone_and_once() -> None:
     reason = Reason("a.py", "except OSError", "disks do not fail here")
     gap, reasons = Gap("a.py", 7, 9, "except OSError as error:"), [reason]
-    assert uncovered.reason_for(gap, reasons) == "disks do not fail here"
-    assert uncovered.reason_for(gap, reasons) is None
-    assert uncovered.reason_for(Gap("b.py", 7, 9, gap.text), [reason]) is None
-    assert uncovered.reason_for(Gap("a.py", 7, 9, "except ValueError:"), [reason]) is None
+    assert coverage_gaps.reason_for(gap, reasons) == "disks do not fail here"
+    assert coverage_gaps.reason_for(gap, reasons) is None
+    assert coverage_gaps.reason_for(Gap("b.py", 7, 9, gap.text), [reason]) is None
+    assert coverage_gaps.reason_for(Gap("a.py", 7, 9, "except ValueError:"), [reason]) is None
 
 
 def test_ninety_five_per_cent_is_the_least() -> None:
@@ -124,8 +124,8 @@ def test_ninety_five_per_cent_is_the_least() -> None:
 
 
 def test_every_reason_names_text_of_its_file() -> None:
-    for reason in uncovered.read_reasons():
-        lines = (uncovered.ROOT / reason.file).read_text("utf-8").splitlines()
+    for reason in coverage_gaps.read_reasons():
+        lines = (coverage_gaps.ROOT / reason.file).read_text("utf-8").splitlines()
         assert reason.why
         assert any(reason.line in line for line in lines), f"{reason.file}: {reason.line}"
 
@@ -137,7 +137,7 @@ def test_the_whole_report(counted: Path, capsys: pytest.CaptureFixture[str]) -> 
     reasons = counted / "reasons.toml"
     reasons.write_text(REASON.format("toy.py", "if sign") + REASON.format("toy.cpp", "count +="))
     words = [str(counted / "python.json"), str(counted / "kernel.json")]
-    assert uncovered.main(words, counted, reasons) == 1
+    assert coverage_gaps.main(words, counted, reasons) == 1
     told = capsys.readouterr().out
     assert '    5-6: text = "negative"\n        NO REASON IS GIVEN\n' in told
     assert "    10-11: count += 3;\n        it is a toy\n" in told
@@ -158,7 +158,7 @@ def test_the_exit_code(tmp_path: Path, missed: int, explained: bool, code: int) 
     reasons = tmp_path / "reasons.toml"
     reasons.write_text(REASON.format("a.py", "x =" if explained else "y ="))
     words = [str(tmp_path / "python.json"), str(tmp_path / "kernel.json")]
-    assert uncovered.main(words, tmp_path, reasons) == code
+    assert coverage_gaps.main(words, tmp_path, reasons) == code
 
 
 def test_sources_that_nobody_measured_are_named(tmp_path: Path) -> None:
@@ -166,4 +166,4 @@ def test_sources_that_nobody_measured_are_named(tmp_path: Path) -> None:
     for name in ("liftmesh/a.py", "liftmesh/b.py", "liftmesh/_core/c.cpp", "liftmesh/_core/d.hpp"):
         (tmp_path / name).write_text("")
     known = [Source("liftmesh/a.py", {})]
-    assert uncovered.not_measured(known, tmp_path) == ["liftmesh/_core/c.cpp", "liftmesh/b.py"]
+    assert coverage_gaps.not_measured(known, tmp_path) == ["liftmesh/_core/c.cpp", "liftmesh/b.py"]
