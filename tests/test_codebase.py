@@ -144,12 +144,15 @@ def test_every_kernel_source_is_compiled() -> None:
 
 @pytest.mark.parametrize("page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md"])
 def test_programs_that_a_page_names_are_there(page: str) -> None:
-    spans = re.findall(r"`([^`]+)`", (ROOT / page).read_text("utf-8"))
+    text = (ROOT / page).read_text("utf-8")
+    spans = re.findall(r"`([^`]+)`", text)
     named = {word for span in spans for word in re.findall(r"[\w./-]+\.(?:py|sh)\b", span)}
     there = [path.relative_to(ROOT).as_posix() for path in project_files()]
     assert named
     for name in named:
         assert any(f"/{path}".endswith(f"/{name}") for path in there), name
+    for folder in re.findall(r"\bpython (scripts/\w+)(?![\w.])", text):
+        assert (ROOT / folder / "__main__.py").is_file(), folder
 
 
 PAGES = sorted(p.relative_to(ROOT).as_posix() for p in project_files() if p.suffix == ".md")

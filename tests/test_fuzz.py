@@ -1,6 +1,6 @@
 """Ten seconds of fuzzing for every target, and the parallel paths under ThreadSanitizer.
 
-A longer campaign is `python scripts/fuzz.py TARGET --seconds N`. That finds are noticed, shrunk and
+A longer campaign is `python scripts/fuzz TARGET --seconds N`. That finds are noticed, shrunk and
 told is tested with a target that fails.
 """
 
@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from fuzzing.campaign import fuzz, reason
-from fuzzing.distill import distill
-from fuzzing.round_trip import outcome
-from fuzzing.shrink import shrink, shrunk
-from fuzzing.targets import TARGETS, Target
+from fuzz.campaign import fuzz, reason
+from fuzz.distill import distill
+from fuzz.round_trip import outcome
+from fuzz.shrink import shrink, shrunk
+from fuzz.targets import TARGETS, Target
 
 from liftmesh import Cloud
 
@@ -36,7 +36,7 @@ def script(*words: object) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_ten_seconds_find_nothing(name: str, tmp_path: Path) -> None:
-    done = script("fuzz.py", name, "--seconds", 10, "--seed", 20, "--folder", tmp_path)
+    done = script("fuzz", name, "--seconds", 10, "--seed", 20, "--folder", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     told = SUMMARY.search(done.stdout)
     assert told is not None
@@ -47,7 +47,7 @@ def test_ten_seconds_find_nothing(name: str, tmp_path: Path) -> None:
 
 
 def test_parallel_paths_without_a_data_race() -> None:
-    done = script("sanitize.py", "thread", "--rows", 36_000)
+    done = script("sanitize", "thread", "--rows", 36_000)
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(re.findall(r"36000 rows", done.stdout)) == 6
 

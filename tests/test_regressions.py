@@ -7,9 +7,9 @@ import warnings
 from pathlib import Path
 
 import pytest
-from fuzzing.campaign import reason
-from fuzzing.round_trip import outcome
-from fuzzing.targets import TARGETS
+from fuzz.campaign import reason
+from fuzz.round_trip import outcome
+from fuzz.targets import TARGETS
 
 FOLDER = Path(__file__).resolve().parent / "regressions"
 TABLE = dict(

@@ -9,7 +9,7 @@ import sys
 import pytest
 from commands import ROOT
 from process_state import MEGA, State
-from soaking.flat import faults, growth
+from soak.leaks import faults, growth
 
 
 def course(*resident: float, files: int = 5, threads: int = 1) -> list[State]:
@@ -47,7 +47,7 @@ UNCOUNTED = {name: value for name, value in os.environ.items() if "COVERAGE" not
 def test_a_short_soak_is_flat() -> None:
     words = ["--calls", "800", "--large", "5", "--rows", "40000"]
     done = subprocess.run(
-        [sys.executable, str(ROOT / "scripts" / "soak.py"), *words],
+        [sys.executable, str(ROOT / "scripts" / "soak"), *words],
         capture_output=True,
         text=True,
         env=UNCOUNTED,

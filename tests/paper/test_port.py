@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from printed_port.build import PROCEDURES, Run, build, canonical, read_facets, run
-from printed_port.inputs import ORDERS, uniform, vertex, write
-from printed_port.measure import right_facets
-from printed_port.variants import VARIANTS
+from paper_port.build import PROCEDURES, Run, build, canonical, read_facets, run
+from paper_port.inputs import ORDERS, uniform, vertex, write
+from paper_port.measure import right_facets
+from paper_port.variants import VARIANTS
 from scipy.spatial import Delaunay
 
 N = 60

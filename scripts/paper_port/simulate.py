@@ -12,10 +12,10 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from printed_port.build import PROCEDURES, build, command_of
+from paper_port.build import PROCEDURES, build, command_of
 
 if TYPE_CHECKING:
-    from printed_port.inputs import Vertex
+    from paper_port.inputs import Vertex
 
 TOOL = (
     "valgrind",

@@ -1,6 +1,6 @@
 /* The algorithms as printed, in plain C and plain doubles: neither exact nor filtered.
  *
- *     printed_port POINTS N Q_X Q_Y REPEAT [LF | LFRes | both [FACETS]]
+ *     algorithm2 POINTS N Q_X Q_Y REPEAT [LF | LFRes | both [FACETS]]
  *
  * POINTS holds N rows of two doubles. Algorithm 2 runs REPEAT times with LF and LFRes in turns, or
  * with one of them; a line for each run goes to the standard output: the procedure, seconds of

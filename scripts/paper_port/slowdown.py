@@ -18,7 +18,7 @@ import numpy as np
 from liftmesh.paper.printed import TABLES, TableName
 
 if TYPE_CHECKING:
-    from printed_port.measure import Measurement
+    from paper_port.measure import Measurement
 
 TABLE_OF_CASE: dict[int, TableName] = {1: "5.1", 2: "5.2"}
 

@@ -1,13 +1,13 @@
 """Fuzz the kernel or a reader: inputs that change, and whatever must hold for all of them.
 
-    python scripts/fuzz.py kernel --seconds 600
-    python scripts/fuzz.py ply --seconds 600 --jobs 2
-    python scripts/fuzz.py kernel --run tests/regressions/*.bin
-    python scripts/fuzz.py obj --keep
+    python scripts/fuzz kernel --seconds 600
+    python scripts/fuzz ply --seconds 600 --jobs 2
+    python scripts/fuzz kernel --run tests/regressions/*.bin
+    python scripts/fuzz obj --keep
 
 The kernel is driven by libFuzzer, with AddressSanitizer and UndefinedBehaviorSanitizer
-(`fuzzing/kernel/` says what it asserts), the readers of PLY, OBJ and text by Atheris
-(`fuzzing/round_trip.py`). A run begins with the corpus in tests/corpus and with what former runs
+(`kernel/` says what it asserts), the readers of PLY, OBJ and text by Atheris
+(`round_trip.py`). A run begins with the corpus in tests/corpus and with what former runs
 left in out/fuzz. It exits with 1 if it finds something, which it shrinks. `--run` tries files and
 nothing else; `--keep` replaces the corpus in tests/corpus by a small one that covers as much.
 
@@ -22,10 +22,12 @@ import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
-from fuzzing.campaign import Outcome, fuzz, reason
-from fuzzing.distill import distill
-from fuzzing.shrink import shrink
-from fuzzing.targets import TARGETS, Target
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
+
+from fuzz.campaign import Outcome, fuzz, reason
+from fuzz.distill import distill
+from fuzz.shrink import shrink
+from fuzz.targets import TARGETS, Target
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ from typing import Any
 
 from process_state import MEGA, RETURNING, State
 
-from interrupting.jobs import COMMANDS
+from interrupt.jobs import COMMANDS
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # what a process may hold more than after its whole run
@@ -63,7 +63,7 @@ def interrupt_job(job: str, folder: Path, rounds: int, seed: int) -> Course:
 @contextmanager
 def _worker(job: str, folder: Path) -> Iterator[subprocess.Popen[str]]:
     child = subprocess.Popen(
-        [sys.executable, "-m", "interrupting.worker", job, str(folder)],
+        [sys.executable, "-m", "interrupt.worker", job, str(folder)],
         cwd=SCRIPTS,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

@@ -1,7 +1,7 @@
 """Call liftmesh again and again in one process: what it holds must stay flat.
 
-    python scripts/soak.py                     100,000 small calls and 20 of a million rows
-    python scripts/soak.py --calls 5000 --large 3 --rows 100000
+    python scripts/soak                     100,000 small calls and 20 of a million rows
+    python scripts/soak --calls 5000 --large 3 --rows 100000
 
 Small calls are of every kind, on up to some hundred rows of several families, among them broken
 files, wrong options, and calls ended in their midst by a signal's handler or by `progress`; large
@@ -19,11 +19,16 @@ import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
+
 from process_state import MEGA, RETURNING, State
-from soaking.calls import Enough, large_call, small_call
-from soaking.flat import faults, growth
+
+from soak.calls import Enough, large_call, small_call
+from soak.leaks import faults, growth
 
 SAMPLES = 40
 SHOWN = 10

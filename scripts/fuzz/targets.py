@@ -6,7 +6,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzzing.build import FUZZ_TARGET, HERE, OUT, ROOT, built
+from fuzz.build import FUZZ_TARGET, HERE, OUT, ROOT, built
 
 KINDS = ("ply", "obj", "xyz")
 SCRIPTS = ROOT / "scripts"
@@ -26,7 +26,7 @@ class Target:
         """Give the command that runs the target, built if need be; options and files follow."""
         if self.name == "kernel":
             return [str(built(FUZZ_TARGET))]
-        return [sys.executable, "-m", "fuzzing.readers", self.name]
+        return [sys.executable, "-m", "fuzz.readers", self.name]
 
     @property
     def folder(self) -> Path:

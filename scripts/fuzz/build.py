@@ -46,14 +46,10 @@ class Program:
         return [COMPILER, *COMMON, *self.flags, *own, f"-I{KERNEL}", f"-I{self.folder}"]
 
 
-_CHECKED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+CHECKED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 COUNTED = "-fsanitize-coverage=inline-8bit-counters,pc-table"
 
-FUZZ_TARGET = Program("kernel", HERE / "kernel", _CHECKED, (COUNTED,), ("-fsanitize=fuzzer",))
-THREADS = {
-    "thread": Program("threads-thread", HERE / "threads", ("-fsanitize=thread",)),
-    "address": Program("threads-address", HERE / "threads", _CHECKED),
-}
+FUZZ_TARGET = Program("kernel", HERE / "kernel", CHECKED, (COUNTED,), ("-fsanitize=fuzzer",))
 
 
 def built(program: Program) -> Path:

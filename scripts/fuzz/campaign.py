@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzzing.targets import SCRIPTS, Target
+from fuzz.targets import SCRIPTS, Target
 
 EXECUTIONS = re.compile(r"^stat::number_of_executed_units: (\d+)", re.MULTILINE)
 COVERAGE = re.compile(r"\bcov: (\d+) ft: (\d+) corp: (\d+)")

@@ -1,10 +1,10 @@
 """Run the kernel's parallel paths under a sanitizer: who else touches what a thread is at.
 
-    python scripts/sanitize.py thread       data races (ThreadSanitizer): some minutes
-    python scripts/sanitize.py address      memory and undefined behaviour
-    python scripts/sanitize.py thread --rows 9000
+    python scripts/sanitize thread       data races (ThreadSanitizer): some minutes
+    python scripts/sanitize address      memory and undefined behaviour
+    python scripts/sanitize thread --rows 9000
 
-A small driver, `fuzzing/threads/driver.cpp`, triangulates and verifies several point sets on 2 to 8
+A small driver, `driver.cpp`, triangulates and verifies several point sets on 2 to 8
 threads, with duplicates and rows that are not finite, interrupts runs in their middle, and lets
 several run at once. It exits with 1 if the sanitizer reports anything, or a result differs from
 that of one thread. Needs clang with its sanitizers.
@@ -20,8 +20,15 @@ import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
-from fuzzing.build import THREADS, built
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from fuzz.build import CHECKED, Program, built
+
+HERE = Path(__file__).resolve().parent
+PROGRAMS = {
+    "thread": Program("threads-thread", HERE, ("-fsanitize=thread",)),
+    "address": Program("threads-address", HERE, CHECKED),
+}
 ROWS = 100_000  # triangles of more than 32,768 points are written by several threads
 NO_ROOM = "unexpected memory mapping"
 
@@ -29,7 +36,7 @@ NO_ROOM = "unexpected memory mapping"
 def main() -> None:
     """Build, run, and say what came of it."""
     options = read_options()
-    program = built(THREADS[options.sanitizer])
+    program = built(PROGRAMS[options.sanitizer])
     began = time.monotonic()
     done = run(program, options.rows)
     sys.stdout.write(done.stdout)
@@ -42,7 +49,7 @@ def main() -> None:
 def read_options() -> Namespace:
     """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("sanitizer", choices=THREADS)
+    parser.add_argument("sanitizer", choices=PROGRAMS)
     parser.add_argument("--rows", type=int, default=ROWS, help="of each point set")
     return parser.parse_args()
 

@@ -1,11 +1,11 @@
 """Look for what made the paper's speedup ratios, with a plain C program written as printed.
 
-    python scripts/paper_port.py                every variant at n = 1,000: some minutes
-    python scripts/paper_port.py --quick        optimisation and ways of asking for a position
-    python scripts/paper_port.py --growth       the printed seconds beside the counts at each n
-    python scripts/paper_port.py --simulate     instructions and mispredicted branches (valgrind)
+    python scripts/paper_port                every variant at n = 1,000: some minutes
+    python scripts/paper_port --quick        optimisation and ways of asking for a position
+    python scripts/paper_port --growth       the printed seconds beside the counts at each n
+    python scripts/paper_port --simulate     instructions and mispredicted branches (valgrind)
 
-The C program stands in scripts/printed_port and is built on the spot with cc (or CC). Every variant
+The C program stands in scripts/paper_port and is built on the spot with cc (or CC). Every variant
 runs with LF and LFRes in turns on the same points, q being the origin (case 1) and the median point
 (case 2); seconds are processor time, the least of several runs, the median over the seeds. Counts
 come from a build of their own. "printed / here" is how many times slower the paper's processor must
@@ -17,21 +17,25 @@ from __future__ import annotations
 
 import csv
 import os
+import sys
 import tempfile
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections import defaultdict
 from pathlib import Path
 from statistics import median
 
-from printed_port.build import PROCEDURES
-from printed_port.growth import Line, exponent, lines, two_costs
-from printed_port.inputs import uniform, vertex, write
-from printed_port.likeness import likeness
-from printed_port.measure import CASES, Measurement, measure
-from printed_port.simulate import simulate
-from printed_port.variants import GROUPS, QUICK, VARIANTS, Variant
 from rich.console import Console
 from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
+
+from paper_port.build import PROCEDURES
+from paper_port.growth import Line, exponent, lines, two_costs
+from paper_port.inputs import uniform, vertex, write
+from paper_port.measure import CASES, Measurement, measure
+from paper_port.simulate import simulate
+from paper_port.slowdown import likeness
+from paper_port.variants import GROUPS, QUICK, VARIANTS, Variant
 
 WIDTH = 190
 SIMULATED = {

@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from fuzzing.targets import SCRIPTS, Target
+from fuzz.targets import SCRIPTS, Target
 
 LARGEST = 2048
 

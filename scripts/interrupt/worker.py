@@ -1,6 +1,6 @@
 """A process with a prompt: it does one job as often as it is told to, and says how each time ended.
 
-    python -m interrupting.worker "read PLY" FOLDER
+    python -m interrupt.worker "read PLY" FOLDER
 
 It is told through stdin, a line a time, and answers in lines of JSON.
 """
@@ -19,7 +19,7 @@ from typing import Any
 from process_state import State
 
 import liftmesh
-from interrupting.jobs import JOBS, Action
+from interrupt.jobs import JOBS, Action
 
 PACKAGE = Path(liftmesh.__file__).parent
 # What the kernel is at, by the share that it has told last (see `work` in its sources).

@@ -1,8 +1,8 @@
 """Press Ctrl-C at any moment of large runs: the prompt must be back at once, and nothing left.
 
-    python scripts/interrupt.py                          10,000,000 rows: a quarter of an hour
-    python scripts/interrupt.py --rows 1000000 --rounds 9
-    python scripts/interrupt.py --jobs verify "write OBJ"
+    python scripts/interrupt                          10,000,000 rows: a quarter of an hour
+    python scripts/interrupt --rows 1000000 --rounds 9
+    python scripts/interrupt --jobs verify "write OBJ"
 
 Reads, triangulates, verifies and writes, each once as a whole and then `--rounds` times with a
 SIGINT at a random moment of each equal part of that time; jobs of the library in one process with
@@ -13,13 +13,16 @@ still held, or if a file was changed or left.
 
 from __future__ import annotations
 
+import sys
 import tempfile
 import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
-from interrupting.campaign import Course, Hit, interrupt_command, interrupt_job
-from interrupting.jobs import COMMANDS, JOBS, prepare
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
+
+from interrupt.campaign import Course, Hit, interrupt_command, interrupt_job
+from interrupt.jobs import COMMANDS, JOBS, prepare
 
 
 def main() -> None:

@@ -1,9 +1,9 @@
-"""The fuzz target of a reader: `python -m fuzzing.readers ply|obj|xyz [options of libFuzzer]`.
+"""The fuzz target of a reader: `python -m fuzz.readers ply|obj|xyz [options of libFuzzer]`.
 
 Atheris counts the branches of liftmesh's Python code while libFuzzer changes the bytes. What a
 file of some kilobytes may cost is bounded: more address space than `ROOM` beyond what the
 interpreter holds is a MemoryError, and so a find, as is a run of more than the options' -timeout.
-Every other change is one of lines (`lines.py`), the rest are libFuzzer's.
+Every other change is one of lines (`mutator.py`), the rest are libFuzzer's.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from fuzzing.lines import Editor, vocabulary
-from fuzzing.round_trip import outcome
-from fuzzing.targets import KINDS
+from fuzz.mutator import Editor, vocabulary
+from fuzz.round_trip import outcome
+from fuzz.targets import KINDS
 
 try:
     import atheris
@@ -38,7 +38,7 @@ def main() -> None:
     if kind not in KINDS:
         raise SystemExit(f"no reader is called {kind!r}: {', '.join(KINDS)}")
     # libFuzzer starts itself again, through the shell, where it merges corpora.
-    sys.argv[0] = shlex.join([sys.executable, "-m", "fuzzing.readers", kind])
+    sys.argv[0] = shlex.join([sys.executable, "-m", "fuzz.readers", kind])
     warnings.simplefilter("ignore")  # of values that do not fit the types of a broken header
     instrument()
     atheris.Setup(sys.argv, lambda data: outcome(data, kind), **changes(kind))

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzing.campaign import reason
+from fuzz.campaign import reason
 
 if TYPE_CHECKING:
-    from fuzzing.targets import Target
+    from fuzz.targets import Target
 
 SECONDS = 60.0
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from liftmesh.paper.printed import TABLES
-from printed_port.build import Counts, build, run
-from printed_port.inputs import uniform, vertex, write
-from printed_port.likeness import TABLE_OF_CASE
+from paper_port.build import Counts, build, run
+from paper_port.inputs import uniform, vertex, write
+from paper_port.slowdown import TABLE_OF_CASE
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import Delaunay
 
-from printed_port.build import Counts, Run, build, canonical, read_facets, run
-from printed_port.inputs import ORDERS, uniform, vertex, write
+from paper_port.build import Counts, Run, build, canonical, read_facets, run
+from paper_port.inputs import ORDERS, uniform, vertex, write
 
 if TYPE_CHECKING:
-    from printed_port.inputs import Points
-    from printed_port.variants import Variant
+    from paper_port.inputs import Points
+    from paper_port.variants import Variant
 
 CASES = (1, 2)
 

@@ -1,0 +1,1 @@
+"""The kernel's parallel code under ThreadSanitizer and AddressSanitizer."""
