@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmark.verify import flaw, pair_sides
 from clouds import FAMILIES
 from damage import POINTS, flipped, without_a_point
 from meshes import assert_delaunay, assert_oracle_agrees, assert_same_triangles, triangle_rows
+from second_opinion import flaw, pair_sides
 
 import liftmesh
 

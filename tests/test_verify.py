@@ -10,7 +10,6 @@ from random import Random
 
 import numpy as np
 import pytest
-from benchmark.verify import flaw as second_opinion
 from clouds import FAMILIES
 from damage import POINTS, Rows, flipped, without_a_point
 from hypothesis import given, settings, strategies as st
@@ -18,6 +17,7 @@ from meshes import oracle_triangles
 from numpy.typing import NDArray
 from oracle import counter_clockwise, exact
 from scipy.spatial import Delaunay
+from second_opinion import flaw as second_opinion
 
 import liftmesh
 from liftmesh import Certificate, InputError, NonFiniteError

@@ -10,7 +10,6 @@ they count. Then all are timed in alternating rounds.
     peers         the programs and how each is called
     worker        what runs in the process of a Python peer; cgal/ is the same in C++
     process       a line to a process and its answer, with a bound on the time
-    verify        is it the Delaunay triangulation?
     results       medians, ratios, the best exact peer
     targets       what is to be reached
     tables, records, plots   what was found, to read, to keep and to see

@@ -9,18 +9,15 @@ sides paired by a sort first.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
-from distributions import Points
 from numpy.typing import NDArray
 
 from liftmesh import incircle, orient2d
 
-if TYPE_CHECKING:
-    from benchmark.peers import Triangles
-
 PIECE = 1 << 19  # triangles that are looked at together
+Points = NDArray[np.float64]
+Triangles = NDArray[np.int32]
 Sides = NDArray[np.int32]
 
 
