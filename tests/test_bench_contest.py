@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from benchmark import cgal, records
-from benchmark.bystanders import Bystanders
 from benchmark.cases import Case
 from benchmark.contest import Judge, Limits, calls_in_round, rounds_allowed, run_case
 from benchmark.contestants import Contestant
 from benchmark.peers import CGAL, OURS, SORT, rows_by_position
 from benchmark.process import Process, TooLongError, TroubleError
 from benchmark.results import Measurement, ours
+from benchmark.system_load import SystemLoad
 
 import liftmesh
 
@@ -52,10 +52,10 @@ def test_everybody_runs_and_is_right(measurement: Measurement) -> None:
 
 
 def test_a_program_that_is_not_ours_is_noticed() -> None:
-    bystanders = Bystanders()
+    load = SystemLoad()
     subprocess.run([sys.executable, "-c", ORPHAN], check=True)
     time.sleep(0.8)
-    assert bystanders.processors() > 0.3
+    assert load.processors() > 0.3
 
 
 def test_short_calls_are_repeated_within_a_round(measurement: Measurement) -> None:

@@ -14,5 +14,5 @@ they count. Then all are timed in alternating rounds.
     targets       what is to be reached
     tables, records, plots   what was found, to read, to keep and to see
     startup       what importing costs
-    bystanders    what else kept the processors busy
+    system_load   what else kept the processors busy
 """

@@ -19,11 +19,11 @@ import numpy as np
 from distributions import DISTRIBUTIONS
 from numpy.typing import NDArray
 
-from benchmark.bystanders import Bystanders
 from benchmark.contestants import SCRIPTS, Contestant
 from benchmark.peers import PEERS
 from benchmark.process import Process, TooLongError, TroubleError
 from benchmark.results import Calls, Measurement, Timing, Trial
+from benchmark.system_load import SystemLoad
 
 sys.path.append(str(SCRIPTS.parent / "tests"))  # for the check of triangles
 
@@ -76,7 +76,7 @@ def mapped(file: Path, dtype: type, columns: int) -> NDArray[Any]:
 
 def run_case(case: Case, limits: Limits) -> Measurement:
     """Measure a case; `limits` remembers what took too long."""
-    bystanders = Bystanders()
+    load = SystemLoad()
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         rows = write_points(case, folder / "points")
@@ -90,7 +90,7 @@ def run_case(case: Case, limits: Limits) -> Measurement:
                 running[contestant] = stack.enter_context(process)
         rounds = run_rounds(case, trials, running, folder / "points")
     timings = {who: Timing(trial, tuple(rounds.get(who, ()))) for who, trial in trials.items()}
-    others = bystanders.processors()
+    others = load.processors()
     return Measurement(case.distribution, case.size, rows, timings, others)
 
 

@@ -13,7 +13,7 @@ ACCOUNT = Path("/proc/stat")
 BUSY = (1, 2, 3, 6, 7, 8)  # user, nice, system, interrupts, soft interrupts, stolen
 
 
-class Bystanders:
+class SystemLoad:
     """From here on; the children that count as ours are those that have ended when it is asked."""
 
     def __init__(self) -> None:
