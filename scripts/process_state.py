@@ -1,4 +1,4 @@
-"""What a process holds on to: resident memory, open files, threads."""
+"""The resources that this process holds: resident memory, open files, threads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 MEGA = 1_000_000
 
-# Memory that malloc would keep for later goes back to the system, so that what is held shows.
+# Makes malloc return freed memory to the system at once, so that resident memory shows leaks.
 RETURNING = {
     "MALLOC_ARENA_MAX": "2",
     "MALLOC_MMAP_THRESHOLD_": "65536",
@@ -20,7 +20,7 @@ RETURNING = {
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Of this process, now."""
+    """The resources of this process at one moment."""
 
     resident: int
     files: int
@@ -28,13 +28,13 @@ class State:
 
     @classmethod
     def now(cls) -> State:
-        """Measure after a collection."""
+        """Measure after a garbage collection."""
         gc.collect()
         return cls(_resident(), _listed("fd"), _listed("task"))
 
     @classmethod
     def settled(cls, threads: int, patience: float = 5.0) -> State:
-        """Measure once no more than so many threads are left, as the system puts them away."""
+        """Wait until at most `threads` threads are left, since ended ones linger; then measure."""
         end = time.monotonic() + patience
         while _listed("task") > threads and time.monotonic() < end:
             time.sleep(0.01)

@@ -60,7 +60,7 @@ def test_the_best_rival_is_right_and_takes_no_more_threads() -> None:
         liftmesh=timing(1.0),
         liftmesh_2=timing(0.5),
         triangle=timing(4.0),
-        scipy=timing(0.1, flaw="3 sides not Delaunay"),
+        scipy=timing(0.1, flaw="3 edges not Delaunay"),
         shull_2=timing(2.0),
         startinpy=Timing(CUT),
     )

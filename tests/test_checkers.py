@@ -1,4 +1,4 @@
-"""The checkers find what is wrong: those of the tests, and the one that guards the benchmark."""
+"""The checkers find what is wrong: the oracles, and the second opinion of tests and benchmark."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from clouds import FAMILIES
 from damage import POINTS, flipped, without_a_point
 from meshes import assert_delaunay, assert_oracle_agrees, assert_same_triangles, triangle_rows
-from second_opinion import flaw, pair_sides
+from second_opinion import find_neighbors, flaw
 
 import liftmesh
 
@@ -15,11 +15,11 @@ SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
 DAMAGE = {
-    "flipped side": flipped,
+    "flipped edge": flipped,
     "reversed row": lambda rows: np.vstack((rows[:-1], rows[-1:, ::-1])),
     "dropped row": lambda rows: rows[1:],
     "doubled row": lambda rows: np.vstack((rows, rows[:1])),
-    "wrong corner": lambda rows: np.vstack((rows[1:], np.roll(rows[:1], 1) * [1, 1, 0])),
+    "wrong vertex": lambda rows: np.vstack((rows[1:], np.roll(rows[:1], 1) * [1, 1, 0])),
     "point left out": lambda rows: without_a_point(),
 }
 
@@ -41,17 +41,17 @@ def test_damage_fails_the_check(damage: str, check) -> None:
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_damage_is_named_by_the_benchmark(damage: str) -> None:
+def test_damage_is_named_by_the_second_opinion(damage: str) -> None:
     assert flaw(POINTS, DAMAGE[damage](liftmesh.delaunay(POINTS).simplices)) != ""
 
 
-def test_the_benchmark_finds_the_neighbors_by_itself() -> None:
+def test_the_second_opinion_finds_the_neighbors() -> None:
     triangulation = liftmesh.delaunay(POINTS)
-    assert (pair_sides(triangulation.simplices) == triangulation.neighbors).all()
+    assert (find_neighbors(triangulation.simplices) == triangulation.neighbors).all()
 
 
 @pytest.mark.parametrize("wrong", ["swapped", "missing", "out of range", "other shape"])
-def test_wrong_neighbors_are_named_by_the_benchmark(wrong: str) -> None:
+def test_wrong_neighbors_are_named_by_the_second_opinion(wrong: str) -> None:
     triangulation = liftmesh.delaunay(POINTS)
     neighbors = triangulation.neighbors.copy()
     inner = np.flatnonzero((neighbors >= 0).all(axis=1))[0]
@@ -68,7 +68,7 @@ def test_wrong_neighbors_are_named_by_the_benchmark(wrong: str) -> None:
 
 
 @pytest.mark.parametrize("rows", [[], [[0, 1, 40]], [[0, 1, -1]]])
-def test_rows_that_are_none_are_named_by_the_benchmark(rows: list[list[int]]) -> None:
+def test_indices_out_of_range_are_named_by_the_second_opinion(rows: list[list[int]]) -> None:
     assert "no" in flaw(POINTS, np.array(rows, dtype=np.int32).reshape(-1, 3))
 
 
@@ -89,14 +89,14 @@ def test_the_other_diagonal_is_delaunay_but_not_canonical() -> None:
         assert_oracle_agrees(SQUARE, other)
 
 
-def test_a_border_that_turns_inward_is_named() -> None:
+def test_a_boundary_that_turns_inward_is_named() -> None:
     rows = liftmesh.delaunay(POINTS)
-    at_border = np.flatnonzero((rows.neighbors == -1).any(axis=1))
-    names = {flaw(POINTS, np.delete(rows.simplices, row, axis=0)) for row in at_border}
+    at_boundary = np.flatnonzero((rows.neighbors == -1).any(axis=1))
+    names = {flaw(POINTS, np.delete(rows.simplices, row, axis=0)) for row in at_boundary}
     assert any("inward" in name for name in names), names
 
 
 @pytest.mark.parametrize("family", ["lattice", "circle", "denormal", "huge-lattice"])
-def test_the_benchmarks_check_accepts_hard_points(family: str) -> None:
+def test_the_second_opinion_accepts_hard_points(family: str) -> None:
     points = FAMILIES[family](2000, np.random.default_rng(1))
     assert flaw(points, liftmesh.delaunay(points).simplices) == ""

@@ -1,18 +1,21 @@
-"""liftmesh beside the programs a Python user could install instead: time, memory and exactness.
+"""Time, memory and exactness of liftmesh and of the programs a Python user could install instead.
 
-A case is one input and who takes part. Every contestant, a peer on a number of threads, gets a
-fresh process. Its first run tells time and memory, and its triangles are checked exactly before
-they count. Then all are timed in alternating rounds.
+A case is one input and its contestants. A contestant is a peer (a program) on a number of threads,
+and runs in a fresh process. Its first run, the trial, measures time and memory; its triangles are
+checked exactly before its times count. Then all contestants are timed in alternating rounds.
 
-    cases         what a profile measures
-    contest       one case: trials, then rounds
-    contestants   a peer on a number of threads, and the process it runs in
-    peers         the programs and how each is called
-    worker        what runs in the process of a Python peer; cgal/ is the same in C++
-    process       a line to a process and its answer, with a bound on the time
+    cases         the cases that each profile of the command measures
+    contest       one case: the trials, then the rounds
+    contestants   a peer on a number of threads, and its process
+    peers         the programs, and how each is called
+    worker        the process of a Python peer; cgal/ is the same in C++
+    process       requests to a process and its answers, with a time limit
     results       medians, ratios, the best exact peer
-    targets       what is to be reached
-    tables, records, plots   what was found, to read, to keep and to see
-    startup       what importing costs
-    system_load   what else kept the processors busy
+    targets       the performance targets, and what was reached
+    tables, records, plots   results in the terminal, as JSON and as pictures
+    startup       the cost of importing
+    system_load   processor time that other programs took meanwhile
+    profile/      instruction counts of the kernel
+
+The check of triangles is `second_opinion.py` of the tests.
 """

@@ -1,4 +1,4 @@
-"""What is measured: a case is one input with its contestants, a profile a list of cases."""
+"""The cases: a case is one input and its contestants, a profile a list of cases."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from benchmark.peers import CGAL, OURS, RIVALS, SORT
 
 MILLION = 10**6
 FIELD = (OURS, *RIVALS)
-"""All peers that take part if nothing else is said."""
+"""The peers that take part by default."""
 
 DEMANDING = (
     "gaussian",
@@ -31,7 +31,7 @@ DEMANDING = (
 
 @dataclass(frozen=True)
 class Case:
-    """An input, who takes part, and how long; `calls` a round, or as many as a burst takes."""
+    """An input, its contestants and limits; `calls` is calls a round, 0 as many as fill it."""
 
     distribution: str
     size: int
@@ -42,12 +42,12 @@ class Case:
     calls: int = 0
 
     def contestants(self) -> Iterator[Contestant]:
-        """Name who is timed, in the order of a round."""
+        """Return the contestants in the order of a round."""
         return line_up(self.peers, self.threads)
 
 
 def grid(case: Case, distributions: Iterable[str], sizes: Iterable[int]) -> list[Case]:
-    """Put every distribution in every size in a case's place, the small ones first."""
+    """Vary a case over distributions and sizes, small sizes first."""
     found = [
         replace(case, distribution=name, size=size)
         for size in sorted(sizes)
@@ -57,7 +57,7 @@ def grid(case: Case, distributions: Iterable[str], sizes: Iterable[int]) -> list
 
 
 def with_sort(case: Case) -> Case:
-    """Add the sort of one coordinate, for scale."""
+    """Add the sort of one coordinate as a yardstick."""
     return replace(case, peers=tuple(dict.fromkeys((*case.peers, SORT))))
 
 
@@ -81,7 +81,7 @@ def quick(case: Case, million: int) -> list[Case]:
 
 
 def targeted(case: Case, million: int) -> list[Case]:
-    """Exactly the inputs on which targets are set, each with the peers that a target names."""
+    """The inputs on which targets are set, with the peers that the targets name."""
     some = grid(replace(case, patience=5.0), DEMANDING, [million])
     large = replace(case, size=10 * million, peers=(OURS, CGAL), patience=60.0)
     return [

@@ -1,8 +1,9 @@
-"""One case: a trial of every contestant, then alternating rounds, so that drift hits all alike.
+"""Measure one case: a trial of every contestant, then alternating rounds.
 
-The process of a trial stays for the rounds. Short calls are repeated within a round until it lasts
-a while. A slow contestant sits out rounds: it takes as many as patience allows, and where that is
-not even two its trial is its only round. What took too long is not tried on larger inputs.
+Rounds alternate so that drift of the machine affects all contestants alike. The process of a trial
+also runs the rounds. Short calls are repeated until a round lasts `BURST` seconds. A slow
+contestant takes part in as many rounds as `patience` allows; if that is fewer than two, its trial
+is its only round. A contestant that exceeds the time limit is not tried on larger inputs.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ Limits = dict[tuple[str, Contestant], tuple[int, float]]
 
 
 class Judge:
-    """Checks the triangles in a folder; bytes that were checked before are not checked again."""
+    """Checks the triangles in a folder; the verdict on equal files is remembered."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -68,14 +69,14 @@ def digest_of(file: Path) -> bytes:
 
 
 def mapped(file: Path, dtype: type, columns: int) -> NDArray[Any]:
-    """Leave an array in its file, so that only what is looked at takes memory."""
+    """Map an array into memory, which loads only the parts that are read."""
     if not file.stat().st_size:
         return np.empty((0, columns), dtype)
     return np.memmap(file, dtype, "r").reshape(-1, columns)
 
 
 def run_case(case: Case, limits: Limits) -> Measurement:
-    """Measure a case; `limits` remembers what took too long."""
+    """Measure a case; `limits` remembers which contestants exceeded the time limit."""
     load = SystemLoad()
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
@@ -95,7 +96,7 @@ def run_case(case: Case, limits: Limits) -> Measurement:
 
 
 def write_points(case: Case, file: Path) -> int:
-    """Make the points, the same ones in every run, and leave them to the workers."""
+    """Write the points, the same in every run, to a file for the workers."""
     points = DISTRIBUTIONS[case.distribution](case.size, np.random.default_rng(SEED))
     points.tofile(file)
     return len(points)
@@ -104,7 +105,7 @@ def write_points(case: Case, file: Path) -> int:
 def first_run(
     contestant: Contestant, case: Case, judge: Judge, limits: Limits
 ) -> tuple[Trial, Process | None]:
-    """Run once in a fresh process and check; the process is given back if it is of use."""
+    """Run the trial in a fresh process; return the process if it can run the rounds."""
     key = (case.distribution, contestant)
     size, patience = limits.get(key, (case.size, 0.0))
     if size < case.size and patience >= case.patience:
@@ -131,7 +132,7 @@ def try_out(process: Process, contestant: Contestant, case: Case, judge: Judge) 
 def run_rounds(
     case: Case, trials: dict[Contestant, Trial], running: dict[Contestant, Process], file: Path
 ) -> dict[Contestant, list[Calls]]:
-    """Time all in turns, A B C A B C."""
+    """Time the contestants in alternating rounds, A B C A B C."""
     allowed = {who: rounds_allowed(case, trials[who].seconds) for who in running}
     rounds: dict[Contestant, list[Calls]] = {
         who: [] if allowed[who] else [(trials[who].seconds,)] for who in running
@@ -145,7 +146,7 @@ def run_rounds(
 
 
 def one_round(process: Process, calls: int, file: Path, patience: float) -> list[Calls]:
-    """Ask for one round; nothing comes back from a process that failed or took too long."""
+    """Time one round; return nothing if the process failed or exceeded the time limit."""
     try:
         return [tuple(process.ask("time", calls, file, patience=2 * patience)["seconds"])]
     except TroubleError:
@@ -158,6 +159,6 @@ def rounds_allowed(case: Case, seconds: float) -> int:
 
 
 def calls_in_round(case: Case, seconds: float) -> int:
-    """Repeat short calls: as often as the case says, or for a while."""
+    """Return how often a call is repeated in a round: as the case says, or for `BURST` seconds."""
     wanted = case.calls or ceil(BURST / seconds)
     return max(1, min(wanted, int(case.patience / case.rounds / seconds)))

@@ -15,16 +15,16 @@ from benchmark.process import Process, TroubleError
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 PROGRAMS = SCRIPTS.parent / "out" / "programs"
-POOLS = ("LIFTMESH", "RAYON", "OMP", "OPENBLAS", "MKL")  # who reads <NAME>_NUM_THREADS
+POOLS = ("LIFTMESH", "RAYON", "OMP", "OPENBLAS", "MKL")  # each reads <NAME>_NUM_THREADS
 
-# Memory that was freed stays with its process, so that a round measures the program and not how
-# long the system takes to find fresh pages, which is part of each first run.
+# A process keeps the memory that it freed. So a round measures the program and not how long the
+# system takes to find fresh pages, which only the trial includes.
 KEEP_MEMORY = "glibc.malloc.mmap_threshold=1099511627776:glibc.malloc.trim_threshold=1099511627776"
 
 
 @dataclass(frozen=True, order=True)
 class Contestant:
-    """Who is timed: a thread pool is made once in a process, so each number has its own."""
+    """A peer on a number of threads, each in a process of its own, as thread pools are kept."""
 
     peer: str
     threads: int = 1
@@ -55,7 +55,7 @@ def cgal_program() -> str:
 
 
 def line_up(peers: Iterable[str], threads: Iterable[int]) -> Iterator[Contestant]:
-    """Give every peer its numbers of threads; one that knows no threads takes part once."""
+    """Combine every peer with every number of threads; sequential peers take part once."""
     for name in peers:
         for count in threads if PEERS[name].parallel else (1,):
             yield Contestant(name, count)

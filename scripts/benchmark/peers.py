@@ -1,8 +1,8 @@
-"""The programs that are timed, each in its fastest way from Python.
+"""The programs that are timed, each called in its fastest way from Python.
 
-`prepare` imports the program and returns the call that is put on the clock, from points to the
-arrays which the program makes. What it takes to turn these into rows of the points, for a program
-that numbers vertices its own way, is not on the clock.
+`prepare` imports the program and returns the call that is timed, from points to the arrays that the
+program makes. For a program that numbers vertices in its own way, the conversion to rows of the
+points is not timed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ PAGE = 4096
 
 @dataclass(frozen=True)
 class Peer:
-    """A program: its package, its call, and how many threads it can make use of."""
+    """A program: its package, its call, and whether it can use several threads."""
 
     name: str
     package: str
@@ -42,7 +42,7 @@ class Peer:
 
 
 def touch(outputs: Outputs) -> None:
-    """Read a value of each page, so that no lazily mapped memory escapes the clock."""
+    """Read a value of each page, so that the time includes lazily mapped memory."""
     for array in outputs:
         if array.nbytes > PAGE:
             array[:: max(1, PAGE // array.strides[0])].max()
@@ -69,9 +69,9 @@ def lfres_indexed(_: int) -> Call:
 
 
 def with_progress(threads: int) -> Call:
-    """Prepare liftmesh with a callback that keeps what it hears."""
-    heard: list[float] = []
-    return liftmesh(threads, progress=heard.append)
+    """Prepare liftmesh with a callback that records the progress."""
+    shares: list[float] = []
+    return liftmesh(threads, progress=shares.append)
 
 
 def shull(threads: int) -> Call:
@@ -126,7 +126,7 @@ def startinpy(_: int) -> Call:
 
 
 def rows_by_position(outputs: Outputs, points: Points) -> Outputs:
-    """Number the vertices by the first rows with their positions."""
+    """Replace a program's own vertex numbers by the first rows at the same positions."""
     triangles, vertices = outputs
     positions = np.ascontiguousarray(points + 0.0).view(complex).reshape(-1)
     order = np.argsort(positions, kind="stable")
@@ -146,7 +146,7 @@ def igl_triangle(_: int) -> Call:
 
 
 def numpy_sort(_: int) -> Call:
-    """Prepare the sort of one coordinate, for scale."""
+    """Prepare the sort of one coordinate, a yardstick."""
     return lambda points: (np.sort(points[:, 0]),)
 
 

@@ -1,4 +1,4 @@
-"""What was measured, as pictures: growth with the number of points, and bars for each input."""
+"""Pictures of the results: time against the number of points, and bars for each input."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ COLUMNS = 4
 
 
 def draw(measurements: list[Measurement], path: Path) -> list[Path]:
-    """Draw what there is to see, as PNG and SVG beside a path; return the files."""
+    """Draw the pictures as PNG and SVG beside a path; return the files."""
     made: list[Path] = []
     with mpl.rc_context(STYLE):
         uniform = [m for m in measurements if m.distribution == "uniform"]
@@ -68,7 +68,7 @@ def save(figure: Figure, path: Path, name: str) -> list[Path]:
 
 
 def widest(measurements: list[Measurement]) -> int:
-    """Give the size that most distributions were measured in, the larger one of equals."""
+    """Return the size at which most distributions were measured; on a tie, the larger."""
     sizes = [m.size for m in measurements]
     return max(sizes, key=lambda size: (sizes.count(size), size), default=0)
 
@@ -108,7 +108,7 @@ def draw_line(axes: Any, who: Contestant, rows: list[int], costs: list[float]) -
 
 
 def label_ends(axes: Any, ends: list[tuple[float, int, Contestant]], right: int) -> None:
-    """Write the names in a column at the right, apart from each other, each with a thin line."""
+    """Label the lines in a column at the right, spread out and connected by thin lines."""
     low, high = np.log(axes.get_ylim())
     ends = sorted(ends, key=lambda end: end[0])
     heights = np.exp(spread_out([log(cost) for cost, _, _ in ends], (high - low) / 25))
@@ -127,7 +127,7 @@ def label_ends(axes: Any, ends: list[tuple[float, int, Contestant]], right: int)
 
 
 def spread_out(heights: list[float], gap: float) -> list[float]:
-    """Move increasing heights apart: those that crowd form a stack around their middle."""
+    """Move increasing heights apart: those that are too close form a stack around their mean."""
     stacks: list[list[float]] = []
     for height in heights:
         stacks.append([height])
@@ -137,7 +137,7 @@ def spread_out(heights: list[float], gap: float) -> list[float]:
 
 
 def bottom(stack: list[float], gap: float) -> float:
-    """Give the lowest place of a stack; with the gap negated, the highest."""
+    """Return the lowest position of a stack; with the gap negated, the highest."""
     return fmean(stack) - gap * (len(stack) - 1) / 2
 
 
@@ -179,7 +179,7 @@ def draw_panel(axes: Any, m: Measurement, everybody: list[Contestant]) -> None:
 
 
 def bar_style(who: Contestant, timing: Timing) -> dict[str, Any]:
-    """Hatch a wrong result, and pale one thread where two are shown in the same colour."""
+    """Hatch wrong results; use a paler colour for one thread if two threads are shown too."""
     color = COLORS[who.peer]
     if timing.trial.flaw:
         return {"facecolor": "none", "edgecolor": color, "hatch": "////"}
@@ -188,7 +188,7 @@ def bar_style(who: Contestant, timing: Timing) -> dict[str, Any]:
 
 
 def bar_words(timing: Timing | None) -> str:
-    """Say at the end of a bar what it stands for."""
+    """Return the label at the end of a bar."""
     if timing is None:
         return ""
     if not timing.ran:

@@ -1,4 +1,4 @@
-"""A process that answers requests: one line there, one line of JSON back, within a time."""
+"""A process that answers requests within a time limit: a line to it, a line of JSON back."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-STARTING = 60.0  # seconds that a process may take until its first answer
+STARTING = 60.0  # time limit in seconds for a process's first answer
 
 
 class TroubleError(Exception):
-    """The process gave no answer; the message says why in a few words."""
+    """The process gave no answer; the message says why."""
 
 
 class TooLongError(TroubleError):
-    """The process was ended because its answer took too long."""
+    """The process was killed because its answer took too long."""
 
 
 class Process:
-    """A running worker. After trouble it is gone, and so it is at the end of a `with`."""
+    """A running worker, which is ended by an error and at the end of a `with` block."""
 
     def __init__(self, command: list[str], environment: dict[str, str], folder: Path) -> None:
         self.folder = tempfile.TemporaryDirectory()
@@ -40,7 +40,7 @@ class Process:
                 env=os.environ | environment,
                 cwd=folder,
             )
-        prefer_to_lose(self.child.pid)
+        kill_first_when_out_of_memory(self.child.pid)
         self.greeting = self.answer(STARTING)
 
     def __enter__(self) -> Process:
@@ -55,7 +55,7 @@ class Process:
         self.close()
 
     def ask(self, *words: object, patience: float) -> dict[str, Any]:
-        """Send a request, and wait for the answer."""
+        """Send a request and wait for the answer."""
         if self.child.stdin.closed:
             raise TroubleError("gone")
         try:
@@ -65,7 +65,7 @@ class Process:
         return self.answer(patience)
 
     def answer(self, patience: float) -> dict[str, Any]:
-        """Read one line; a process that stays silent for too long is ended."""
+        """Read one line; kill a process that exceeds the time limit."""
         ready, _, _ = select.select([self.child.stdout], [], [], patience)
         if not ready:
             self.close()
@@ -76,7 +76,7 @@ class Process:
         return json.loads(line)
 
     def close(self) -> str:
-        """End the process; say what it died of if it was dead."""
+        """End the process; return why it had ended, if it had."""
         if self.child.stdin.closed:
             return "gone"
         with suppress(BrokenPipeError):
@@ -92,7 +92,7 @@ class Process:
 
 
 def cause(code: int, stderr: str) -> str:
-    """Put the end of a process in words: its signal, or the line of its report that names one."""
+    """Describe why a process ended: its signal, or the line of its traceback with the error."""
     if code < 0:
         return f"crash, {signal.Signals(-code).name}"
     lines = stderr.strip().splitlines() or [f"exit code {code}"]
@@ -100,8 +100,8 @@ def cause(code: int, stderr: str) -> str:
     return line.replace("ModuleNotFoundError", "not here")[:100]
 
 
-def prefer_to_lose(pid: int) -> None:
-    """Where memory runs out, the system ends the worker, not who started it."""
+def kill_first_when_out_of_memory(pid: int) -> None:
+    """Make the system's OOM killer choose the worker before the benchmark."""
     score = Path(f"/proc/{pid}/oom_score_adj")
     if score.exists():
         score.write_text("1000")

@@ -1,4 +1,4 @@
-"""What was measured, as JSON: every second, who was asked, on what machine."""
+"""The results as JSON: every time measured, the contestants, and the machine."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def write(
     imports: Mapping[str, float],
     settings: Mapping[str, Any],
 ) -> None:
-    """Write everything to a neighbouring file that is then renamed."""
+    """Write a report beside the path, then rename it."""
     report = {
         "note": NOTE,
         "machine": describe_machine(),
@@ -47,7 +47,7 @@ def write(
 
 
 def compact(text: str) -> str:
-    """Put every list of plain values on one line."""
+    """Write every list of plain values on one line."""
     return re.sub(r"\[[^\[\]{}]*\]", lambda found: re.sub(r"\s+", " ", found[0]), text)
 
 
@@ -80,7 +80,7 @@ def as_entry(who: Contestant, timing: Timing) -> dict[str, Any]:
 
 
 def read(path: Path) -> list[Measurement]:
-    """Read the measurements of a file, to draw or to lay them out again."""
+    """Read the measurements of a report, to draw or print them again."""
     found = json.loads(path.read_text())["measurements"]
     return [
         Measurement(

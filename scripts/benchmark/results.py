@@ -1,4 +1,4 @@
-"""What was measured, and what follows: medians, spreads, ratios, the best exact peer."""
+"""The results: times, medians, spreads, ratios, and the best exact peer."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Calls = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Trial:
-    """What the first run in a fresh process found.
+    """The first run in a fresh process.
 
-    With `trouble` there is no result, with a `flaw` a wrong one. `beyond` is the peak of memory
-    less what the process held before, `peak` all that it held, both in bytes.
+    `trouble` says why there is no result, `flaw` what is wrong with it. `peak` is the peak of
+    resident memory, `beyond` the part of it above that before the call, both in bytes.
     """
 
     trouble: str = ""
@@ -39,7 +39,7 @@ class Timing:
 
     @property
     def seconds(self) -> Calls:
-        """One number a round: the median of its calls."""
+        """The median of the calls of each round."""
         return tuple(median(calls) for calls in self.rounds)
 
     @property
@@ -48,7 +48,7 @@ class Timing:
 
     @property
     def spread(self) -> float:
-        """Half of the way from the fastest to the slowest round, as a share of the median."""
+        """Half the difference between the slowest and fastest round, as a share of the median."""
         return (max(self.seconds) - min(self.seconds)) / (2 * self.median)
 
     @property
@@ -57,13 +57,13 @@ class Timing:
 
     @property
     def right(self) -> bool:
-        """Whether the time may be held against another's."""
+        """Whether the time may be compared with others: it ran, and its result is correct."""
         return self.ran and not self.trial.flaw
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """One input and all its timings; a lattice has a few rows less than the size asked for.
+    """One input and all its timings; a lattice has a few rows fewer than the requested size.
 
     `others` is the number of processors that other programs kept busy meanwhile.
     """
@@ -75,7 +75,7 @@ class Measurement:
     others: float = 0.0
 
     def timing(self, contestant: Contestant) -> Timing | None:
-        """Give the timing of a contestant that ran."""
+        """Return the timing of a contestant if it ran."""
         timing = self.timings.get(contestant)
         return timing if timing and timing.ran else None
 
@@ -84,7 +84,7 @@ class Measurement:
         return timing.median / self.rows if timing else None
 
     def ratio(self, one: Contestant, other: Contestant) -> float | None:
-        """Divide the time of one by that of another: the median of the ratios in each round."""
+        """Return the median over rounds of the time of one divided by that of the other."""
         first, second = self.timing(one), self.timing(other)
         if not (first and second):
             return None
@@ -92,7 +92,7 @@ class Measurement:
         return median(a / b for a, b in pairs)
 
     def best_rival(self, threads: int) -> Contestant | None:
-        """Name the fastest other peer whose result is right, on so many threads or fewer."""
+        """Return the fastest exact peer on at most that many threads."""
         rivals = [
             contestant
             for contestant, timing in self.timings.items()
@@ -101,12 +101,12 @@ class Measurement:
         return min(rivals, key=lambda rival: self.timings[rival].median, default=None)
 
     def against_best(self, threads: int) -> float | None:
-        """Divide our time by that of the best exact peer."""
+        """Return our time divided by that of the best exact peer."""
         rival = self.best_rival(threads)
         return self.ratio(ours(threads), rival) if rival else None
 
     def gain(self, threads: int) -> float | None:
-        """How many times faster more threads make us."""
+        """Return our speedup on several threads."""
         return self.ratio(ours(1), ours(threads))
 
 

@@ -1,4 +1,4 @@
-"""What importing costs, beyond NumPy's own import."""
+"""The time that importing liftmesh takes beyond importing NumPy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STATEMENTS = {
 
 
 def import_seconds(repeat: int = 5) -> dict[str, float]:
-    """Give the median of several fresh processes which have imported NumPy already."""
+    """Return the median over several fresh processes that have imported NumPy already."""
     return {
         name: median(run_seconds(PROGRAM.format(statement)) for _ in range(repeat))
         for name, statement in STATEMENTS.items()

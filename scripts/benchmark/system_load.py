@@ -1,6 +1,7 @@
-"""What else kept the processors busy meanwhile: other programs, and other machines on the host.
+"""The processor time that other programs take during a measurement.
 
-Times taken beside them say little, those on two threads least, so they are told.
+It includes other virtual machines on the same host (steal time). Times measured under such a load
+mean little, those on two threads least, so the load is reported with them.
 """
 
 from __future__ import annotations
@@ -9,27 +10,27 @@ import os
 from pathlib import Path
 from time import perf_counter
 
-ACCOUNT = Path("/proc/stat")
-BUSY = (1, 2, 3, 6, 7, 8)  # user, nice, system, interrupts, soft interrupts, stolen
+STATISTICS = Path("/proc/stat")
+BUSY = (1, 2, 3, 6, 7, 8)  # user, nice, system, irq, softirq, steal
 
 
 class SystemLoad:
-    """From here on; the children that count as ours are those that have ended when it is asked."""
+    """The load since construction; child processes count as ours once they have ended."""
 
     def __init__(self) -> None:
         self.start = perf_counter()
-        self.foreign = foreign_seconds()
+        self.others = seconds_of_others()
 
     def processors(self) -> float:
-        """Give the number of processors that others kept busy, on average."""
+        """Return the number of processors that other programs kept busy on average."""
         elapsed = perf_counter() - self.start
-        return max(0.0, foreign_seconds() - self.foreign) / elapsed
+        return max(0.0, seconds_of_others() - self.others) / elapsed
 
 
-def foreign_seconds() -> float:
-    """Sum up processor time since the machine started, less that of this process and its own."""
-    if not ACCOUNT.exists():
+def seconds_of_others() -> float:
+    """Return the processor time since boot, less that of this process and its children."""
+    if not STATISTICS.exists():
         return 0.0
-    fields = ACCOUNT.read_text().splitlines()[0].split()
+    fields = STATISTICS.read_text().splitlines()[0].split()
     busy = sum(int(fields[k]) for k in BUSY) / os.sysconf("SC_CLK_TCK")
     return busy - sum(os.times()[:4])

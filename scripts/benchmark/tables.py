@@ -1,4 +1,4 @@
-"""What was measured, as tables to read in a terminal."""
+"""The results as tables for the terminal."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ LEGEND = (
     "* wrong result, - no result, > cut off, (>) cut off on fewer points already, 1 only the trial"
 )
 THREADS = (1, 2)
-DISTURBED = 0.15  # processors that others keep busy
+DISTURBED = 0.15  # processors kept busy by other programs above which a note is printed
 
 
 def tables_of(measurements: list[Measurement]) -> Iterator[Table]:
-    """Lay out seconds, ratios and memory, a row for each input."""
+    """Make the tables of times, ratios and memory, with a row for each input."""
     yield seconds_table(measurements)
     yield ratio_table(measurements)
     yield memory_table(measurements)
 
 
 def contestants_of(measurements: list[Measurement]) -> list[Contestant]:
-    """Name everybody who was asked, in the order of their first turn."""
+    """Return all contestants in the order of their first appearance."""
     return list(dict.fromkeys(who for m in measurements for who in m.timings))
 
 
@@ -44,7 +44,7 @@ def input_table(title: str, caption: str, headings: list[str]) -> Table:
 
 
 def seconds_table(measurements: list[Measurement]) -> Table:
-    """Give the median of the rounds, and half of the way from the fastest to the slowest."""
+    """Make the table of times: the median of the rounds, and their spread."""
     everybody = contestants_of(measurements)
     unit, factor = unit_of(measurements)
     title = f"{unit} a call: median, spread; x2 on two threads"
@@ -56,7 +56,7 @@ def seconds_table(measurements: list[Measurement]) -> Table:
 
 
 def unit_of(measurements: list[Measurement]) -> tuple[str, float]:
-    """Choose the unit by the slowest of all."""
+    """Choose the unit by the slowest contestant."""
     medians = [t.median for m in measurements for t in m.timings.values() if t.ran]
     return ("Microseconds", 1e6) if max(medians, default=1.0) < 0.01 else ("Milliseconds", 1e3)
 
@@ -79,7 +79,7 @@ def trouble_cell(timing: Timing) -> str:
 
 
 def digits(value: float) -> str:
-    """Write three significant digits, or all before the point."""
+    """Format three significant digits, or all digits before the point."""
     for places, bound in ((0, 100), (1, 10), (2, 1)):
         if value >= bound:
             return f"{value:,.{places}f}"
@@ -87,13 +87,13 @@ def digits(value: float) -> str:
 
 
 def ratio_table(measurements: list[Measurement]) -> Table:
-    """Hold our time against that of the best exact peer, and against our own elsewhere."""
+    """Compare our time with the best exact peer's, and with our own on uniform points."""
     headings = [
         heading
         for threads in THREADS
         for heading in (f"best exact peer, {threads} thr.", "our time / its", "per row / uniform")
     ]
-    caption = "exact: the result was checked on this input; medians of the ratios in each round"
+    caption = "exact: the result passed the check on this input; ratios are medians over the rounds"
     table = input_table("Ratios", caption, [*headings, "1 thread / 2", "our time / numpy.sort"])
     uniform = {m.size: m for m in measurements if m.distribution == "uniform"}
     for m in measurements:
@@ -122,9 +122,9 @@ def number(value: float | None) -> str:
 
 
 def memory_table(measurements: list[Measurement]) -> Table:
-    """Give the peak of a first run in a fresh process, beyond what it held with the points."""
+    """Make the table of peak memory in the trial, beyond that before the call."""
     everybody = [who for who in contestants_of(measurements) if who.peer != SORT]
-    caption = "results included; small inputs show the least that a process grows by"
+    caption = "results included; small inputs show the least amount by which a process grows"
     title = "Peak memory, bytes a point beyond the input"
     table = input_table(title, caption, [who.label for who in everybody])
     for m in measurements:
@@ -140,7 +140,7 @@ def memory_cell(m: Measurement, timing: Timing | None) -> str:
 
 
 def target_table(targets: list[Target]) -> Table:
-    """Say for each target what was reached, and whether that is enough."""
+    """Make the table of targets: what was reached, and whether that is enough."""
     table = Table(title="Targets", title_justify="left")
     for heading, justify in (("work", "left"), ("measure", "left"), ("target", "right")):
         table.add_column(heading, justify=justify)
@@ -155,7 +155,7 @@ def target_table(targets: list[Target]) -> Table:
 
 
 def notes_of(measurements: list[Measurement]) -> Iterator[str]:
-    """Say for each wrong or absent result what is wrong, once where it is the same everywhere."""
+    """Describe each wrong or missing result; equal descriptions are merged."""
     places: dict[tuple[str, str], list[str]] = {}
     for m in measurements:
         for who, timing in m.timings.items():
@@ -169,7 +169,7 @@ def notes_of(measurements: list[Measurement]) -> Iterator[str]:
 
 
 def disturbances(measurements: list[Measurement]) -> Iterator[str]:
-    """Name the inputs whose times mean little, for the machine was not ours alone."""
+    """Name the inputs that were measured while other programs kept the processors busy."""
     for m in measurements:
         if m.others > DISTURBED:
             place = f"{m.distribution} {m.rows:,}"

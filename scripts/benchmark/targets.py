@@ -1,4 +1,4 @@
-"""What is to be reached, and what was: ratios within one run, so that the machine drops out."""
+"""The performance targets: ratios within one run, so that the machine hardly matters."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Found = dict[tuple[str, int], Measurement]
 
 @dataclass(frozen=True)
 class Target:
-    """A bound on a number; `reached` is None where it was not measured."""
+    """A bound on a number; `reached` is None if it was not measured."""
 
     work: str
     what: str
@@ -33,7 +33,7 @@ class Target:
 
 
 def targets(measurements: list[Measurement], million: int) -> Iterator[Target]:
-    """Hold the measurements against every target."""
+    """Compare the measurements with every target."""
     found = {(m.distribution, m.size): m for m in measurements}
     yield from on_a_million(found, million)
     yield from on_demanding_inputs(found, million)
@@ -76,7 +76,7 @@ def on_large_inputs(found: Found, million: int) -> Iterator[Target]:
 
 
 def grown(found: Found, million: int, factor: int) -> float | None:
-    """Divide our time a point on a larger input by that on a million."""
+    """Return our time per point on a larger input divided by that on a million."""
     pair = [found.get(("uniform", size)) for size in (factor * million, million)]
     costs = [m.seconds_per_row(ours(2)) if m else None for m in pair]
     return costs[0] / costs[1] if costs[0] and costs[1] else None
@@ -90,7 +90,7 @@ def on_threads(found: Found, million: int) -> Iterator[Target]:
 
 
 def small_targets(measurements: list[Measurement], _: int) -> Iterator[Target]:
-    """Hold the latency of small calls against its targets."""
+    """Compare the latency of small calls with its targets."""
     bounds = {10: 15.0, 1000: 300.0}
     for measurement in measurements:
         for threads in (1, 2):
@@ -101,11 +101,11 @@ def small_targets(measurements: list[Measurement], _: int) -> Iterator[Target]:
 
 
 def progress_targets(measurements: list[Measurement], _: int) -> Iterator[Target]:
-    """Hold the cost of a callback against its target."""
+    """Compare the cost of a callback with its target."""
     for measurement in measurements:
         for threads in (1, 2):
-            heard = Contestant("liftmesh progress", threads)
-            ratio = measurement.ratio(heard, ours(threads))
+            with_callback = Contestant("liftmesh progress", threads)
+            ratio = measurement.ratio(with_callback, ours(threads))
             cost = None if ratio is None else 100 * (ratio - 1)
             work = f"{measurement.rows:,} rows, threads={threads}"
             yield Target(work, "progress= costs", 1.0, cost, unit=" %")

@@ -1,13 +1,13 @@
 """The process of a Python peer: ``python -m benchmark.worker PEER THREADS``.
 
-It reads a request a line, with tabs between the words, and answers with one line of JSON.
+It reads one request a line, words separated by tabs, and answers with one line of JSON.
 
     try   FILE          triangulate the points of FILE once and keep the result
-    save  FOLDER        write the kept triangles (and neighbours) to files, and let go of them
-    time  CALLS FILE    triangulate CALLS times, and say how long each took
+    save  FOLDER        write the kept triangles (and neighbours) to files, and free them
+    time  CALLS FILE    triangulate CALLS times, and return the time of each call
 
-Points are raw doubles, triangles raw 32-bit rows of the points. Only the call is on the clock. An
-error ends the process with its traceback.
+Points are raw doubles, triangles raw 32-bit rows of the points. Only the call is timed. An error
+ends the process with a traceback.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ TINY = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [3.0, 4.0]])
 
 
 class Worker:
-    """A peer that is loaded, and its last result until it is saved."""
+    """A loaded peer, and its last result until it is saved."""
 
     def __init__(self, name: str, threads: int) -> None:
         self.peer = PEERS[name]
@@ -40,7 +40,7 @@ class Worker:
         self.outputs: Outputs = ()
 
     def try_out(self, file: str) -> dict[str, Any]:
-        """Run once, and measure the memory that it takes beyond the points."""
+        """Run once, and measure time and memory."""
         self.points = read(file)
         gc.collect()
         before = memory("VmRSS")
@@ -57,7 +57,7 @@ class Worker:
         return {"triangles": len(triangles)}
 
     def time(self, calls: str, file: str) -> dict[str, Any]:
-        """Run several times on one fresh array, which nobody has read before."""
+        """Run several times on one newly read array."""
         self.points = read(file)
         gc.collect()
         seconds = [self.timed()[0] for _ in range(int(calls))]
@@ -77,7 +77,7 @@ def read(file: str) -> Points:
 
 
 def memory(field: str) -> int:
-    """Read a size in bytes from the system's account of this process."""
+    """Read a size in bytes from /proc/self/status."""
     for line in Path("/proc/self/status").read_text().splitlines():
         if line.startswith(field):
             return int(line.split()[1]) * 1024
@@ -85,7 +85,7 @@ def memory(field: str) -> int:
 
 
 def own_output() -> TextIO:
-    """Keep the way back for answers; whatever a peer prints goes to the errors."""
+    """Reserve stdout for the answers; whatever a peer prints goes to stderr."""
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     return answers

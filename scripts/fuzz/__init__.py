@@ -1,1 +1,1 @@
-"""Coverage-guided fuzzing of the kernel and of the readers, and sanitizer runs of the kernel."""
+"""Coverage-guided fuzzing of the kernel and of the file readers."""

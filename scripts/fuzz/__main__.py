@@ -1,15 +1,16 @@
-"""Fuzz the kernel or a reader: inputs that change, and whatever must hold for all of them.
+"""Fuzz the kernel or a file reader, guided by coverage.
 
     python scripts/fuzz kernel --seconds 600
     python scripts/fuzz ply --seconds 600 --jobs 2
     python scripts/fuzz kernel --run tests/regressions/*.bin
     python scripts/fuzz obj --keep
 
-The kernel is driven by libFuzzer, with AddressSanitizer and UndefinedBehaviorSanitizer
-(`kernel/` says what it asserts), the readers of PLY, OBJ and text by Atheris
-(`round_trip.py`). A run begins with the corpus in tests/corpus and with what former runs
-left in out/fuzz. It exits with 1 if it finds something, which it shrinks. `--run` tries files and
-nothing else; `--keep` replaces the corpus in tests/corpus by a small one that covers as much.
+libFuzzer drives the kernel, built with AddressSanitizer and UndefinedBehaviorSanitizer; the
+assertions are in `kernel/`. Atheris drives the readers of PLY, OBJ and text; the assertions are in
+`round_trip.py`. A run starts from the corpus in tests/corpus and from the one that earlier runs
+left in out/fuzz. It shrinks every find, and exits with 1 if there is one. `--run` runs the given
+files and nothing else; `--keep` replaces the corpus in tests/corpus by a minimal one with the same
+coverage.
 
 Needs clang with its sanitizers for the kernel, and Atheris for the readers.
 """
@@ -31,7 +32,7 @@ from fuzz.targets import TARGETS, Target
 
 
 def main() -> None:
-    """Do what the command line says."""
+    """Run the command."""
     options = read_options()
     target = TARGETS[options.target]
     if options.run:
@@ -50,15 +51,15 @@ def read_options() -> Namespace:
     add("target", choices=TARGETS)
     add("--seconds", type=int, default=60)
     add("--jobs", type=int, default=1, help="processes that share a corpus")
-    add("--seed", type=int, help="by default another one each time")
-    add("--folder", type=Path, help="for the growing corpus and the finds, instead of out/fuzz")
-    add("--run", type=Path, nargs="+", metavar="FILE", help="try these files only")
-    add("--keep", action="store_true", help="make a small corpus of all there is")
+    add("--seed", type=int, help="default: random")
+    add("--folder", type=Path, help="of the growing corpus and the finds, instead of out/fuzz")
+    add("--run", type=Path, nargs="+", metavar="FILE", help="run these files only")
+    add("--keep", action="store_true", help="minimise the corpus in tests/corpus")
     return parser.parse_args()
 
 
 def try_files(target: Target, files: list[Path]) -> int:
-    """Run files one by one; 1 if something is wrong with any."""
+    """Run files one by one; return 1 if any of them is a find."""
     reasons = {path: reason(target, path.resolve()) for path in files}
     for path, why in reasons.items():
         print(f"{path}: {why or 'as it should be'}")
@@ -66,8 +67,8 @@ def try_files(target: Target, files: list[Path]) -> int:
 
 
 def campaign(target: Target, options: Namespace) -> int:
-    """Fuzz, and say what came of it; 1 if there are finds."""
-    target.command()  # builds, which is not fuzzing
+    """Fuzz and print a summary; return 1 if there are finds."""
+    target.command()  # builds the target before the clock starts
     began = time.monotonic()
     seed = random.SystemRandom().randrange(1, 1 << 31) if options.seed is None else options.seed
     folder = (options.folder or target.folder).resolve()
@@ -84,16 +85,16 @@ def campaign(target: Target, options: Namespace) -> int:
 
 
 def report(target: Target, found: Outcome) -> None:
-    """Shrink and show every find."""
+    """Shrink and print every find, and print the logs of processes that failed."""
     for text in found.failed:
         sys.stderr.write(text)
     for find in found.finds:
         small, why = shrink(target, find)
         print(
             f"{why}\n  {find} ({find.stat().st_size} bytes), shrunk: {small} "
-            f"({small.stat().st_size} bytes)\n  once it is mended, keep it: "
+            f"({small.stat().st_size} bytes)\n  once it is fixed, add it to the regression tests: "
             f"cp {small} tests/regressions/NNNN-what-was-wrong{target.suffix}, "
-            "and say in the README there what it was"
+            "and describe it in the README there"
         )
 
 

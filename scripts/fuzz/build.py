@@ -1,8 +1,8 @@
-"""Programs made of the kernel's own sources and a few of their own, by clang with a sanitizer.
+"""Build a program from the kernel's sources and a few of its own, with clang and a sanitizer.
 
-What was built is kept under a fingerprint of the sources, the flags and the compiler, so that a
-second call starts at once. Several processes may ask for one program at the same time: one builds
-it, the others wait.
+Programs are cached under a fingerprint of sources, flags and compiler, so that a second run starts
+at once. Several processes may ask for a program at the same time: one builds it, the others wait.
+`scripts/sanitize` builds its driver here too.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ OUT = ROOT / "out" / "fuzz"
 STANDARD = HERE / "standard.hpp"
 COMMON = ("-std=c++20", "-O1", "-ffp-contract=off", "-fno-omit-frame-pointer", "-gline-tables-only")
 COMPILER = os.environ.get("CLANG", "clang++")
-MISSING = f"{COMPILER} is missing or lacks its sanitizers: scripts/setup.sh tells the packages"
-KEPT = 3  # of the programs of one name: one may be running
+MISSING = f"{COMPILER} is missing or lacks its sanitizers: scripts/setup.sh names the packages"
+KEPT = 3  # programs of one name: an old one may still be running
 
 
 @dataclass(frozen=True)
 class Program:
-    """A program: its own sources, and flags for all sources, for the kernel's and for linking."""
+    """A program: the folder of its own sources, and its compiler and linker flags."""
 
     name: str
     folder: Path
@@ -41,7 +41,7 @@ class Program:
     link_flags: tuple[str, ...] = ()
 
     def compiled_with(self, source: Path) -> list[str]:
-        """Give the command that compiles a source, up to the files' names."""
+        """Return the command that compiles a source, without the names of files."""
         own = self.kernel_flags if source.is_relative_to(KERNEL) else ()
         return [COMPILER, *COMMON, *self.flags, *own, f"-I{KERNEL}", f"-I{self.folder}"]
 
@@ -53,7 +53,7 @@ FUZZ_TARGET = Program("kernel", HERE / "kernel", CHECKED, (COUNTED,), ("-fsaniti
 
 
 def built(program: Program) -> Path:
-    """Return the program, built unless it is there."""
+    """Return the path of a program; build it first if it is not cached."""
     folder = OUT / "programs"
     folder.mkdir(parents=True, exist_ok=True)
     target = folder / f"{program.name}-{fingerprint(program)}"
@@ -66,7 +66,7 @@ def built(program: Program) -> Path:
 
 
 def fingerprint(program: Program) -> str:
-    """Sum up all that a program is made of."""
+    """Hash everything that a program is built from."""
     digest = hashlib.sha256(repr(program).encode())
     digest.update(run([COMPILER, "--version"]).encode())
     for folder in (KERNEL, program.folder):
@@ -77,14 +77,14 @@ def fingerprint(program: Program) -> str:
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Hold a lock between processes; the system gives it back if one of them dies."""
+    """Hold a lock between processes, which the system releases if its holder dies."""
     with path.open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
 
 def run(command: list[str]) -> str:
-    """Run the compiler; give what it prints."""
+    """Run the compiler; return its output."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except FileNotFoundError as error:
@@ -96,7 +96,7 @@ def run(command: list[str]) -> str:
 
 
 def _build(program: Program, folder: Path) -> Path:
-    """Compile all but the bindings, and link."""
+    """Compile all sources but the bindings, and link."""
     kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.name != "bindings.cpp"]
     header = folder / "standard.pch"
     command = program.compiled_with(STANDARD)

@@ -1,4 +1,4 @@
-"""Fuzz a target for some time in one or several processes, and read what libFuzzer says of it."""
+"""Fuzz a target for some time in one or several processes, and parse libFuzzer's logs."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ REASON = re.compile(
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one process, or several, came to."""
+    """The result of one fuzzing process, or the sum over several."""
 
     executions: int
-    branches: int  # edges of the program that were run through
-    features: int  # edges, told apart by how often
+    branches: int  # edges of the control flow graph that were covered
+    features: int  # covered edges, counted once for each bucket of hit counts
     corpus: int
     finds: tuple[Path, ...]
-    failed: tuple[str, ...]  # ends of the logs of processes that ended by no find
+    failed: tuple[str, ...]  # last lines of the logs of processes that failed without a find
 
     @classmethod
     def of(cls, parts: Sequence[Outcome]) -> Outcome:
@@ -44,7 +44,7 @@ class Outcome:
 
 
 def fuzz(target: Target, folder: Path, seconds: int, jobs: int, seed: int) -> Outcome:
-    """Run; the corpus grows in ``folder``, where finds and logs are left too."""
+    """Run libFuzzer; the corpus, finds and logs are written to ``folder``."""
     corpus, finds = folder / "corpus", folder / "finds"
     for each in (corpus, finds):
         each.mkdir(parents=True, exist_ok=True)
@@ -86,7 +86,7 @@ def _read(log: Path, code: int) -> Outcome:
 
 
 def reason(target: Target, path: Path) -> str | None:
-    """Run one file: None if nothing is wrong with it, or the line that says what."""
+    """Run one file; return None if it passes, else the line that describes the failure."""
     command = [*target.command(), *target.options, str(path)]
     done = subprocess.run(command, cwd=SCRIPTS, capture_output=True, check=False)
     if not done.returncode:

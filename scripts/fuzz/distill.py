@@ -1,4 +1,4 @@
-"""A small corpus out of a large one: the smallest files that together reach every branch."""
+"""Minimise a corpus: keep the smallest files that together cover every branch."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ LARGEST = 2048
 
 
 def distill(target: Target, folder: Path) -> list[Path]:
-    """Replace the target's seeds by what is needed of them and of the folder's corpus."""
+    """Replace the target's seeds by a minimal set out of them and the folder's corpus."""
     grown = folder / "corpus"
     grown.mkdir(parents=True, exist_ok=True)
     target.seeds.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         merged = Path(name)
-        # Branches alone: how often each is taken would keep a file for many a count.
+        # Coverage of branches only: hit counts would keep many more files.
         command = [*target.command(), *target.options, "-merge=1", "-use_counters=0"]
         places = [str(merged), str(target.seeds), str(grown)]
         subprocess.run([*command, *places], cwd=SCRIPTS, capture_output=True, check=True)

@@ -1,9 +1,9 @@
 """The fuzz target of a reader: `python -m fuzz.readers ply|obj|xyz [options of libFuzzer]`.
 
-Atheris counts the branches of liftmesh's Python code while libFuzzer changes the bytes. What a
-file of some kilobytes may cost is bounded: more address space than `ROOM` beyond what the
-interpreter holds is a MemoryError, and so a find, as is a run of more than the options' -timeout.
-Every other change is one of lines (`mutator.py`), the rest are libFuzzer's.
+Atheris counts the branches of liftmesh's Python code while libFuzzer mutates the bytes. Memory and
+time are bounded: a reader that needs `ROOM` bytes of address space beyond the interpreter's raises
+MemoryError, which is a find, as is a run that exceeds libFuzzer's -timeout. Half of the mutations
+are those of `mutator.py`, the other half libFuzzer's own.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from fuzz.mutator import Editor, vocabulary
+from fuzz.mutator import LineMutator, vocabulary
 from fuzz.round_trip import outcome
 from fuzz.targets import KINDS
 
@@ -37,29 +37,31 @@ def main() -> None:
     kind = sys.argv.pop(1)
     if kind not in KINDS:
         raise SystemExit(f"no reader is called {kind!r}: {', '.join(KINDS)}")
-    # libFuzzer starts itself again, through the shell, where it merges corpora.
+    # libFuzzer restarts itself, through the shell, when it merges corpora.
     sys.argv[0] = shlex.join([sys.executable, "-m", "fuzz.readers", kind])
-    warnings.simplefilter("ignore")  # of values that do not fit the types of a broken header
+    warnings.simplefilter(
+        "ignore"
+    )  # NumPy's, about values that do not fit the types of a broken header
     instrument()
-    atheris.Setup(sys.argv, lambda data: outcome(data, kind), **changes(kind))
+    atheris.Setup(sys.argv, lambda data: outcome(data, kind), **mutator_options(kind))
     limit_memory()
     atheris.Fuzz()
 
 
-def changes(kind: str) -> dict[str, Any]:
-    """Give Atheris the mutator; none where corpora are merged, which could not end with it.
+def mutator_options(kind: str) -> dict[str, Any]:
+    """Return the options that set the mutator; none while corpora are merged.
 
-    Nothing is changed then, and its destructor would wait for the interpreter forever.
+    A merge mutates nothing, and would hang at its end in the mutator's destructor.
     """
     if any(word.startswith("-merge") for word in sys.argv):
         return {}
     words = vocabulary(kind)
 
     def mutated(data: bytes, most: int, seed: int) -> bytes:
-        chance = random.Random(seed)
-        if chance.random() < 0.5:
+        random_ = random.Random(seed)
+        if random_.random() < 0.5:
             return bytes(atheris.Mutate(data, most))
-        return Editor(data, words, chance).changed()[:most]
+        return LineMutator(data, words, random_).mutate()[:most]
 
     return {"custom_mutator": mutated}
 
@@ -67,7 +69,7 @@ def changes(kind: str) -> dict[str, Any]:
 def instrument() -> None:
     """Count the branches of liftmesh's functions.
 
-    One by one, since Atheris's hook for imports passes over a package in editable form.
+    One by one, because Atheris's import hook misses packages in editable installs.
     """
     for each in gc.get_objects():
         if isinstance(each, FunctionType) and (each.__module__ or "").startswith("liftmesh."):
@@ -75,7 +77,7 @@ def instrument() -> None:
 
 
 def limit_memory() -> None:
-    """Leave the process so much address space, and no more."""
+    """Limit the address space to what is in use plus `ROOM`."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     most = pages * resource.getpagesize() + ROOM
     resource.setrlimit(resource.RLIMIT_AS, (most, most))

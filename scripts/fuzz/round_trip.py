@@ -1,9 +1,9 @@
-"""What must hold for any bytes that a reader is given, whoever wrote them.
+"""The properties that must hold for any bytes given to a reader.
 
-A reader returns a cloud or raises a FormatError whose message begins with the file's name; nothing
-else may escape. A cloud that came from a file holds together, and can be written and read back bit
-for bit: as PLY in both encodings, and as OBJ, as far as OBJ has a place for what it holds. The one
-thing that text cannot bring back is the payload of a NaN.
+A reader returns a cloud or raises a FormatError whose message begins with the file's name; no other
+exception may escape. A cloud that was read is consistent, and survives a round trip bit for bit:
+as PLY in both encodings, and as OBJ as far as OBJ can represent it. Only the payload of a NaN does
+not survive a text format.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ Array = NDArray[Any]
 
 
 class FindError(AssertionError):
-    """Something that must not happen."""
+    """A property does not hold."""
 
 
 def outcome(data: bytes, kind: str) -> Cloud | str:
-    """Read bytes: a cloud that holds together and comes back from files, or what is wrong."""
+    """Read bytes and check the properties; return the cloud, or the message of the error."""
     try:
         cloud = read(io.BytesIO(data), format=kind)
     except FormatError as error:
         message = str(error)
         demand(message.startswith("<stream>: "), f"the message names no file: {message}")
         return message
-    _check_whole(cloud)
+    _check_consistent(cloud)
     _check_ply(cloud, encoding="binary")
     _check_ply(cloud, encoding="ascii")
     _check_obj(cloud)
@@ -45,7 +45,7 @@ def demand(condition: bool, what: str) -> None:
         raise FindError(what)
 
 
-def _check_whole(cloud: Cloud) -> None:
+def _check_consistent(cloud: Cloud) -> None:
     demand(cloud.points.dtype == np.float64, "points are not float64")
     faces = cloud.faces
     if faces is not None and faces.size:
@@ -58,7 +58,7 @@ def _check_ply(cloud: Cloud, *, encoding: str) -> None:
     if back is None:
         return
     if set(COLOR) <= cloud.attributes.keys():
-        return  # columns that are called colours and cannot be: PLY takes them for such
+        return  # attributes named like colours: PLY reads them back as colours
     same = _same_bits if encoding == "binary" else _same_values
     demand(same(back.points, cloud.points), f"PLY ({encoding}) changes points")
     _compare(back, cloud, ("colors", "normals", "faces"), f"PLY ({encoding})")
@@ -70,7 +70,7 @@ def _check_ply(cloud: Cloud, *, encoding: str) -> None:
 
 
 def _columns(cloud: Cloud) -> list[str]:
-    """Name the columns that attributes become: several for one that has several values a row."""
+    """Return the names of the columns that attributes become: several for an array of vectors."""
     return [
         column
         for name, values in cloud.attributes.items()
@@ -90,13 +90,13 @@ def _check_obj(cloud: Cloud) -> None:
 
 
 def _has_wide_colors(cloud: Cloud) -> bool:
-    """Whether there are colours that OBJ, which holds three floats, gives back in another form."""
+    """Whether OBJ, which stores three floats, changes the form of the colours."""
     colors = cloud.colors
     return colors is not None and (colors.dtype != np.uint8 or colors.shape[1] != 3)
 
 
 def _rewritten(cloud: Cloud, kind: str, **options: Any) -> Cloud | None:
-    """Write and read again; None where the format says that it cannot hold the cloud."""
+    """Write and read back; return None if the format cannot represent the cloud."""
     stream = io.BytesIO()
     try:
         write(stream, cloud, format=kind, **options)
@@ -112,10 +112,10 @@ def _rewritten(cloud: Cloud, kind: str, **options: Any) -> Cloud | None:
 def _compare(back: Cloud, cloud: Cloud, names: tuple[str, ...], what: str) -> None:
     for name in names:
         ours, theirs = getattr(back, name), getattr(cloud, name)
-        if name == "faces":  # no triangles at all: a list of none, or none
+        if name == "faces":  # an empty list of faces and no list are the same
             ours, theirs = (None if a is None or not len(a) else a for a in (ours, theirs))
         demand((ours is None) == (theirs is None), f"{what} loses or invents {name}")
-        if ours is not None:  # single precision comes back from text once it is rounded again
+        if ours is not None:  # text read as doubles: round to the original's precision
             demand(_same_values(ours.astype(theirs.dtype), theirs), f"{what} changes {name}")
 
 
@@ -124,7 +124,7 @@ def _same_bits(a: Array, b: Array) -> bool:
 
 
 def _same_values(a: Array, b: Array) -> bool:
-    """Equal as numbers, signs of zero included; a NaN is a NaN, whatever its payload."""
+    """Equal as numbers, including signs of zeros; NaNs are equal whatever their payload."""
     if a.dtype.kind != "f" or b.dtype.kind != "f":
         return np.array_equal(a, b)
     signs = np.isnan(a) | (np.signbit(a) == np.signbit(b))

@@ -1,4 +1,4 @@
-"""Take out of a find whatever it does not need."""
+"""Shrink a find: remove the bytes that the failure does not need."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SECONDS = 60.0
 
 
 def shrunk(data: bytes, fails: Callable[[bytes], bool], deadline: float) -> bytes:
-    """Drop pieces, large ones first, as long as it fails and there is time."""
+    """Remove pieces, large ones first, as long as the rest fails and there is time."""
     size = max(len(data) // 2, 1)
     while True:
         at = 0
@@ -33,22 +33,22 @@ def shrunk(data: bytes, fails: Callable[[bytes], bool], deadline: float) -> byte
 
 
 def shrink(target: Target, find: Path) -> tuple[Path, str]:
-    """Shrink a find; give the smaller file beside it, and what is wrong with it.
+    """Shrink a find; return the smaller file beside it, and the description of its failure.
 
-    Numbers in what is said may change on the way, the rest may not.
+    The description may change in its numbers only.
     """
     small = find.with_name(f"small-{find.name}{target.suffix}")
     attempt = find.with_name(f"attempt-{find.name}")
-    told = reason(target, find) or "nothing, when it is run alone"
+    described = reason(target, find) or "passes when it is run alone"
 
     def fails(data: bytes) -> bool:
         attempt.write_bytes(data)
-        return _gist(reason(target, attempt)) == _gist(told)
+        return _without_numbers(reason(target, attempt)) == _without_numbers(described)
 
     small.write_bytes(shrunk(find.read_bytes(), fails, time.monotonic() + SECONDS))
     attempt.unlink(missing_ok=True)
-    return small, told
+    return small, described
 
 
-def _gist(text: str | None) -> str | None:
+def _without_numbers(text: str | None) -> str | None:
     return None if text is None else re.sub(r"0x[0-9a-f]+|[\d.]+|'[^']*'", "", text)

@@ -1,4 +1,4 @@
-"""What can be fuzzed: a program that libFuzzer drives, its options, and where its files are."""
+"""The fuzz targets: a program that libFuzzer drives, its options, and its files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CORPORA = ROOT / "tests" / "corpus"
 
 @dataclass(frozen=True)
 class Target:
-    """A fuzz target: libFuzzer's options, and the corpus that is kept in the repository."""
+    """A fuzz target: libFuzzer's options, and the corpus in the repository."""
 
     name: str
     suffix: str
@@ -23,18 +23,18 @@ class Target:
     seeds: Path
 
     def command(self) -> list[str]:
-        """Give the command that runs the target, built if need be; options and files follow."""
+        """Return the command that runs the target, built if necessary, without its arguments."""
         if self.name == "kernel":
             return [str(built(FUZZ_TARGET))]
         return [sys.executable, "-m", "fuzz.readers", self.name]
 
     @property
     def folder(self) -> Path:
-        """Where a campaign leaves the corpus that it grows, its logs and its finds."""
+        """The folder for a campaign's corpus, logs and finds."""
         return OUT / self.name
 
 
-# Large cases are slow: they get the less time the slower they are.
+# Large cases are slow: -entropic_scale_per_exec_time schedules slow ones less often.
 _OPTIONS = (
     "-max_len=1024",
     "-len_control=0",

@@ -1,1 +1,1 @@
-"""Ctrl-C at any moment of work that takes long: the work, who does it, and who interrupts."""
+"""Ctrl-C at random moments of long runs."""

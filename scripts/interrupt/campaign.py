@@ -1,4 +1,4 @@
-"""Who interrupts: a job is run whole once, then again and again with SIGINT at another moment."""
+"""Run a job without interruption, then repeatedly with a SIGINT, each time at another moment."""
 
 from __future__ import annotations
 
@@ -21,14 +21,15 @@ from process_state import MEGA, RETURNING, State
 from interrupt.jobs import COMMANDS
 
 SCRIPTS = Path(__file__).resolve().parent.parent
-LEAK = 64 * MEGA  # what a process may hold more than after its whole run
-LONGEST = 600.0
+LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run
+TIMEOUT = 600.0
 INTERRUPTED = 130
+NOT_REACHED = "ended before"
 
 
 @dataclass(frozen=True, slots=True)
-class Hit:
-    """One interrupt: when it came, where it met the job, and how long the prompt took."""
+class Interrupt:
+    """One interrupt: when it was sent, where it hit the job, and how long the prompt took."""
 
     delay: float
     place: str
@@ -37,27 +38,27 @@ class Hit:
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
-    """A job, the seconds of its whole run, and what the interrupts came to."""
+class JobResult:
+    """A job, the seconds of its uninterrupted run, and its interrupts."""
 
     job: str
-    whole: float
-    hits: tuple[Hit, ...]
+    uninterrupted: float
+    interrupts: tuple[Interrupt, ...]
 
 
-def delays(whole: float, rounds: int, random_: random.Random) -> list[float]:
-    """Give a moment in each of as many equal parts of a run."""
-    return [whole * 0.97 * (k + random_.random()) / rounds for k in range(rounds)]
+def delays(duration: float, rounds: int, random_: random.Random) -> list[float]:
+    """Draw a random moment in each of `rounds` equal parts of a run."""
+    return [duration * 0.97 * (k + random_.random()) / rounds for k in range(rounds)]
 
 
-def interrupt_job(job: str, folder: Path, rounds: int, seed: int) -> Course:
-    """Interrupt a job of the library, again and again in one process."""
+def interrupt_job(job: str, folder: Path, rounds: int, seed: int) -> JobResult:
+    """Interrupt a library call, repeatedly in one process."""
     with _worker(job, folder) as child:
         whole = _attempt(child, None)
         files, held = _files(folder), _state(whole)
         moments = delays(whole["seconds"], rounds, random.Random(f"{job} {seed}"))
-        hits = tuple(_hit(child, moment, held, folder, files) for moment in moments)
-    return Course(job, whole["seconds"], hits)
+        interrupts = tuple(_interrupted(child, moment, held, folder, files) for moment in moments)
+    return JobResult(job, whole["seconds"], interrupts)
 
 
 @contextmanager
@@ -86,7 +87,7 @@ def _answer(child: subprocess.Popen[str]) -> dict[str, Any]:
 
 
 def _attempt(child: subprocess.Popen[str], delay: float | None) -> dict[str, Any]:
-    """Let a job run, interrupt it after a delay, and add the seconds until the prompt."""
+    """Run a job, interrupt it after a delay, and measure the seconds until the prompt."""
     child.stdin.write("again\n")
     child.stdin.flush()
     _answer(child)
@@ -99,11 +100,13 @@ def _attempt(child: subprocess.Popen[str], delay: float | None) -> dict[str, Any
     return {**answer, "until": answer["ended"] - sent if sent else 0.0}
 
 
-def _hit(child: subprocess.Popen[str], delay: float, held: State, folder: Path, files: Any) -> Hit:
+def _interrupted(
+    child: subprocess.Popen[str], delay: float, held: State, folder: Path, files: Any
+) -> Interrupt:
     answer = _attempt(child, delay)
     if not answer["place"]:
-        return Hit(delay, "done before", 0.0)
-    return Hit(
+        return Interrupt(delay, NOT_REACHED, 0.0)
+    return Interrupt(
         delay,
         answer["place"],
         answer["until"],
@@ -117,7 +120,7 @@ def _state(answer: dict[str, Any]) -> State:
 
 def _faults(found: State, held: State) -> Iterator[str]:
     if found.resident > held.resident + LEAK:
-        yield f"{(found.resident - held.resident) / MEGA:.0f} MB more are held"
+        yield f"{(found.resident - held.resident) / MEGA:.0f} MB are leaked"
     if found.files != held.files:
         yield f"{found.files - held.files} more files are open"
     if found.threads != held.threads:
@@ -125,7 +128,7 @@ def _faults(found: State, held: State) -> Iterator[str]:
 
 
 def _files(folder: Path) -> dict[str, int]:
-    """Say which files there are, and how large: all of them whole, so another size is a part."""
+    """Return the size of every file; all are complete, so another size is a partial write."""
     return {str(path): path.stat().st_size for path in folder.rglob("*") if path.is_file()}
 
 
@@ -133,25 +136,27 @@ def _changes(folder: Path, before: dict[str, int]) -> Iterator[str]:
     after = _files(folder)
     for name in sorted(before.keys() | after.keys()):
         if before.get(name) != after.get(name):
-            yield f"{name} was {'changed' if name in before else 'left'}"
+            yield f"{name} was {'changed' if name in before else 'left behind'}"
 
 
-def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> Course:
-    """Interrupt a command, each time in a process of its own."""
+def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> JobResult:
+    """Interrupt a command, in a new process each time."""
     words = COMMANDS[job]
-    child, began = _begun(words, folder)
-    code = child.wait(LONGEST)
+    child, began = _started(words, folder)
+    code = child.wait(TIMEOUT)
     whole = time.monotonic() - began
-    said, _ = child.communicate()
+    output, _ = child.communicate()
     if code:
-        raise SystemExit(f"{job}: a whole run ended with {code}")
+        raise SystemExit(f"{job}: the uninterrupted run exited with {code}")
     files = _files(folder)
     moments = delays(whole, rounds, random.Random(f"{job} {seed}"))
-    return Course(job, whole, tuple(_killed(words, each, folder, files, said) for each in moments))
+    return JobResult(
+        job, whole, tuple(_signalled(words, each, folder, files, output) for each in moments)
+    )
 
 
-def _begun(words: tuple[str, ...], folder: Path) -> tuple[subprocess.Popen[str], float]:
-    """Start a command, and wait until it has its file open: imports are no part of the work."""
+def _started(words: tuple[str, ...], folder: Path) -> tuple[subprocess.Popen[str], float]:
+    """Start a command, and wait until it has opened its file, which leaves out the imports."""
     child = subprocess.Popen(
         [sys.executable, "-m", "liftmesh", *words],
         cwd=folder,
@@ -174,28 +179,28 @@ def _open_files(process: int) -> list[str]:
     return names
 
 
-def _killed(
-    words: tuple[str, ...], delay: float, folder: Path, files: dict[str, int], said: str
-) -> Hit:
-    child, began = _begun(words, folder)
+def _signalled(
+    words: tuple[str, ...], delay: float, folder: Path, files: dict[str, int], output: str
+) -> Interrupt:
+    child, began = _started(words, folder)
     time.sleep(max(0.0, began + delay - time.monotonic()))
     opened = _open_files(child.pid)
     sent = time.monotonic()
     child.send_signal(signal.SIGINT)
-    out, err = child.communicate(timeout=LONGEST)
+    out, err = child.communicate(timeout=TIMEOUT)
     seconds = time.monotonic() - sent
     if child.returncode == 0 or (child.returncode == -signal.SIGINT and out):  # as Python exits
-        return Hit(delay, "done before", 0.0)
+        return Interrupt(delay, NOT_REACHED, 0.0)
     faults = list(_changes(folder, files))
-    # What it had to say at its end may have begun.
-    as_it_should = (child.returncode, err) == (INTERRUPTED, "liftmesh: error: interrupted\n")
-    if not as_it_should or not _without_figures(said).startswith(_without_figures(out)):
+    # It may have begun to print its results.
+    expected = (child.returncode, err) == (INTERRUPTED, "liftmesh: error: interrupted\n")
+    if not expected or not _without_figures(output).startswith(_without_figures(out)):
         faults.append(f"exit code {child.returncode}, {out!r}, {err[-500:]!r}")
-    return Hit(delay, _stage(opened, folder, words), seconds, tuple(faults))
+    return Interrupt(delay, _stage(opened, folder, words), seconds, tuple(faults))
 
 
 def _without_figures(text: str) -> str:
-    """Leave out what differs from run to run."""
+    """Remove the numbers, which differ from run to run."""
     return re.sub(r"[\d.,\s]", "", text)
 
 

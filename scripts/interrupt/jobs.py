@@ -1,4 +1,4 @@
-"""Work of so many rows: what is read, triangulated, verified and written in a campaign."""
+"""The jobs that a campaign interrupts: reading, triangulating, verifying and writing."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import numpy as np
 
 import liftmesh
 
-Heard: TypeAlias = Callable[[float], None]
-Action: TypeAlias = Callable[[Heard], object]
+Progress: TypeAlias = Callable[[float], None]
+Action: TypeAlias = Callable[[Progress], object]
 SEED = 5
 OLD = b"old"
 
 
-# What is read, by the name of the job.
+# The file that each reading job reads.
 FILES = {
     "read PLY": "mesh.ply",
     "read PLY, text": "text.ply",
@@ -28,7 +28,7 @@ FILES = {
     "read NPZ": "cloud.npz",
 }
 
-# Of the command line: its words; the second is the file that is read.
+# Arguments of the command line; the second one is the input file.
 COMMANDS: dict[str, tuple[str, ...]] = {
     "liftmesh triangulate, PLY": ("triangulate", "cloud.ply", "out/mesh.ply"),
     "liftmesh triangulate, text": ("triangulate", "cloud.xyz", "out/mesh.obj"),
@@ -37,7 +37,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
 
 
 def prepare(folder: Path, rows: int, jobs: Sequence[str]) -> None:
-    """Write the files that the jobs read, and the old ones that they would replace."""
+    """Write the files that the jobs read, and old files at the paths that they write."""
     points = np.random.default_rng(SEED).random((rows, 3))
     mesh = liftmesh.triangulate(points)
     np.save(folder / "cloud.npy", points)
@@ -78,19 +78,21 @@ def _writing(name: str, folder: Path, **options: Any) -> Action:
 
 def _delaunay(folder: Path, threads: int | None) -> Action:
     points = np.load(folder / "cloud.npy")[:, :2]
-    return lambda heard: liftmesh.delaunay(points, threads=threads, progress=heard)
+    return lambda progress: liftmesh.delaunay(points, threads=threads, progress=progress)
 
 
 def _triangulate(folder: Path) -> Action:
     points = np.load(folder / "cloud.npy")
-    points[: len(points) // 5, :2] = points[-(len(points) // 5) :, :2]  # rows that overhang
+    points[: len(points) // 5, :2] = points[
+        -(len(points) // 5) :, :2
+    ]  # several heights at one position
     options: dict[str, Any] = {"plane": "fit", "duplicates": "mean"}
-    return lambda heard: liftmesh.triangulate(points, **options, progress=heard)
+    return lambda progress: liftmesh.triangulate(points, **options, progress=progress)
 
 
 def _verify(folder: Path, threads: int | None) -> Action:
     points, faces = np.load(folder / "cloud.npy"), np.load(folder / "faces.npy")
-    return lambda heard: liftmesh.verify(points, faces, threads=threads, progress=heard)
+    return lambda progress: liftmesh.verify(points, faces, threads=threads, progress=progress)
 
 
 def _find_simplex(folder: Path) -> Action:
@@ -99,7 +101,7 @@ def _find_simplex(folder: Path) -> Action:
     return lambda _: few.find_simplex(points)
 
 
-# By name: what makes it ready, and gives what is interrupted.
+# Each prepares its input, and returns the call that is interrupted.
 JOBS: dict[str, Callable[[Path], Action]] = {
     **{job: partial(_reading, name) for job, name in FILES.items()},
     "delaunay, 1 thread": partial(_delaunay, threads=1),

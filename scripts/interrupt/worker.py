@@ -1,8 +1,8 @@
-"""A process with a prompt: it does one job as often as it is told to, and says how each time ended.
+"""A process with a prompt, which runs one job on request and reports how each run ended.
 
     python -m interrupt.worker "read PLY" FOLDER
 
-It is told through stdin, a line a time, and answers in lines of JSON.
+A line on stdin requests a run; the answers are lines of JSON on stdout.
 """
 
 from __future__ import annotations
@@ -22,33 +22,33 @@ import liftmesh
 from interrupt.jobs import JOBS, Action
 
 PACKAGE = Path(liftmesh.__file__).parent
-# What the kernel is at, by the share that it has told last (see `work` in its sources).
+# The kernel's stage, by the last share of progress that it reported (see `work` in its sources).
 STAGES = ((0.2, "ordering"), (0.95, "halving, merging"), (1.0, "emitting"))
 KERNEL = "hulls._run"
 
 
 def main(name: str, folder: str) -> None:
-    """Do the job for each line of stdin."""
+    """Run the job once for each line of stdin."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     action = JOBS[name](Path(folder))
     before = State.now()
-    tell(ready=True)
+    answer(ready=True)
     for _ in sys.stdin:
-        answer = attempt(action)
-        tell(**answer, **asdict(State.settled(before.threads)))
+        outcome = attempt(action)
+        answer(**outcome, **asdict(State.settled(before.threads)))
 
 
-def tell(**values: Any) -> None:
-    """Answer in one line."""
+def answer(**values: Any) -> None:
+    """Print an answer as one line."""
     print(json.dumps(values), flush=True)
 
 
 def attempt(action: Action) -> dict[str, Any]:
-    """Do the job once; where it was interrupted, and when the prompt was back."""
+    """Run the job once; report where it was interrupted, and when the prompt was back."""
     shares = [0.0]
     place = ""
     began = time.monotonic()
-    tell(began=began)
+    answer(began=began)
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         action(shares.append)
@@ -56,12 +56,12 @@ def attempt(action: Action) -> dict[str, Any]:
     except KeyboardInterrupt as error:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         place = where(error.__traceback__, shares[-1])
-    ended = time.monotonic()  # all that the exception held is free
+    ended = time.monotonic()  # the exception's references are released by now
     return {"ended": ended, "seconds": ended - began, "place": place}
 
 
 def where(traceback: TracebackType | None, share: float) -> str:
-    """Name the innermost function of liftmesh, and in the kernel the stage."""
+    """Name the innermost function of liftmesh, or the stage of the kernel."""
     name = "the prompt"
     while traceback is not None:
         code = traceback.tb_frame.f_code

@@ -1,13 +1,13 @@
-"""Run the kernel's parallel paths under a sanitizer: who else touches what a thread is at.
+"""Run the kernel's parallel code under a sanitizer.
 
     python scripts/sanitize thread       data races (ThreadSanitizer): some minutes
     python scripts/sanitize address      memory and undefined behaviour
     python scripts/sanitize thread --rows 9000
 
-A small driver, `driver.cpp`, triangulates and verifies several point sets on 2 to 8
-threads, with duplicates and rows that are not finite, interrupts runs in their middle, and lets
-several run at once. It exits with 1 if the sanitizer reports anything, or a result differs from
-that of one thread. Needs clang with its sanitizers.
+A small driver, `driver.cpp`, triangulates and verifies several point sets on 2 to 8 threads, with
+duplicates and non-finite rows, interrupts runs, and makes several runs at the same time. Exits with
+1 if the sanitizer reports anything, or if a result differs from that of one thread. Needs clang
+with its sanitizers.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ PROGRAMS = {
     "thread": Program("threads-thread", HERE, ("-fsanitize=thread",)),
     "address": Program("threads-address", HERE, CHECKED),
 }
-ROWS = 100_000  # triangles of more than 32,768 points are written by several threads
-NO_ROOM = "unexpected memory mapping"
+ROWS = 100_000  # several threads write the triangles of more than 32,768 points
+MAPPING_FAILED = "unexpected memory mapping"
 
 
 def main() -> None:
-    """Build, run, and say what came of it."""
+    """Build and run the driver, and print the result."""
     options = read_options()
     program = built(PROGRAMS[options.sanitizer])
     began = time.monotonic()
@@ -55,11 +55,11 @@ def read_options() -> Namespace:
 
 
 def run(program: Path, rows: int) -> subprocess.CompletedProcess[str]:
-    """Run the driver; where addresses are too random for ThreadSanitizer, with fixed ones."""
+    """Run the driver; without address randomisation if ThreadSanitizer cannot cope with it."""
     command = [str(program), str(rows)]
     environment = {**os.environ, "TSAN_OPTIONS": "halt_on_error=1"}
     done = _ran(command, environment)
-    if NO_ROOM in done.stderr:
+    if MAPPING_FAILED in done.stderr:
         done = _ran(["setarch", platform.machine(), "--addr-no-randomize", *command], environment)
     return done
 

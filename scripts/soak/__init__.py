@@ -1,1 +1,1 @@
-"""Many calls of every kind in one process, and whether it holds more and more."""
+"""Many calls of every kind in one process, and a check for leaks."""

@@ -1,14 +1,14 @@
-"""Call liftmesh again and again in one process: what it holds must stay flat.
+"""Call liftmesh many times in one process and look for leaks of memory, files and threads.
 
     python scripts/soak                     100,000 small calls and 20 of a million rows
     python scripts/soak --calls 5000 --large 3 --rows 100000
 
-Small calls are of every kind, on up to some hundred rows of several families, among them broken
-files, wrong options, and calls ended in their midst by a signal's handler or by `progress`; large
-ones triangulate, verify, look up, write and read. Memory, open files and threads are printed as
-they go. Exits with 1 unless they are flat: after a fifth as warm-up, the least memory of the later
-half is no more than `--most` megabytes above that of the earlier half (for large calls, a sixteenth
-of what the arrays of one call take), and no file or thread is left.
+Small calls are of every kind, on up to some hundred points of several distributions. They include
+broken files, wrong options, and calls that a signal handler or `progress` aborts. Large calls
+triangulate, verify, locate points, write and read. Memory, open files and threads are printed on
+the way. The first fifth of the calls is warm-up; after it, the minimum of memory in the second half
+may exceed that in the first half by `--most` megabytes (for large calls, plus a sixteenth of the
+size of one call's arrays), and no file or thread may be left. Exits with 1 otherwise.
 """
 
 from __future__ import annotations
@@ -27,23 +27,23 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds t
 
 from process_state import MEGA, RETURNING, State
 
-from soak.calls import Enough, large_call, small_call
-from soak.leaks import faults, growth
+from soak.calls import Aborted, large_call, small_call
+from soak.leaks import growth, leaks
 
 SAMPLES = 40
 SHOWN = 10
-HELD = 116 + 24 + 12 + 24 + 16  # bytes a row, about: the kernel's peak, and the arrays
+HELD = 116 + 24 + 12 + 24 + 16  # bytes a row, roughly: the kernel's peak and the arrays
 
 
 def main() -> None:
-    """Make all calls, and judge."""
+    """Make all calls, and print what leaks."""
     if not RETURNING.items() <= os.environ.items():  # malloc reads them when a process begins
         os.execve(sys.executable, sys.orig_argv, {**os.environ, **RETURNING})
     options = read_options()
-    sys.unraisablehook = pass_over
+    sys.unraisablehook = ignore_aborted
     found = [
-        *judged("small", small(options), options.most * MEGA),
-        *judged("large", large(options), options.rows * HELD / 16 + options.most * MEGA),
+        *leaks_of("small", small(options), options.most * MEGA),
+        *leaks_of("large", large(options), options.rows * HELD / 16 + options.most * MEGA),
     ]
     print("; ".join(found) or "flat")
     raise SystemExit(int(bool(found)))
@@ -61,33 +61,33 @@ def read_options() -> Namespace:
     return parser.parse_args()
 
 
-def pass_over(unraisable: sys.UnraisableHookArgs) -> None:
-    """Say nothing of exceptions of ours that no one can hear, as where an object is thrown away."""
-    if not isinstance(unraisable.exc_value, Enough):
+def ignore_aborted(unraisable: sys.UnraisableHookArgs) -> None:
+    """Silence an `Aborted` that cannot propagate, such as one raised in a destructor."""
+    if not isinstance(unraisable.exc_value, Aborted):
         sys.__unraisablehook__(unraisable)
 
 
 def small(options: Namespace) -> Iterator[State]:
-    """Make small calls, and yield samples."""
+    """Make small calls, and yield a sample now and then."""
     rng = np.random.default_rng(options.seed)
     raised: Counter[str] = Counter()
     for number in range(1, options.calls + 1):
         raised[small_call(rng)] += 1
         if number % max(options.calls // SAMPLES, 1) == 0:
             yield State.now()
-    print(", ".join(f"{count:,} {name or 'went well'}" for name, count in raised.most_common()))
+    print(", ".join(f"{count:,} {name or 'succeeded'}" for name, count in raised.most_common()))
 
 
 def large(options: Namespace) -> Iterator[State]:
-    """Make large calls, with a sample after each."""
+    """Make large calls, and yield a sample after each."""
     rng = np.random.default_rng(options.seed)
     for number in range(options.large):
         large_call(number, options.rows, rng)
         yield State.now()
 
 
-def judged(name: str, samples: Iterator[State], most: float) -> list[str]:
-    """Print some of the samples as they come, and what is wrong with them all."""
+def leaks_of(name: str, samples: Iterator[State], most: float) -> list[str]:
+    """Print some of the samples as they come, and return what leaks."""
     began, taken = time.monotonic(), []
     for sample in samples:
         taken.append(sample)
@@ -98,7 +98,7 @@ def judged(name: str, samples: Iterator[State], most: float) -> list[str]:
                 flush=True,
             )
     print(f"{name}: {growth(taken) / MEGA:+.1f} MB in {time.monotonic() - began:.0f} s", flush=True)
-    return [f"{name} calls: {fault}" for fault in faults(taken, int(most))]
+    return [f"{name} calls: {leak}" for leak in leaks(taken, int(most))]
 
 
 if __name__ == "__main__":

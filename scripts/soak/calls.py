@@ -1,4 +1,4 @@
-"""What is called in a soak: every kind of work, with errors and exceptions amid it."""
+"""The calls of a soak test: every kind of work, including errors and aborted calls."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ FOR_TWO_THREADS = 20_000
 POLICIES = ("first", "last", "lowest", "highest", "mean")
 
 
-class Enough(Exception):  # noqa: N818 - it is no error
-    """Ends a call in its midst, from a signal's handler or from `progress`."""
+class Aborted(Exception):  # noqa: N818 - it is no error
+    """Aborts a call, from a signal handler or from `progress`."""
 
 
 def cloud(rng: Generator) -> np.ndarray:
-    """Give rows in space of some family, with duplicates at times."""
+    """Draw points in space from some distribution, sometimes with duplicates."""
     rows = int(rng.integers(SMALLEST, LARGEST))
     planar = DISTRIBUTIONS[FAMILIES[rng.integers(len(FAMILIES))]](rows, rng)
     if rng.random() < 0.3:
@@ -78,13 +78,13 @@ def _predicates(rows: np.ndarray, _: Generator) -> object:
 
 
 def _files(*kinds: str) -> Call:
-    def there_and_back(rows: np.ndarray, rng: Generator) -> object:
+    def round_trip(rows: np.ndarray, rng: Generator) -> object:
         stream = io.BytesIO()
         kind = kinds[rng.integers(len(kinds))]
         liftmesh.write(stream, liftmesh.triangulate(rows), format=kind)
         return liftmesh.read(io.BytesIO(stream.getvalue()), format=kind)
 
-    return there_and_back
+    return round_trip
 
 
 def _broken_file(rows: np.ndarray, rng: Generator) -> object:
@@ -117,12 +117,12 @@ def _wrong(rows: np.ndarray, rng: Generator) -> object:
     return wrong[rng.integers(len(wrong))]()
 
 
-def _told(rows: np.ndarray, rng: Generator) -> object:
+def _with_progress(rows: np.ndarray, rng: Generator) -> object:
     limit = rng.random()
 
     def stop(share: float) -> None:
         if share >= limit:
-            raise Enough
+            raise Aborted
 
     return liftmesh.triangulate(rows, progress=stop)
 
@@ -131,7 +131,7 @@ def _signalled(rows: np.ndarray, rng: Generator) -> object:
     call = SMALL[rng.integers(len(SMALL) - 1)]
     previous = signal.signal(signal.SIGALRM, _stop)
     try:
-        with suppress(Enough):
+        with suppress(Aborted):
             try:
                 signal.setitimer(signal.ITIMER_REAL, rng.uniform(1e-5, 2e-3))
                 return call(rows, rng)
@@ -139,44 +139,44 @@ def _signalled(rows: np.ndarray, rng: Generator) -> object:
                 signal.setitimer(signal.ITIMER_REAL, 0)
     finally:
         signal.signal(signal.SIGALRM, previous)
-    raise Enough
+    raise Aborted
 
 
 def _stop(*_: Any) -> None:
-    raise Enough
+    raise Aborted
 
 
-# The last one interrupts one of the others. What trimesh writes and reads takes many times as long
-# as the rest.
+# The last one interrupts one of the others. Formats that trimesh reads and writes take many times
+# as long as the rest.
 SMALL: tuple[Call, ...] = (
     _delaunay, _triangulate, _verify, _find_simplex, _lower_hull, _predicates, _copies, _wrong,
-    _told, _broken_file, _files("ply", "obj", "npz"), _signalled,
+    _with_progress, _broken_file, _files("ply", "obj", "npz"), _signalled,
 )  # fmt: skip
 RARE: tuple[Call, ...] = (_of_two_threads, _files("off", "stl", "glb"))
 RARELY = 0.01
 
 
 def small_call(rng: Generator) -> str:
-    """Make one small call; the name of what it raised, if it did."""
+    """Make one small call; return the name of the exception, or an empty string."""
     calls = RARE if rng.random() < RARELY else SMALL
     try:
         calls[rng.integers(len(calls))](cloud(rng), rng)
-    except (liftmesh.LiftmeshError, FileNotFoundError, Enough) as error:
+    except (liftmesh.LiftmeshError, FileNotFoundError, Aborted) as error:
         return type(error).__name__
     return ""
 
 
 def large_call(number: int, rows: int, rng: Generator) -> None:
-    """Read, triangulate, verify, look up and write many rows; every third time end it amid that."""
+    """Triangulate, verify, locate, write and read many points; abort every third such call."""
     points = DISTRIBUTIONS[FAMILIES[number % len(FAMILIES)]](rows, rng)
     points = np.column_stack([points, np.zeros(len(points))])
     stop_at = rng.random() if number % 3 == 2 else 2.0
 
     def stop(share: float) -> None:
         if share >= stop_at:
-            raise Enough
+            raise Aborted
 
-    with suppress(Enough):
+    with suppress(Aborted):
         surface = liftmesh.triangulate(points, progress=stop)
         surface.triangulation.find_simplex(points[:1000, :2])
         if not liftmesh.verify(surface.vertices, surface.faces, progress=stop):

@@ -1,4 +1,4 @@
-"""The soak in short, and that it tells a leak from a flat course."""
+"""A short soak test, and whether it tells a leak from memory that varies."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 import pytest
 from commands import ROOT
 from process_state import MEGA, State
-from soak.leaks import faults, growth
+from soak.leaks import growth, leaks
 
 
 def course(*resident: float, files: int = 5, threads: int = 1) -> list[State]:
@@ -19,14 +19,14 @@ def course(*resident: float, files: int = 5, threads: int = 1) -> list[State]:
 def test_memory_that_varies_is_flat() -> None:
     samples = course(10, 90, 100, 104, 99, 108, 100, 101, 107, 100, 99.5, 120)
     assert growth(samples) == int(0.5 * MEGA)
-    assert list(faults(samples, MEGA)) == []
+    assert list(leaks(samples, MEGA)) == []
 
 
 def test_memory_that_grows_is_not() -> None:
     samples = course(*(100 + k for k in range(20)))
     assert growth(samples) == 8 * MEGA
-    assert list(faults(samples, 8 * MEGA)) == []
-    assert list(faults(samples, 7 * MEGA)) == ["memory grew by 8.0 MB, more than 7.0"]
+    assert list(leaks(samples, 8 * MEGA)) == []
+    assert list(leaks(samples, 7 * MEGA)) == ["memory grew by 8.0 MB, more than 7.0"]
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def test_memory_that_grows_is_not() -> None:
     ],
 )
 def test_nor_are_files_and_threads_that_stay(last: list[State], said: str) -> None:
-    assert list(faults(course(*[100] * 9) + last, MEGA)) == [said]
+    assert list(leaks(course(*[100] * 9) + last, MEGA)) == [said]
 
 
 # Its handlers of signals raise anywhere, also where coverage would never let go of a lock again.
@@ -56,5 +56,5 @@ def test_a_short_soak_is_flat() -> None:
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.endswith("\nflat\n")
-    assert "Enough" in done.stdout  # calls were ended amid
+    assert "Aborted" in done.stdout  # calls were aborted
     assert "FormatError" in done.stdout

@@ -1,4 +1,4 @@
-"""CGAL as a peer: a small C++ program, built on the spot where compiler and headers are present."""
+"""CGAL as a peer: a small C++ program, built when the compiler and headers are installed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class NotHereError(Exception):
 
 
 def build(folder: Path) -> Path:
-    """Compile the program into a folder, unless it is there from the same source and compiler."""
+    """Compile the program into a folder, unless the same source was compiled there before."""
     compiler = find_compiler()
     need_headers(compiler)
     program = folder / f"cgal_peer-{fingerprint(compiler)}"
@@ -36,7 +36,7 @@ def build(folder: Path) -> Path:
 
 
 def find_compiler() -> list[str]:
-    """Give the C++ compiler's command: CXX from the environment, or g++."""
+    """Return the C++ compiler's command: CXX from the environment, or g++."""
     compiler = shlex.split(os.environ.get("CXX", "g++"))
     if not shutil.which(compiler[0]):
         raise NotHereError(f"no {compiler[0]}: install g++ and libcgal-dev")
@@ -44,7 +44,7 @@ def find_compiler() -> list[str]:
 
 
 def need_headers(compiler: list[str]) -> None:
-    """Look for CGAL by preprocessing one include of it."""
+    """Check that CGAL's headers are found, by preprocessing."""
     command = [*compiler, "-std=c++20", "-E", "-x", "c++", "-"]
     text = f"#if !__has_include(<{HEADERS}>)\n#error\n#endif\n"
     if subprocess.run(command, input=text, capture_output=True, text=True, check=False).returncode:
@@ -52,7 +52,7 @@ def need_headers(compiler: list[str]) -> None:
 
 
 def fingerprint(compiler: list[str]) -> str:
-    """Tell programs of different sources, flags or compilers apart."""
+    """Hash the source, the flags and the compiler's version."""
     command = [*compiler, "--version"]
     said = subprocess.run(command, capture_output=True, check=True).stdout
     words = " ".join([*FLAGS, *LIBRARIES]).encode()
@@ -61,4 +61,4 @@ def fingerprint(compiler: list[str]) -> str:
 
 def first_error(stderr: str) -> str:
     lines = stderr.strip().splitlines()
-    return next((line for line in lines if "error" in line), "without a word")
+    return next((line for line in lines if "error" in line), "no message")

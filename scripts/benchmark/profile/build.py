@@ -1,4 +1,4 @@
-"""Build the driver with the kernel's own sources, optimised, and with the names of their lines."""
+"""Build the driver with the kernel's sources, optimised and with debug information."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FLAGS = ("-std=c++20", "-O3", "-g", "-ffp-contract=off", f"-I{KERNEL}")
 
 
 def build(folder: Path) -> Path:
-    """Compile all but the bindings, and link; what is not called stays out."""
+    """Compile all sources but the bindings, and link."""
     sources = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.name != "bindings.cpp"]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(lambda source: compiled(source, folder), [DRIVER, *sources]))
@@ -30,7 +30,7 @@ def compiled(source: Path, folder: Path) -> Path:
 
 
 def compiler() -> list[str]:
-    """Give the C++ compiler's command: CXX from the environment, or c++."""
+    """Return the C++ compiler's command: CXX from the environment, or c++."""
     return shlex.split(os.environ.get("CXX", "c++"))
 
 

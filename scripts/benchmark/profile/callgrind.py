@@ -1,9 +1,9 @@
-"""Run a program under callgrind, and read what each line of source costs.
+"""Run a program under callgrind, and parse the costs of functions by source file.
 
-The file that callgrind writes is a list of cost lines. Lines that begin with fl=, fi= or fe= name
-the source of what follows, inlined code included, fn= the function. The line after calls= is what
-a call cost altogether, which stands under the called function already, named by cfi= and cfn=. A
-name is written out once, as in (3) name, and is (3) from then on.
+Callgrind writes a list of cost lines. Lines that begin with fl=, fi= or fe= name the source file of
+the following costs, also that of inlined code; fn= names the function. The line after calls= is the
+inclusive cost of a call, which the called function, named by cfi= and cfn=, already accounts for. A
+name is spelt out once, as in (3) name, and abbreviated to (3) from then on.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TOOL = ("valgrind", "--tool=callgrind", "--branch-sim=yes", "--quiet")
-ONLY = "--toggle-collect=liftmesh::delaunay(*"  # not the start of the program
+ONLY = "--toggle-collect=liftmesh::delaunay(*"  # without the program's start
 NAME = re.compile(r"(c?)(fl|fi|fe|fn)=\((\d+)\)(?: (.*))?")
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Instructions, and branches that the simulated processor predicted wrongly."""
+    """Instructions, and branches that the simulated processor mispredicted."""
 
     instructions: int = 0
     mispredicted: int = 0
@@ -31,11 +31,11 @@ class Cost:
         return Cost(self.instructions + other.instructions, self.mispredicted + other.mispredicted)
 
 
-Place = tuple[str, str]  # a source file, a function
+Place = tuple[str, str]  # a source file and a function
 
 
 def profile(command: list[str], folder: Path) -> dict[Place, Cost]:
-    """Run a command; give the cost of every function in every file that its code stems from."""
+    """Run a command; return the costs by source file and function."""
     out = folder / "callgrind.out"
     tool = [*TOOL, ONLY, f"--callgrind-out-file={out}"]
     try:
@@ -72,5 +72,5 @@ def costs(lines: Iterable[str]) -> dict[Place, Cost]:
 
 
 def cost_of(events: dict[str, int]) -> Cost:
-    """Make a cost of a line's numbers; those at its end are left out where they are zero."""
+    """Make a cost of a line's numbers; zeros at the end of a line are omitted."""
     return Cost(events.get("Ir", 0), events.get("Bcm", 0) + events.get("Bim", 0))
