@@ -1,16 +1,16 @@
-"""Look for what made the paper's speedup ratios, with a plain C program written as printed.
+"""Find out what explains the paper's speedup ratios, with its algorithms as printed in plain C.
 
     python scripts/paper_port                every variant at n = 1,000: some minutes
-    python scripts/paper_port --quick        optimisation and ways of asking for a position
+    python scripts/paper_port --quick        optimisation, and variants of the position test
     python scripts/paper_port --growth       the printed seconds beside the counts at each n
     python scripts/paper_port --simulate     instructions and mispredicted branches (valgrind)
 
-The C program stands in scripts/paper_port and is built on the spot with cc (or CC). Every variant
-runs with LF and LFRes in turns on the same points, q being the origin (case 1) and the median point
-(case 2); seconds are processor time, the least of several runs, the median over the seeds. Counts
-come from a build of their own. "printed / here" is how many times slower the paper's processor must
-have been for the variant to give the printed seconds, and "scatter" what that does not explain. The
-table goes to the terminal, everything to a CSV file.
+The C program is in this folder and is built with cc (or CC). Every variant runs LF and LFRes in
+alternation on the same points, with q at the origin (case 1) and at the median point (case 2).
+Seconds are processor time: the minimum of several runs, the median over the seeds. Counts come from
+a separate build. "printed / here" is how many times slower the paper's processor must have been to
+turn the variant's seconds into the printed ones, and "scatter" is what this does not explain. A
+table goes to the terminal, all measurements to a CSV file.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from paper_port.growth import Line, exponent, lines, two_costs
 from paper_port.inputs import uniform, vertex, write
 from paper_port.measure import CASES, Measurement, measure
 from paper_port.simulate import simulate
-from paper_port.slowdown import likeness
+from paper_port.slowdown import slowdown_and_scatter
 from paper_port.variants import GROUPS, QUICK, VARIANTS, Variant
 
 WIDTH = 190
@@ -45,7 +45,7 @@ SIMULATED = {
 
 
 def main() -> None:
-    """Do what the command line asks for."""
+    """Run the command."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=WIDTH)
     with tempfile.TemporaryDirectory() as name:
@@ -69,7 +69,7 @@ def read_options() -> Namespace:
     add("--groups", nargs="+", choices=GROUPS, default=GROUPS, metavar="G", help=", ".join(GROUPS))
     add("--matching", default="", metavar="TEXT", help="only variants whose name contains it")
     add("--quick", action="store_true", help=f"{' and '.join(QUICK)} only, one seed")
-    add("--growth", action="store_true", help="counts at the printed numbers of points")
+    add("--growth", action="store_true", help="operation counts at the printed numbers of points")
     add("--largest", type=int, default=10_000, help="the largest n of --growth")
     add("--simulate", action="store_true", help="run a few variants under cachegrind")
     add("--csv", type=Path, default=Path("out/paper_port.csv"))
@@ -90,7 +90,7 @@ def write_csv(file: Path, rows: list[dict[str, object]]) -> None:
         writer.writerows(rows)
 
 
-# The variants
+# --- the variants -------------------------------------------------------------------------------
 
 
 def show_variants(console: Console, options: Namespace, folder: Path) -> None:
@@ -127,35 +127,35 @@ def table_of(found: list[Measurement]) -> Table:
     for (variant, n), items in groups.items():
         cells = [cell for case in CASES for cell in cells_of(items, case)]
         right = "yes" if all(item.right for item in items) else "no"
-        cells += [case_ratio(items), *likeness_cells(items)]
+        cells += [case_ratio(items), *slowdown_cells(items)]
         table.add_row(variant.group, variant.name, f"{n:,}", *cells, right)
     return table
 
 
 def cells_of(found: list[Measurement], case: int) -> list[str]:
-    """Give seconds, their ratio and the ratio of dot products in a case."""
+    """Return seconds, their ratio and the ratio of dot products in a case."""
     items = [item for item in found if item.case == case]
     seconds = [median(item.seconds[name] for item in items) for name in PROCEDURES]
-    ratios = [median(item.ratio for item in items), median(item.operations for item in items)]
+    ratios = [median(item.ratio for item in items), median(item.work_ratio for item in items)]
     return [f"{value:.4f}" for value in seconds] + [f"{ratios[0]:.2f}", f"{ratios[1]:.1f}"]
 
 
 def case_ratio(found: list[Measurement]) -> str:
-    """Give LF's seconds in case 1 over those in case 2."""
+    """Return the ratio of LF's seconds in case 1 to those in case 2."""
     first, second = (
         median(item.seconds["LF"] for item in found if item.case == case) for case in CASES
     )
     return f"{first / second:.2f}"
 
 
-def likeness_cells(found: list[Measurement]) -> list[str]:
-    """Give the slowdown that turns measured into printed seconds, and what remains unexplained."""
-    found_likeness = likeness(found)
-    return ["", ""] if found_likeness is None else [f"{value:.2f}" for value in found_likeness]
+def slowdown_cells(found: list[Measurement]) -> list[str]:
+    """Return the slowdown from measured to printed seconds, and the scatter."""
+    values = slowdown_and_scatter(found)
+    return ["", ""] if values is None else [f"{value:.2f}" for value in values]
 
 
 def row_of(item: Measurement) -> dict[str, object]:
-    """Give a measurement as a line of the CSV file."""
+    """Return a measurement as a row of the CSV file."""
     row: dict[str, object] = {
         "group": item.variant.group,
         "variant": item.variant.name,
@@ -176,11 +176,11 @@ def row_of(item: Measurement) -> dict[str, object]:
     return row
 
 
-# The growth
+# --- the growth ---------------------------------------------------------------------------------
 
 
 def show_growth(console: Console, options: Namespace, folder: Path) -> None:
-    """Print counts at the printed sizes, exponents, and the printed time a point."""
+    """Print the counts at the printed sizes, their growth, and the printed time per point."""
     found: list[Line] = []
     with console.status("") as status:
         for line in lines(options.largest, options.seeds[0], folder):
@@ -193,7 +193,7 @@ def show_growth(console: Console, options: Namespace, folder: Path) -> None:
 
 
 def growth_row(line: Line) -> dict[str, object]:
-    """Give a printed row with its counts as a line of the CSV file."""
+    """Return a printed row with its counts as a row of the CSV file."""
     row: dict[str, object] = {"case": line.case, "n": line.n}
     for name in PROCEDURES:
         counts = line.counts[name]
@@ -226,7 +226,7 @@ def growth_table(found: list[Line]) -> Table:
 
 
 def growth_sentences(found: list[Line]) -> list[str]:
-    """Say exponents and the costs that fit the printed seconds best."""
+    """State the exponents of growth, and the costs that fit the printed seconds best."""
     sentences = []
     for case in CASES:
         chosen = [line for line in found if line.case == case]
@@ -248,7 +248,7 @@ def growth_sentences(found: list[Line]) -> list[str]:
     return sentences
 
 
-# The simulated processor
+# --- the simulated processor --------------------------------------------------------------------
 
 
 def show_simulations(console: Console, options: Namespace, folder: Path) -> None:
@@ -277,7 +277,7 @@ def show_simulations(console: Console, options: Namespace, folder: Path) -> None
 def simulation_rows(
     name: str, n: int, case: int, pair: dict[str, dict[str, int]]
 ) -> list[dict[str, object]]:
-    """Give both procedures' events."""
+    """Return the events of both procedures as rows of the table."""
     head: dict[str, object] = {"variant": name, "n": n, "case": case}
     return [{**head, "procedure": key, **item} for key, item in pair.items()]
 

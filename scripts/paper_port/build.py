@@ -20,7 +20,7 @@ PROCEDURES = ("LF", "LFRes")
 
 @dataclass(frozen=True)
 class Counts:
-    """What one procedure did while Algorithm 2 ran once."""
+    """The operations of a procedure in one run of Algorithm 2."""
 
     calls: int
     planes: int
@@ -42,12 +42,12 @@ class Run:
 
 
 def compiler() -> list[str]:
-    """Give the C compiler's command: CC from the environment, or cc."""
+    """Return the C compiler's command: CC from the environment, or cc."""
     return shlex.split(os.environ.get("CC", "cc"))
 
 
 def build(target: Path, flags: tuple[str, ...]) -> str:
-    """Compile and link; return what the compiler said where it refused, else the empty string."""
+    """Compile and link; return the compiler's errors, or an empty string."""
     sources = [str(path) for path in sorted(FOLDER.glob("*.c"))]
     command = [*compiler(), "-std=c99", *flags, *sources, "-o", str(target), *LIBRARIES]
     try:
@@ -60,7 +60,7 @@ def build(target: Path, flags: tuple[str, ...]) -> str:
 def command_of(
     program: Path, points: Path, q: tuple[float, float], repeat: int, procedure: str = "both"
 ) -> list[str]:
-    """Give the command that runs a built program on a file of points."""
+    """Return the command that runs a built program on a file of points."""
     rows = points.stat().st_size // 16
     return [str(program), str(points), str(rows), repr(q[0]), repr(q[1]), str(repeat), procedure]
 
@@ -73,14 +73,14 @@ def run(
     *,
     facets: Path | None = None,
 ) -> list[Run]:
-    """Run a built program; the procedures take turns."""
+    """Run a built program, which alternates between the procedures."""
     command = command_of(program, points, q, repeat) + ([str(facets)] if facets else [])
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return [parse(line) for line in done.stdout.splitlines()]
 
 
 def parse(line: str) -> Run:
-    """Read one line of the program's output."""
+    """Parse one line of the program's output."""
     procedure, seconds, facets, complete, *numbers = line.split()
     counts = [int(number) for number in numbers]
     rejected = dict(zip(REJECTIONS, counts[5:], strict=True))
@@ -89,7 +89,7 @@ def parse(line: str) -> Run:
 
 
 def read_facets(file: Path, runs: list[Run]) -> list[NDArray[np.int32]]:
-    """Read the facets of every run, in a form that does not depend on the order of finding them."""
+    """Read the facets of every run, in canonical order."""
     rows = np.fromfile(file, np.int32).reshape(-1, 3)
     ends = np.cumsum([run.facets for run in runs])[:-1]
     return [canonical(part) for part in np.split(rows, ends)]

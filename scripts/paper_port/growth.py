@@ -1,4 +1,4 @@
-"""Set the printed seconds beside what Algorithm 2 does at the same numbers of points."""
+"""Compare the printed seconds with the operation counts of Algorithm 2 at the same sizes."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from scipy.optimize import nnls
 
 from liftmesh.paper.printed import TABLES
 from paper_port.build import Counts, build, run
-from paper_port.inputs import uniform, vertex, write
-from paper_port.slowdown import TABLE_OF_CASE
+from paper_port.inputs import TABLE_OF_CASE, uniform, vertex, write
+from paper_port.slowdown import printed_seconds
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class Line:
     counts: dict[str, Counts]
 
     def nanoseconds(self, procedure: str) -> float:
-        """Give the printed nanoseconds for each point that the procedure looks at."""
+        """Return the printed nanoseconds for each point that the procedure tests."""
         return self.printed[procedure] / self.counts[procedure].points * 1e9
 
 
 def lines(largest: int, seed: int, folder: Path) -> Iterator[Line]:
-    """Count what a random set of each printed size takes."""
+    """Count the operations on a random set of each printed size."""
     program, file = folder / "counting", folder / "points"
     refusal = build(program, ("-O2", "-DCOUNT"))
     if refusal:
@@ -44,7 +44,7 @@ def lines(largest: int, seed: int, folder: Path) -> Iterator[Line]:
                 write(points, file)
                 runs = run(program, file, vertex(case, points))
                 counts = {item.procedure: item.counts for item in runs}
-                yield Line(case, row.n, row.ratio, {"LF": row.lf, "LFRes": row.lfres}, counts)
+                yield Line(case, row.n, row.ratio, printed_seconds(row.n, case), counts)
 
 
 def exponent(sizes: list[int], values: list[float]) -> float:

@@ -1,4 +1,4 @@
-"""Random points as in the paper's Section 5, and the orders in which a program may hold them."""
+"""Random points as in the paper's Section 5, and the orders in which a program may store them."""
 
 from __future__ import annotations
 
@@ -8,26 +8,28 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.paper.printed import SQUARE
+from liftmesh.paper.experiments import Trial
+from liftmesh.paper.printed import SQUARE, TABLES, TableName
 from liftmesh.planar.lifting import resolve_q
 
+TABLE_OF_CASE: dict[int, TableName] = {1: "5.1", 2: "5.2"}
 BITS = 10
 Points = NDArray[np.float64]
 Vertex = tuple[float, float]
 
 
 def uniform(n: int, seed: int) -> Points:
-    """Spread n points over the square [0, 200] x [0, 200]."""
-    return np.random.default_rng(seed).random((n, 2)) * SQUARE
+    """Draw n points in the paper's square; both tables have the same ones."""
+    return Trial("5.1", n, seed).points()
 
 
 def vertex(case: int, points: Points) -> Vertex:
-    """Give q: the origin in case 1, the median point in case 2."""
-    return resolve_q("origin" if case == 1 else "median", points)
+    """Return q: the origin in case 1, the median point in case 2."""
+    return resolve_q(TABLES[TABLE_OF_CASE[case]].q, points)
 
 
 def generated(points: Points, _q: Vertex) -> Points:
-    """Leave the points in the order in which they were drawn."""
+    """Keep the order in which the points were drawn."""
     return points
 
 

@@ -1,4 +1,4 @@
-"""Time the variants, and count what they do, on the same points."""
+"""Time the variants and count their operations on the same points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import Delaunay
 
-from paper_port.build import Counts, Run, build, canonical, read_facets, run
+from paper_port.build import PROCEDURES, Counts, Run, build, canonical, read_facets, run
 from paper_port.inputs import ORDERS, uniform, vertex, write
 
 if TYPE_CHECKING:
@@ -35,19 +35,19 @@ class Measurement:
 
     @property
     def ratio(self) -> float:
-        """LF / LFRes in seconds."""
+        """The ratio of seconds, LF / LFRes."""
         return self.seconds["LF"] / self.seconds["LFRes"]
 
     @property
-    def operations(self) -> float:
-        """LF / LFRes in dot products."""
+    def work_ratio(self) -> float:
+        """The ratio of dot products, LF / LFRes."""
         return self.counts["LF"].evaluations / self.counts["LFRes"].evaluations
 
 
 def measure(
     variant: Variant, sizes: list[int], seeds: list[int], repeat: int, folder: Path
 ) -> Iterator[Measurement | str]:
-    """Measure a variant on every set of points, or say why it cannot be built here."""
+    """Measure a variant on every set of points, or yield the compiler's refusal."""
     timed, counting = folder / "timed", folder / "counting"
     refusal = build(timed, variant.flags) or build(counting, (*variant.flags, "-DCOUNT"))
     if refusal:
@@ -69,19 +69,19 @@ def measure(
                     n,
                     seed,
                     counted[0].facets,
-                    right_facets(folder / "facets", counted, ordered),
-                    {name: quickest(runs, name) for name in ("LF", "LFRes")},
+                    facets_are_delaunay(folder / "facets", counted, ordered),
+                    {name: quickest(runs, name) for name in PROCEDURES},
                     {item.procedure: item.counts for item in counted},
                 )
 
 
 def quickest(runs: list[Run], procedure: str) -> float:
-    """Give the least seconds of a procedure: what disturbs a run only adds to it."""
+    """Return the minimum of a procedure's times: disturbances only add to them."""
     return min(item.seconds for item in runs if item.procedure == procedure)
 
 
-def right_facets(file: Path, runs: list[Run], points: Points) -> bool:
-    """Say whether both procedures came to an end with the facets of the Delaunay triangulation."""
+def facets_are_delaunay(file: Path, runs: list[Run], points: Points) -> bool:
+    """Whether both procedures terminated with the triangles of SciPy's Delaunay triangulation."""
     expected = canonical(Delaunay(points).simplices)
     found = read_facets(file, runs)
     return all(item.complete for item in runs) and all(

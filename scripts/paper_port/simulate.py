@@ -1,8 +1,8 @@
-"""Count instructions, mispredicted branches and cache misses on cachegrind's processor.
+"""Count instructions, mispredicted branches and cache misses with cachegrind.
 
 The simulated caches are those of a laptop's Core i5 of the paper's time: 32 KiB of data at the
-first level, 256 KiB at the second. Cachegrind's branch predictor is a simple one: read its numbers
-as an order of magnitude.
+first level, 256 KiB at the second. Cachegrind's branch predictor is simple: its counts are an order
+of magnitude.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ PATTERNS = {
 def simulate(
     flags: tuple[str, ...], points: Path, q: Vertex, folder: Path
 ) -> dict[str, dict[str, int]]:
-    """Simulate Algorithm 2 with each procedure; what reading and lifting cost is taken off."""
+    """Simulate Algorithm 2 with each procedure, less the cost of reading and lifting."""
     program = folder / "simulated"
     refusal = build(program, flags)
     if refusal:
@@ -52,7 +52,7 @@ def simulate(
 
 
 def events(command: list[str]) -> dict[str, int]:
-    """Run a command under cachegrind and read the events it reports."""
+    """Run a command under cachegrind and parse the event counts."""
     try:
         done = subprocess.run([*TOOL, *command], capture_output=True, text=True, check=True)
     except FileNotFoundError as error:

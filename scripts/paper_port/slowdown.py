@@ -1,8 +1,8 @@
-"""How well one speed of processor turns a variant's seconds into the printed ones.
+"""Compare a variant's times with the printed ones, up to the speed of the processor.
 
-A processor that is s times slower than this one would make every printed number s times the number
-measured here, for the right program. So s is the geometric mean of printed / measured over LF and
-LFRes in both cases, and what is left after dividing by s, as a root mean square of logarithms,
+On a processor that is s times slower than this one, the paper's program takes s times the seconds
+measured here. So the slowdown s is estimated as the geometric mean of printed / measured over LF
+and LFRes in both cases; the scatter, the standard deviation of the logarithms of these ratios,
 tells how far the variant is from the paper's program. A variant with s < 1 would need the paper's
 laptop to be faster than this machine.
 """
@@ -15,22 +15,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh.paper.printed import TABLES, TableName
+from liftmesh.paper.printed import TABLES
+from paper_port.inputs import TABLE_OF_CASE
 
 if TYPE_CHECKING:
     from paper_port.measure import Measurement
 
-TABLE_OF_CASE: dict[int, TableName] = {1: "5.1", 2: "5.2"}
-
 
 def printed_seconds(n: int, case: int) -> dict[str, float]:
-    """Give a printed row by the procedures' names; empty where the paper has no such row."""
+    """Return the printed seconds by procedure; empty if the paper has no such row."""
     row = TABLES[TABLE_OF_CASE[case]].row(n)
     return {} if row is None else {"LF": row.lf, "LFRes": row.lfres}
 
 
-def likeness(found: list[Measurement]) -> tuple[float, float] | None:
-    """Give the slowdown s of one variant, and the scatter that remains (0.1 is about 10 %)."""
+def slowdown_and_scatter(found: list[Measurement]) -> tuple[float, float] | None:
+    """Return the slowdown of a variant and the scatter (0.1 is about 10 %)."""
     seconds: dict[tuple[int, int, str], list[float]] = defaultdict(list)
     for item in found:
         for name, value in item.seconds.items():

@@ -1,4 +1,4 @@
-"""The variants: one change at a time to a base, and a few combinations."""
+"""The variants: single changes to a base program, and a few combinations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Variant:
 
 
 def at_both(group: str, name: str, *flags: str) -> list[Variant]:
-    """Give a variant without and with optimisation."""
+    """Return a variant without and with optimisation."""
     return [Variant(group, f"{name}, {level}", (level, *flags)) for level in ("-O0", "-O2")]
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from paper_port.build import PROCEDURES, Run, build, canonical, read_facets, run
 from paper_port.inputs import ORDERS, uniform, vertex, write
-from paper_port.measure import right_facets
+from paper_port.measure import facets_are_delaunay
 from paper_port.variants import VARIANTS
 from scipy.spatial import Delaunay
 
@@ -88,7 +88,7 @@ def test_no_way_of_writing_it_changes_the_counts(
     tmp_path: Path, points: np.ndarray, printed: list[Run], flags: tuple[str, ...]
 ) -> None:
     changed = counted(tmp_path, points, 2, *flags)
-    assert right_facets(tmp_path / "facets", changed, points)
+    assert facets_are_delaunay(tmp_path / "facets", changed, points)
     assert [item.facets for item in changed] == [item.facets for item in printed]
     for before, after in zip(printed, changed, strict=True):
         assert after.counts.planes == before.counts.planes
