@@ -9,6 +9,7 @@ import sys
 import textwrap
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -63,25 +64,25 @@ class Ticker:
         self._thread.join()
 
 
+def assert_another_thread_runs(call: Callable[[], object]) -> None:
+    with Ticker() as ticker:
+        start, before = time.perf_counter(), ticker.ticks
+        call()
+        during, seconds = ticker.ticks - before, time.perf_counter() - start
+    assert during > 20 * seconds, f"{during} ticks in {seconds:.2f} s"
+
+
 @pytest.mark.parametrize("family", ["uniform", "circle"])
 def test_another_thread_runs_during_a_large_call(family: str) -> None:
     points = FAMILIES[family](1_000_000, np.random.default_rng(0))
-    with Ticker() as ticker:
-        start, before = time.perf_counter(), ticker.ticks
-        liftmesh.delaunay(points)
-        during, seconds = ticker.ticks - before, time.perf_counter() - start
-    assert during > 20 * seconds, f"{during} ticks in {seconds:.2f} s"
+    assert_another_thread_runs(lambda: liftmesh.delaunay(points))
 
 
 def test_another_thread_runs_during_point_location() -> None:
     rng = np.random.default_rng(0)
     triangulation = liftmesh.delaunay(rng.random((200_000, 2)))
     queries = rng.random((1_000_000, 2))
-    with Ticker() as ticker:
-        start, before = time.perf_counter(), ticker.ticks
-        triangulation.find_simplex(queries)
-        during, seconds = ticker.ticks - before, time.perf_counter() - start
-    assert during > 20 * seconds, f"{during} ticks in {seconds:.2f} s"
+    assert_another_thread_runs(lambda: triangulation.find_simplex(queries))
 
 
 def test_threads_at_once_give_what_one_gives() -> None:

@@ -125,20 +125,26 @@ def test_formats_of_one_direction(tmp_path: Path) -> None:
     names = "bits = one_way:READ\ndump = one_way:WRITE"
     describe(tmp_path, "one-way", "1.0", f"[liftmesh.formats]\n{names}\n")
     (tmp_path / "p.bits").write_bytes(np.eye(3).tobytes())
-    found = subprocess.run(
-        [sys.executable, "-W", "error", "-c", ONE_WAY_USE],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    found = run_with(tmp_path, ONE_WAY_USE, tmp_path)
+    assert found.returncode == 0, found.stderr
     unread, unwritten, code = found.stdout.splitlines()
     assert unread == "p.dump: dump files cannot be read: the same, for another program to read"
     assert unwritten.startswith("q.bits: bits files ")
     assert int(code) == exit_codes.BAD_INPUT
     assert found.stderr == "liftmesh: error: q.bits: bits files can be read, not written\n"
     assert not (tmp_path / "q.bits").exists()
+
+
+def run_with(site: Path, program: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder, with the packages of a site, in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", program],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(site)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 def describe(site: Path, name: str, version: str, entry_points: str) -> None:
@@ -150,14 +156,7 @@ def describe(site: Path, name: str, version: str, entry_points: str) -> None:
 
 
 def test_the_example_works_and_broken_plugins_harm_nobody(site: Path, tmp_path: Path) -> None:
-    found = subprocess.run(
-        [sys.executable, "-W", "error", "-c", USE],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(site)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    found = run_with(site, USE, tmp_path)
     assert found.stderr == ""
     text, _, messages = found.stdout.partition("\n\n")
     first, *rest = text.splitlines()
