@@ -1,18 +1,15 @@
 #!/usr/bin/env bash
-# The main job on a fresh machine: installs liftmesh into .venv, triangulates the shipped terrain and
-# holds the result against trimesh's convex hull of the lifted points.
+# A demonstration on a fresh machine: installs liftmesh into .venv, triangulates the shipped terrain and
+# compares the result with trimesh's convex hull of the lifted points.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
 
-show() {
-    printf '\n$ %s\n' "$*"
-    PATH="$PWD/.venv/bin:$PATH" "$@"
-}
+environment=.venv
 
 prepare_machine build
 # Editable, so that Python started in this folder finds the kernel and not the bare sources.
-make_environment .venv "pyproject.toml README.md LICENSE liftmesh" --editable .
+make_environment $environment "pyproject.toml README.md LICENSE liftmesh" --editable .
 mkdir -p out
 
 show liftmesh info data/jacksboro.ply
@@ -22,9 +19,9 @@ show liftmesh compare data/jacksboro.ply --lower out/lower.ply --hull out/hull.p
 
 cat <<END
 
-What happened:
+Results:
   out/jacksboro.ply, out/jacksboro.obj   the Delaunay mesh of the terrain
   out/lower.ply                          its lift: the lower hull on the paraboloid, by liftmesh
   out/hull.ply                           trimesh's convex hull of the same lifted points
-Open them in MeshLab, Blender, trimesh or Open3D. To go on by hand: source .venv/bin/activate
+Open them in MeshLab, Blender, trimesh or Open3D. To use liftmesh yourself: source .venv/bin/activate
 END

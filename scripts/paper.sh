@@ -1,18 +1,15 @@
 #!/usr/bin/env bash
 # The paper's tables and figures on a fresh machine: installs liftmesh into .venv-paper and measures.
-#   scripts/paper.sh             all of both tables, into data/paper: about a quarter of an hour
+#   scripts/paper.sh             both tables in full, into data/paper: about a quarter of an hour
 #   scripts/paper.sh --quick     small sizes, into out/paper-quick: under a minute
-# An interrupted run goes on where it stopped; other options are those of `liftmesh paper`.
+# An interrupted run resumes where it stopped; other options are those of `liftmesh paper`.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
 
-show() {
-    printf '\n$ %s\n' "$*"
-    PATH="$PWD/.venv-paper/bin:$PATH" "$@"
-}
+environment=.venv-paper
 
-# What the repository holds was measured on one machine, and is replaced only by a whole run on another.
+# The tables in the repository come from one machine; only a full run on another replaces them.
 replace_committed() {
     mkdir -p data/paper
     cp out/paper/*.csv out/paper/*.json out/paper/*.md data/paper/
@@ -23,7 +20,7 @@ replace_committed() {
 
 prepare_machine build
 # Editable, so that Python started in this folder finds the kernel and not the bare sources.
-make_environment .venv-paper "pyproject.toml README.md LICENSE liftmesh" --editable '.[plot]'
+make_environment $environment "pyproject.toml README.md LICENSE liftmesh" --editable '.[plot]'
 mkdir -p out
 
 if (($# == 0)); then

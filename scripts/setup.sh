@@ -1,6 +1,7 @@
 # shellcheck shell=bash
-# What demo.sh, test.sh and paper.sh share: a machine that can build liftmesh, and an environment that holds it.
-# Sourced by them, never run. PYTHON names another interpreter than python3: PYTHON=python3.12 scripts/demo.sh
+# Shared functions of demo.sh, test.sh, paper.sh and coverage.sh: install the system packages that a build of liftmesh
+# needs, and make a virtual environment with liftmesh. Sourced, never run. PYTHON chooses the interpreter:
+# PYTHON=python3.12 scripts/demo.sh
 
 say() { printf '%s\n' "$*"; }
 
@@ -9,7 +10,7 @@ stop() {
     exit 1
 }
 
-# run_quietly TITLE COMMAND...: one line for the reader; the command's own words only if it fails.
+# run_quietly TITLE COMMAND...: prints one line, and the command's output only if it fails.
 run_quietly() {
     local title=$1 began=$SECONDS log
     shift
@@ -39,8 +40,8 @@ find_python() {
     return 1
 }
 
-# What is missing, one Debian package a line. With "tests", also what Open3D's wheel loads, and clang with its
-# sanitizers.
+# Prints the missing Debian packages, one a line. With "tests", also the libraries that Open3D's wheel loads, and clang
+# with its sanitizers.
 missing_packages() {
     local python version
     if python=$(find_python); then
@@ -68,8 +69,8 @@ has_compiler() {
         "${CXX:-c++}" -std=c++20 -fsyntax-only -x c++ - 2>/dev/null
 }
 
-# Found out by use. The sanitizers and libFuzzer may be a package of their own, named by clang's version, which is
-# known once clang is there.
+# Tries them out. The sanitizers and libFuzzer may be a package of their own, named after clang's version, which is
+# known once clang is installed.
 missing_clang() {
     local program='int main() {}' version
     local target='extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }'
@@ -79,7 +80,7 @@ missing_clang() {
         version=$("${CLANG:-clang++}" -dumpversion)
         say "libclang-rt-${version%%.*}-dev"
     fi
-    command -v llvm-symbolizer >/dev/null || say llvm # reports that name lines
+    command -v llvm-symbolizer >/dev/null || say llvm # line numbers in reports
 }
 
 # clang_links PROGRAM FLAG...
@@ -109,14 +110,14 @@ for library, package in PACKAGES.items():
 PYTHON
 }
 
-# prepare_machine build|tests: installs what is missing where it may, else says in one line what to install.
+# prepare_machine build|tests: installs missing packages if it is root, else says what to install.
 prepare_machine() {
     local packages
     mapfile -t packages < <(missing_packages "$1")
     if ((${#packages[@]} > 0)) && ((EUID == 0)) && command -v apt-get >/dev/null; then
         install_packages "${packages[@]}"
         mapfile -t packages < <(missing_packages "$1")
-        if ((${#packages[@]} > 0)); then # a Python or a clang that came just now names more of them
+        if ((${#packages[@]} > 0)); then # the Python or clang just installed may need more packages
             install_packages "${packages[@]}"
             mapfile -t packages < <(missing_packages "$1")
         fi
@@ -131,14 +132,20 @@ install_packages() {
 }
 
 apt_install() {
-    apt-get update || true # one stale list must not stop the rest: the next line tells
+    apt-get update || true # a stale list need not matter: the next line will fail if it does
     DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "$@"
 }
 
 # --- the environment ----------------------------------------------------------------------------
 
-# make_environment FOLDER FILES REQUIREMENT...: a virtual environment in FOLDER with liftmesh installed
-# by `pip install REQUIREMENT...`. Nothing is done again while FILES and the interpreter are the same.
+# show COMMAND...: prints a command, and runs it in the virtual environment $environment of the calling script.
+show() {
+    printf '\n$ %s\n' "$*"
+    PATH="$PWD/${environment:?}/bin:$PATH" "$@"
+}
+
+# make_environment FOLDER FILES REQUIREMENT...: makes a virtual environment in FOLDER with liftmesh installed by
+# `pip install REQUIREMENT...`. Does nothing if FILES and the interpreter are unchanged.
 make_environment() {
     local folder=$1 files=$2 python version state
     shift 2
@@ -154,7 +161,7 @@ make_environment() {
         run_quietly "Making the environment $folder ($version)" "$python" -m venv --clear "$folder"
     fi
     rm -f "$folder/installed"
-    run_quietly "Building liftmesh, installing it and what it needs into $folder" \
+    run_quietly "Building liftmesh, installing it and its dependencies into $folder" \
         "$folder/bin/python" -m pip install --disable-pip-version-check --no-input "$@"
     printf '%s' "$state" >"$folder/installed"
 }
