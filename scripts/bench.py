@@ -2,18 +2,18 @@
 
     python scripts/bench.py              uniform points in every size, a million of all others
     python scripts/bench.py --quick      fewer rows of a few inputs: some minutes
-    python scripts/bench.py --targets    the inputs on which targets are set, and what was reached
+    python scripts/bench.py --targets    the inputs that have targets, and whether they are met
     python scripts/bench.py --small      the latency of small calls
-    python scripts/bench.py --progress   what a callback costs
+    python scripts/bench.py --progress   the cost of a progress callback
     python scripts/bench.py --n 10000 100000 --distributions uniform circle --peers CGAL triangle
 
-Every contestant, a peer on one or two threads, first runs in a fresh process, which tells its
-memory, and its triangles are checked exactly, in full: a wrong result is shown with its flaw, and
-does not count as a rival. Then all are timed in alternating rounds. A peer that takes too long is
-cut off, and not tried on more points of that kind. CGAL is a C++ program that is built on the spot;
-it and every other peer that is not here is shown as such.
+Every contestant, a peer on one or two threads, first runs in a fresh process, which measures its
+memory. Its triangles are checked exactly and in full: a wrong result is shown with its flaw, and is
+not compared. Then all contestants are timed in alternating rounds. A peer that exceeds the time
+limit is cut off, and not tried on more points of that kind. CGAL is a C++ program that is built on
+first use; it and other peers that are not installed are shown as such.
 
-Tables go to the terminal, every second to a JSON file, pictures to its side.
+Tables go to the terminal, all times to a JSON file, and pictures beside it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ WIDTH = 190
 
 
 def main() -> None:
-    """Measure what the command line asks for; print, write and draw it."""
+    """Measure the cases; print, write and draw the results."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=WIDTH)
     cases = cases_of(options)
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line; liftmesh itself always takes part."""
+    """Parse the command line; liftmesh itself is always measured."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     profiles = parser.add_mutually_exclusive_group()
@@ -67,20 +67,39 @@ def read_options() -> Namespace:
     add("--n", nargs="+", type=int, metavar="ROWS", help="these sizes instead of a profile")
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, metavar="D", help="only these")
     add("--peers", nargs="+", choices=PEERS, default=[*RIVALS], metavar="P", help=", ".join(PEERS))
-    add("--threads", nargs="+", type=int, default=[1, 2], metavar="K", help="of those who can")
+    add(
+        "--threads",
+        nargs="+",
+        type=int,
+        default=[1, 2],
+        metavar="K",
+        help="of the peers that are parallel",
+    )
     add("--repeat", type=int, default=5, help="rounds")
-    add("--patience", type=float, default=20.0, help="seconds for a trial, and for all rounds")
-    add("--million", type=int, default=MILLION, help="rows that stand for a million: a rehearsal")
+    add(
+        "--patience",
+        type=float,
+        default=20.0,
+        help="time limit in seconds of a trial, and of all rounds together",
+    )
+    add(
+        "--million",
+        type=int,
+        default=MILLION,
+        help="rows to take in place of a million, for a rehearsal",
+    )
     add("--json", type=Path, default=Path("out/bench.json"))
     options = parser.parse_args()
     if options.profile and (options.n or options.distributions):
-        parser.error(f"--{options.profile} says what is measured: no --n, no --distributions")
+        parser.error(
+            f"--{options.profile} sets sizes and distributions: omit --n and --distributions"
+        )
     options.json = options.json.absolute()
     return options
 
 
 def cases_of(options: Namespace) -> list[Case]:
-    """Give the cases of the profile, or the ones that are asked for by size and distribution."""
+    """Return the cases of the profile, or those of the given sizes and distributions."""
     peers = tuple(dict.fromkeys((OURS, *options.peers)))
     case = Case(
         "uniform",
@@ -97,7 +116,7 @@ def cases_of(options: Namespace) -> list[Case]:
 
 
 def settings_of(options: Namespace) -> dict[str, object]:
-    """Say what was asked for, and nothing of where on the machine."""
+    """Return the options for the report, without folders of this machine."""
     return vars(options) | {"json": options.json.name, "seed": SEED}
 
 

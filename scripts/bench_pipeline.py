@@ -1,12 +1,11 @@
-"""Time the whole job, a cloud in a PLY file to a mesh in another, stage by stage.
+"""Time the whole job, from a cloud in a PLY file to a mesh in another, stage by stage.
 
     python scripts/bench_pipeline.py                      a million rows
     python scripts/bench_pipeline.py --n 10000000         ten million
     python scripts/bench_pipeline.py --n 300000 --peers   beside SciPy with Open3D, and with trimesh
 
-The cloud has x, y, z in doubles and colours of eight bits. Every program does the job in a fresh
-process. Its memory is what it held at most up to the end of a stage: all of it, and for each row
-beyond what its libraries take.
+The cloud has x, y, z as doubles and 8-bit colours. Every program runs in a fresh process. Memory is
+the peak up to the end of a stage: in total, and per row without what the imports take.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ end_header
 
 @dataclass(frozen=True)
 class Stage:
-    """What one stage took; the first one loads the program's libraries."""
+    """The time and memory of one stage; the first stage imports the libraries."""
 
     name: str
     seconds: float
@@ -55,7 +54,7 @@ class Stage:
 
 def by_liftmesh(source: str, target: str) -> Iterator[str]:
     liftmesh = import_module("liftmesh")
-    read, triangulate = liftmesh.read, liftmesh.triangulate  # loads what they need
+    read, triangulate = liftmesh.read, liftmesh.triangulate  # resolves the lazy imports
     yield "import"
     cloud = read(source)
     yield "read"
@@ -100,7 +99,7 @@ JOBS: dict[str, Callable[[str, str], Iterator[str]]] = {
 
 
 def main() -> None:
-    """Do the job as the command line asks, and print a table."""
+    """Run the job with each program, and print a table."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=100)
     with TemporaryDirectory() as folder:
@@ -115,12 +114,14 @@ def read_options() -> Namespace:
     """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--n", type=int, default=1_000_000, metavar="ROWS")
-    parser.add_argument("--peers", action="store_true", help="SciPy with Open3D and trimesh too")
+    parser.add_argument(
+        "--peers", action="store_true", help="also SciPy with Open3D and with trimesh"
+    )
     return parser.parse_args()
 
 
 def write_cloud(path: Path, rows: int) -> None:
-    """Write rolling ground under evenly spread points, the same ones in every run."""
+    """Write points of a hilly terrain, the same in every run."""
     random = np.random.default_rng(20)
     with path.open("wb") as file:
         file.write(HEADER.format(rows).encode())
@@ -134,14 +135,14 @@ def write_cloud(path: Path, rows: int) -> None:
 
 
 def run(name: str, source: Path, target: Path) -> list[Stage]:
-    """Do a job in a fresh process."""
+    """Run a job in a fresh process."""
     command = [sys.executable, __file__, "--job", name, str(source), str(target)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     return [Stage(**stage) for stage in json.loads(done.stdout.splitlines()[-1])]
 
 
 def measured(stages: Iterator[str]) -> Iterator[Stage]:
-    """Take time and memory after each stage."""
+    """Measure time and memory after each stage."""
     start = perf_counter()
     for name in stages:
         seconds = perf_counter() - start
@@ -150,7 +151,7 @@ def measured(stages: Iterator[str]) -> Iterator[Stage]:
 
 
 def table_of(name: str, stages: list[Stage], rows: int, size: int) -> Table:
-    """Put one program's stages below each other, and the whole below them."""
+    """Make the table of one program: a row for each stage, and one for the whole."""
     libraries, *work = stages
     title = f"{name}: {rows:,} rows, a mesh of {size / 1e6:,.0f} MB"
     table = Table("stage", title=title, title_justify="left")

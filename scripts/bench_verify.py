@@ -1,14 +1,14 @@
-"""Time `verify` beside the default build of the same points, whoever made the triangles.
+"""Time `verify` against building the triangulation of the same points, for several sources.
 
     python scripts/bench_verify.py                                    a million rows
     python scripts/bench_verify.py --n 100000 --peers shull triangle scipy
     python scripts/bench_verify.py --distributions uniform circle --threads 1
 
-The triangles are liftmesh's, the same ones shuffled, the same ones apart, each with three rows of
-its own as in an STL file (so there are about six times as many rows to build from), and those of
-the peers that are named. In a fresh process for each list, verifying and building take turns;
-memory is what each holds at most in a process of its own, beyond the points and the triangles it is
-given, results included. A ratio below 1 means that verifying is faster than building.
+The triangles are liftmesh's; the same shuffled; the same apart, each with three rows of its own as
+in an STL file (which makes about six times as many rows to build from); and those of the given
+peers. In a fresh process for each list, building and verifying alternate. Memory is the peak of
+each in a process of its own, without the input but with the results. A ratio below 1 means that
+verifying is faster than building.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ MAKERS = [name for name, peer in PEERS.items() if peer.triangulates and name not
 
 @dataclass(frozen=True)
 class Cost:
-    """Median seconds of a call, and bytes that it held at most beyond its input."""
+    """Median seconds of a call, and its peak memory in bytes without the input."""
 
     seconds: float
     bytes: int
@@ -54,7 +54,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Judged:
-    """A list of triangles, what building and verifying took, and the answer."""
+    """The cost of building and of verifying a list of triangles, and the verdict on it."""
 
     build: Cost
     verify: Cost
@@ -62,7 +62,7 @@ class Judged:
 
 
 def main() -> None:
-    """Measure what the command line asks for, and print a table for each kind of points."""
+    """Print a table for each distribution."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=110)
     for distribution in options.distributions:
@@ -90,7 +90,7 @@ def read_options() -> Namespace:
 
 
 def lists_of(points: Points, peers: list[str]) -> Iterator[tuple[str, Points, Triangles]]:
-    """Give who made triangles, the rows and the triangles, all counter-clockwise."""
+    """Yield lists of triangles, all counter-clockwise: source, points, triangles."""
     ours = liftmesh.delaunay(points).simplices
     yield OURS, points, ours
     yield SHUFFLED, points, np.random.default_rng(SEED).permutation(ours)
@@ -103,7 +103,7 @@ def lists_of(points: Points, peers: list[str]) -> Iterator[tuple[str, Points, Tr
 
 
 def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folder: Path) -> Judged:
-    """Verify and build, in turns in one fresh process, and for the peaks in one each."""
+    """Time both in one fresh process, and measure the peak of each in one of its own."""
     files = folder / "points", folder / "triangles"
     points.tofile(files[0])
     triangles.tofile(files[1])
@@ -114,7 +114,7 @@ def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folde
 
 
 def run(*words: object) -> dict[str, Any]:
-    """Ask a process of this script for a job."""
+    """Run a job in a process of this script."""
     command = [sys.executable, __file__, *map(str, words)]
     environment = os.environ | {"GLIBC_TUNABLES": KEEP_MEMORY}
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env=environment)
@@ -124,7 +124,7 @@ def run(*words: object) -> dict[str, Any]:
 def calls_on(points_file: str, triangles_file: str, threads: str) -> dict[str, Call]:
     points = np.fromfile(points_file).reshape(-1, 2)
     triangles = np.fromfile(triangles_file, np.int32).reshape(-1, 3)
-    liftmesh.verify(points[:3], [[0, 1, 2]])  # loads what there is to load
+    liftmesh.verify(points[:3], [[0, 1, 2]])  # resolves the lazy imports
     return {
         "build": lambda: liftmesh.delaunay(points, threads=int(threads)),
         "verify": lambda: liftmesh.verify(points, triangles, threads=int(threads)),
@@ -132,7 +132,7 @@ def calls_on(points_file: str, triangles_file: str, threads: str) -> dict[str, C
 
 
 def take_turns(rounds: str, *case: str) -> dict[str, Any]:
-    """Time both, B V B V; the first turns are not on the clock."""
+    """Time both in alternation, B V B V; the first turns are not timed."""
     calls = calls_on(*case)
     calls["build"]()
     certificate = calls["verify"]()
@@ -148,7 +148,7 @@ def take_turns(rounds: str, *case: str) -> dict[str, Any]:
 
 
 def peak_of(name: str, *case: str) -> dict[str, Any]:
-    """Give the bytes that the first call of a process holds at most."""
+    """Return the peak memory of the first call in a process."""
     call = calls_on(*case)[name]
     before = memory("VmRSS")
     call()

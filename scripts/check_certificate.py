@@ -1,16 +1,16 @@
-"""Check a certificate of `liftmesh verify` without liftmesh: for whoever does not take our word.
+"""Check a certificate of `liftmesh verify` independently, without liftmesh.
 
     python scripts/check_certificate.py mesh.json mesh.obj
 
-Standard library only. Every coordinate becomes a `fractions.Fraction`, which is exact, and each
-question is answered by its textbook formula; nothing is filtered, scaled or approximated.
+It uses the standard library only. Every coordinate becomes a `fractions.Fraction`, which is exact,
+and each predicate is its textbook formula; nothing is filtered, scaled or approximated.
 
-Exit code 0: the certificate says what is so. 1: it does not, or it speaks of another mesh. 2: it
-cannot be told, and one sentence says why. Taken are meshes of some ten thousand vertices, seen from
-above (no other --plane), all of whose faces are triangles: OBJ, or PLY that is
-binary_little_endian, with the vertices first and then faces of one list each, as liftmesh writes
-them. Of a mesh that is not valid, a certificate has to say so, to name a flaw and to count rows and
-triangles; which flaws, and where, is not looked at.
+Exit code 0: the certificate is true. 1: it is false, or belongs to another mesh. 2: it cannot be
+checked, and a message says why. The mesh may have some ten thousand vertices; its faces are
+triangles, projected along z (no other --plane). Its file is OBJ, or PLY in binary_little_endian
+with the vertices first and then faces of one list each, as liftmesh writes it. For a mesh that is
+not valid, the certificate must say so, name a flaw, and count rows and triangles correctly; its
+list of flaws is not checked further.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Row = tuple[float, float]
 Triangle = tuple[int, int, int]
 Mesh = tuple[list[Row], list[Triangle]]
 Point = tuple[Fraction, Fraction]
-Side = tuple[Point, Point]
+Edge = tuple[Point, Point]
 Four = tuple[Point, Point, Point, Point]
 INTEGERS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
 INTEGERS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"}
@@ -40,7 +40,7 @@ INDICES = ("vertex_indices", "vertex_index")
 
 
 def demand(condition: object, why_not: str) -> None:
-    """Give up on what is beyond this program."""
+    """Raise an error if the input is beyond this program."""
     if not condition:
         raise ValueError(why_not)
 
@@ -54,15 +54,15 @@ def read_obj(data: bytes) -> Mesh:
             demand(len(rest) >= 2, f"line {number} is a vertex without x and y")
             rows.append((float(rest[0]), float(rest[1])))
         elif word == b"f":
-            demand(len(rest) == 3, f"line {number} is a face of {len(rest)} corners, not three")
-            a, b, c = (corner(text, len(rows)) for text in rest)
+            demand(len(rest) == 3, f"line {number} is a face of {len(rest)} vertices, not three")
+            a, b, c = (row_of(text, len(rows)) for text in rest)
             triangles.append((a, b, c))
     demand(rows, "it is no PLY file, nor an OBJ file with vertices")
     return rows, triangles
 
 
-def corner(text: bytes, rows: int) -> int:
-    """The row that a corner names: OBJ counts from 1, or back from the last vertex so far."""
+def row_of(text: bytes, rows: int) -> int:
+    """Return the row of a face's vertex: OBJ counts from 1, or back from the latest vertex."""
     number = int(text.split(b"/")[0])
     return rows + number if number < 0 else number - 1
 
@@ -77,7 +77,7 @@ def read_ply(data: bytes) -> Mesh:
 
 
 def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
-    """The lines of the first two elements, and what follows the header."""
+    """Return the lines of the first two elements, and the bytes after the header."""
     found = re.match(rb"ply\r?\n(.*?\n)end_header\r?\n", data, re.DOTALL)
     demand(found, "the PLY header does not end")
     lines = [line.decode("latin-1").split() for line in found[1].splitlines()]
@@ -92,7 +92,7 @@ def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
 
 
 def take(body: bytes, row: struct.Struct, count: int) -> tuple[list[tuple[Any, ...]], bytes]:
-    """That many rows, and what follows them."""
+    """Unpack that many rows; return them and the bytes after them."""
     end = count * row.size
     demand(len(body) >= end, "the PLY file is cut short, or has faces that are no triangles")
     return list(row.iter_unpack(body[:end])), body[end:]
@@ -118,12 +118,12 @@ def layout_of_a_face(properties: list[list[str]]) -> struct.Struct:
 
 
 def turn(a: Point, b: Point, c: Point) -> Fraction:
-    """Positive where a, b, c turn counter-clockwise."""
+    """Positive if a, b, c turn counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def inside(a: Point, b: Point, c: Point, d: Point) -> Fraction:
-    """Positive where d is inside the circle of a, b, c, which turn counter-clockwise."""
+    """Positive if d is inside the circle of a, b, c, which turn counter-clockwise."""
     (ax, ay), (bx, by), (cx, cy) = ((p[0] - d[0], p[1] - d[1]) for p in (a, b, c))
     return (
         (ax * ax + ay * ay) * (bx * cy - cx * by)
@@ -143,29 +143,29 @@ def inside_by_the_rule(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def judge(rows: list[Row], triangles: list[Triangle]) -> tuple[str, dict[str, Any]]:
-    """What is wrong with a mesh, and what a certificate of it has to say."""
+    """Return what is wrong with a mesh, and what its certificate must say."""
     points = [(Fraction(x), Fraction(y)) if math.isfinite(x) and math.isfinite(y) else None
               for x, y in rows]  # fmt: skip
-    told = {"rows": len(rows), "skipped": points.count(None), "triangles": len(triangles)}
-    wrong, apex = sides_of(points, triangles)
-    border = [(a, b) for a, b in apex if (b, a) not in apex]
-    wrong = wrong or problem_of(border)
+    counts = {"rows": len(rows), "skipped": points.count(None), "triangles": len(triangles)}
+    wrong, apex = edges_of(points, triangles)
+    boundary = [(a, b) for a, b in apex if (b, a) not in apex]
+    wrong = wrong or problem_of(boundary)
     if not wrong and {a for a, _ in apex} != {*points} - {None}:
         wrong = "a point is no vertex"
     circles = [] if wrong else across(apex)
     if any(sign > 0 for sign, _ in circles):
         wrong = "a circle holds the apex of a neighbour"
     if wrong:
-        return wrong, {"valid": False, "canonical": False, "counts": told}
+        return wrong, {"valid": False, "canonical": False, "counts": counts}
     vertices, corners = len({*points} - {None}), len({*chain(*triangles)})
-    told |= {"vertices": vertices, "merged": corners - vertices, "hull_edges": len(border)}
-    return "", valid(told, sum(inside_by_the_rule(*four) for sign, four in circles if sign == 0))
+    counts |= {"vertices": vertices, "merged": corners - vertices, "hull_edges": len(boundary)}
+    return "", valid(counts, sum(inside_by_the_rule(*four) for sign, four in circles if sign == 0))
 
 
-def sides_of(
+def edges_of(
     points: list[Point | None], triangles: list[Triangle]
-) -> tuple[str, dict[Side, Point]]:
-    """What is wrong with the triangles, and the apex that lies to the left of each side."""
+) -> tuple[str, dict[Edge, Point]]:
+    """Return what is wrong with the triangles, and the apex to the left of each directed edge."""
     if not all(0 <= row < len(points) for row in chain(*triangles)):
         return "a corner is no row", {}
     if any(points[row] is None for row in chain(*triangles)):
@@ -173,46 +173,46 @@ def sides_of(
     cells = [tuple(points[row] for row in triangle) for triangle in triangles]
     if any(turn(*cell) <= 0 for cell in cells):
         return "a triangle is flat or turns clockwise", {}
-    apex = {side: opposite for a, b, c in cells
-            for side, opposite in (((a, b), c), ((b, c), a), ((c, a), b))}  # fmt: skip
+    apex = {edge: opposite for a, b, c in cells
+            for edge, opposite in (((a, b), c), ((b, c), a), ((c, a), b))}  # fmt: skip
     single = len(apex) == 3 * len(cells)
     return "" if single else "two triangles lie on one side of an edge", apex
 
 
-def problem_of(sides: list[Side]) -> str:
-    """Follow the border: one curve, no turn inward or back, once round."""
-    border = dict(sides)
-    if not border:
-        return "there is no border"
-    if len(border) != len(sides):
-        return "the border passes a point more than once"
-    curve = [start := min(border)]
-    while len(curve) <= len(border) and border.get(curve[-1], start) != start:
-        curve.append(border[curve[-1]])
-    if len(curve) != len(border):
-        return "the border is not one closed curve"
+def problem_of(edges: list[Edge]) -> str:
+    """Check that the boundary is one convex curve that goes round once."""
+    boundary = dict(edges)
+    if not boundary:
+        return "there is no boundary"
+    if len(boundary) != len(edges):
+        return "the boundary passes a point more than once"
+    curve = [start := min(boundary)]
+    while len(curve) <= len(boundary) and boundary.get(curve[-1], start) != start:
+        curve.append(boundary[curve[-1]])
+    if len(curve) != len(boundary):
+        return "the boundary is not one closed curve"
     before, after = curve[-1:] + curve[:-1], curve[1:] + curve[:1]
     turns = list(zip(before, curve, after, strict=True))
     if any(turn(a, b, c) < 0 or (turn(a, b, c) == 0 and (a < b) != (b < c)) for a, b, c in turns):
-        return "the border turns inward"
-    return "" if sum(a > b < c for a, b, c in turns) == 1 else "the border goes round twice"
+        return "the boundary turns inward"
+    return "" if sum(a > b < c for a, b, c in turns) == 1 else "the boundary goes round twice"
 
 
-def across(apex: dict[Side, Point]) -> list[tuple[Fraction, Four]]:
-    """For each side of two triangles the corners of one, the apex of the other, and its side."""
+def across(apex: dict[Edge, Point]) -> list[tuple[Fraction, Four]]:
+    """For each interior edge, return the in-circle sign and its points: a triangle and an apex."""
     fours = [(a, b, c, apex[b, a]) for (a, b), c in apex.items() if a < b and (b, a) in apex]
     return [(inside(*four), four) for four in fours]
 
 
-def valid(told: dict[str, int], ties: int) -> dict[str, Any]:
-    """What a certificate has to say of a valid mesh, but for `ties` sides the canonical one."""
-    edges = (3 * told["triangles"] + told["hull_edges"]) // 2
-    duplicates = told["rows"] - told["skipped"] - told["vertices"]
+def valid(counts: dict[str, int], ties: int) -> dict[str, Any]:
+    """Return the certificate of a valid mesh in which `ties` edges are not canonical."""
+    edges = (3 * counts["triangles"] + counts["hull_edges"]) // 2
+    duplicates = counts["rows"] - counts["skipped"] - counts["vertices"]
     return {
         "valid": True,
         "canonical": not ties,
-        "counts": told | {"edges": edges, "duplicates": duplicates},
-        "euler_characteristic": told["vertices"] - edges + told["triangles"],
+        "counts": counts | {"edges": edges, "duplicates": duplicates},
+        "euler_characteristic": counts["vertices"] - edges + counts["triangles"],
         "flaws": [("canonical", ties)] if ties else [],
     }
 
@@ -229,7 +229,7 @@ def sums(rows: list[Row], triangles: list[Triangle]) -> dict[str, str]:
 
 
 def lies(said: Any, so: Any, name: str = "it") -> list[str]:
-    """Where a certificate differs from what is so: 1 is not true, nor is 1.0 one."""
+    """Compare a certificate with the truth, strictly: 1 is not true, and 1.0 is not 1."""
     if isinstance(so, dict) and isinstance(said, dict):
         return [lie for key, value in so.items() for lie in lies(said.get(key), value, key)]
     one, other = json.dumps(said), json.dumps(so)
@@ -237,7 +237,7 @@ def lies(said: Any, so: Any, name: str = "it") -> list[str]:
 
 
 def flaws_of(said: dict[str, Any]) -> list[tuple[Any, Any]] | None:
-    """Kinds and counts of flaws, if that is what stands there."""
+    """Return kinds and counts of flaws, or None if there is no list of flaws."""
     flaws = said.get("flaws")
     if not isinstance(flaws, list) or not all(isinstance(flaw, dict) for flaw in flaws):
         return None
@@ -245,7 +245,7 @@ def flaws_of(said: dict[str, Any]) -> list[tuple[Any, Any]] | None:
 
 
 def hold(said: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -> int:
-    """Hold a certificate against a mesh and print what comes of it."""
+    """Check a certificate against a mesh and print the verdict."""
     for name, value in sums(rows, triangles).items():
         if said.get(name) != value:
             print(f"The certificate speaks of another mesh: {name} differs (or --plane did).")

@@ -1,7 +1,7 @@
-"""Checks a built wheel in an environment that holds nothing else: ``check_wheel.py WHEEL CLOUD``.
+"""Check a built wheel in an environment of its own: ``check_wheel.py WHEEL CLOUD``.
 
-Run it with the Python of an environment outside the repository, in a folder outside of it, after
-the wheel was installed there.
+Install the wheel in an environment outside the repository, and run this with that environment's
+Python in a folder outside the repository.
 """
 
 from __future__ import annotations
@@ -19,25 +19,25 @@ COMMAND = str(Path(sys.executable).parent / "liftmesh")
 
 
 def main(wheel: Path, terrain: Path) -> None:
-    """Check what the wheel holds, where the package comes from, and that both of its doors open."""
+    """Check the wheel's contents, the origin of the package, the command and the library."""
     for check in (check_contents(wheel), check_origin(), check_command(terrain), check_library()):
         print(f"ok: {check}")
 
 
 def check_contents(wheel: Path) -> str:
-    """Hold the names in the wheel against what belongs there."""
+    """Compare the files in the wheel with what belongs there."""
     names = zipfile.ZipFile(wheel).namelist()
     kernels = [name for name in names if name.startswith("liftmesh/_kernel.") and ".so" in name]
     require(len(kernels) == 1, f"one compiled kernel, not {kernels}")
     require({"liftmesh/py.typed", "liftmesh/_kernel.pyi"} <= set(names), "types are shipped")
     stray = [n for n in names if "_core" in n or not n.startswith(("liftmesh/", "liftmesh-"))]
-    require(not stray, f"neither kernel sources nor strangers: {stray}")
+    require(not stray, f"neither kernel sources nor other files: {stray}")
     require(any(name.endswith("licenses/LICENSE") for name in names), "the licence is shipped")
-    return f"{wheel.name} holds {len(names)} files, {kernels[0]} among them, and no sources of it"
+    return f"{wheel.name} has {len(names)} files, among them {kernels[0]}, and no kernel sources"
 
 
 def check_origin() -> str:
-    """See that the package is the installed one."""
+    """Check that the imported package is the installed one."""
     home = Path(liftmesh.__file__).resolve()
     require(home.is_relative_to(Path(sys.prefix).resolve()), f"{home} is not in {sys.prefix}")
     return f"liftmesh {liftmesh.__version__} is imported from its environment"
@@ -55,15 +55,17 @@ def check_command(terrain: Path) -> str:
 
 
 def check_library() -> str:
-    """Triangulate from Python, and see that a missing extra explains itself."""
+    """Triangulate from Python, and check the message about a missing extra."""
     surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 1, 8]])
     require(len(surface.to_trimesh().faces) == 2, "two triangles in trimesh")
     try:
         surface.to_open3d()
     except liftmesh.MissingDependencyError as error:
         require("pip install 'liftmesh[open3d]'" in str(error), str(error))
-        return "without the extra open3d, its adapter says how to get it"
-    raise SystemExit("Open3D was found: the environment holds more than the wheel and its needs")
+        return "without the extra open3d, its adapter says how to install it"
+    raise SystemExit(
+        "Open3D was found: the environment has more than the wheel and its dependencies"
+    )
 
 
 def run(*command: str) -> str:

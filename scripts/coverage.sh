@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
-# How much of liftmesh the tests reach: lines and branches of Python, lines of the kernel.
+# The test coverage of liftmesh: lines and branches of Python, lines of the kernel.
 #   scripts/coverage.sh              runs all tests: half an hour on two cores
-#   scripts/coverage.sh --report     tells once more what the last run found
-# Installs liftmesh into .venv-coverage with a kernel that counts; the ordinary build stays as it is. Ends with
-# a non-zero exit if a test fails, a share is below 95 %, or scripts/coverage_gaps.toml does not explain a gap.
+#   scripts/coverage.sh --report     prints the report of the last run again
+# Installs liftmesh into .venv-coverage with an instrumented kernel; the ordinary build is untouched. Exits with
+# an error if a test fails, a share is below 95 %, or scripts/coverage_gaps.toml does not explain a gap.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
 
 python=$PWD/.venv-coverage/bin/python
-kernel=$PWD/.venv-coverage/kernel # the compiler's output, and beside each object what processes counted in it
+kernel=$PWD/.venv-coverage/kernel # object files, and beside each the counts of all processes
 out=$PWD/out/coverage
 
-# Without optimisation the tests take four times as long. Functions that are inlined before the compiler adds
-# its counters would take the lines of their callers with them. Atomic: the kernel has threads.
-install_counting() {
+# Without optimisation the tests take four times as long. Functions inlined before the compiler inserts its
+# counters would be counted with the lines of their callers. Atomic counters, as the kernel has threads.
+install_instrumented() {
     local counting="-O1 -fno-early-inlining --coverage -fprofile-update=atomic -fprofile-filter-files=liftmesh/_core/"
     CXX=g++ make_environment .venv-coverage "pyproject.toml README.md LICENSE liftmesh" \
         --config-settings=build-dir="$kernel" \
@@ -23,8 +23,8 @@ install_counting() {
         --editable '.[test]'
 }
 
-# Some tests give up their rights first, and then must still be able to write down what they counted.
-begin_counting() {
+# Some tests drop their privileges, and must be able to write their counts afterwards.
+reset_counts() {
     mkdir -p "$out"
     rm -f "$out"/*
     counts=$(mktemp -d)
@@ -41,7 +41,7 @@ run_tests() {
     "$python" -m coverage run -m pytest -n auto --maxprocesses 4 --doctest-modules liftmesh tests
 }
 
-# A process that may write no more than a small file leaves a piece of one: the others say enough.
+# A process with a limit on file sizes leaves a truncated file, which is dropped.
 drop_broken() {
     "$python" - "$counts"/python.* <<'PYTHON'
 import pathlib, sqlite3, sys
@@ -69,10 +69,10 @@ gather() {
 failed=0
 if [[ ${1-} != --report ]]; then
     prepare_machine tests
-    install_counting
-    begin_counting
+    install_instrumented
+    reset_counts
     run_tests || failed=1
-    say "Adding up what every process counted ..."
+    say "Combining the counts of all processes ..."
     gather
 fi
 "$python" scripts/coverage_gaps.py "$out/python.json" "$out/kernel.json" || failed=1

@@ -1,13 +1,12 @@
-"""What the tests leave out of liftmesh: shares of lines and branches, and each gap with its reason.
+"""Report the test coverage of liftmesh: lines and branches covered, and each gap with its reason.
 
     python scripts/coverage_gaps.py out/coverage/python.json out/coverage/kernel.json
 
-`scripts/coverage.sh` runs the tests, has coverage and gcovr write the two files, and calls this. A
-gap is a run of lines none of which was reached, or a branch of a line that was reached which was
-never taken though its target was reached by another. `coverage_gaps.toml` gives the reason for each
-gap, which it identifies by a piece of its first line, since line numbers change; an entry explains
-one gap. The command fails if a share is too small, a gap has no reason, or a source file was not
-measured.
+`scripts/coverage.sh` runs the tests, writes the two files with coverage and gcovr, and calls this.
+A gap is a run of lines that were not reached, or a branch that was never taken although both its
+line and its target were reached. `coverage_gaps.toml` gives the reason for each gap, which it
+identifies by a piece of its first line, since line numbers change; an entry explains one gap. The
+command fails if a share is too small, a gap has no reason, or a source file was not measured.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ Branch = tuple[int, int]
 
 @dataclass(frozen=True)
 class Source:
-    """One file: how often each of its lines ran, and which branches were taken and which were not.
+    """The coverage of one file: how often each line ran, and which branches were taken.
 
     A branch goes from line to line; a negative target is the end of a function.
     """
@@ -52,7 +51,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Gap:
-    """Lines in a row, or one branch, that no test reaches."""
+    """Consecutive lines, or one branch, that no test reaches."""
 
     file: str
     first: int
@@ -70,7 +69,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why no test reaches one gap of a file, whose first line holds this text."""
+    """Why no test reaches the gap of a file whose first line contains a text."""
 
     file: str
     line: str
@@ -82,7 +81,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Share:
-    """How much of something was reached."""
+    """The share of lines or branches that were reached."""
 
     what: str
     reached: int
@@ -100,11 +99,11 @@ class Share:
         return f"{self.percent:6.2f} % {self.what} ({self.reached:,} of {self.of:,})"
 
 
-# --- what the two programs wrote ----------------------------------------------------------------
+# --- input --------------------------------------------------------------------------------------
 
 
 def read_python(report: Any) -> list[Source]:
-    """The JSON report of coverage."""
+    """Parse the JSON report of coverage."""
     return [
         Source(
             file,
@@ -117,7 +116,7 @@ def read_python(report: Any) -> list[Source]:
 
 
 def read_kernel(report: Any) -> list[Source]:
-    """The JSON report of gcovr; a line of a template stands in it once for each instance."""
+    """Parse the JSON report of gcovr, which lists a line of a template once for each instance."""
     return [Source(found["file"], _runs(found["lines"])) for found in report["files"]]
 
 
@@ -130,7 +129,7 @@ def _runs(lines: list[dict[str, Any]]) -> dict[int, int]:
 
 
 def read_reasons(path: Path = REASONS) -> list[Reason]:
-    """The reasons of `coverage_gaps.toml`."""
+    """Read the reasons from `coverage_gaps.toml`."""
     entries = tomllib.loads(path.read_text("utf-8")).get("gap", [])
     return [
         Reason(entry["file"], line, " ".join(entry["why"].split()))
@@ -139,11 +138,11 @@ def read_reasons(path: Path = REASONS) -> list[Reason]:
     ]
 
 
-# --- what follows -------------------------------------------------------------------------------
+# --- analysis -----------------------------------------------------------------------------------
 
 
 def shares(kind: str, sources: Iterable[Source]) -> Iterator[Share]:
-    """Lines, and branches where they were counted, of all sources together."""
+    """Return the share of lines, and of branches if they were counted, over all sources."""
     sources = list(sources)
     lines, missed = sum(len(s.runs) for s in sources), sum(len(s.missed) for s in sources)
     yield Share(f"of the lines of {kind}", lines - missed, lines)
@@ -153,7 +152,7 @@ def shares(kind: str, sources: Iterable[Source]) -> Iterator[Share]:
 
 
 def gaps_of(source: Source, text: list[str]) -> Iterator[Gap]:
-    """The gaps of one file whose lines are `text`."""
+    """Find the gaps of one file whose lines are `text`."""
     rows = sorted(source.runs)
     first = None
     for line, following in itertools.zip_longest(rows, rows[1:]):
@@ -168,7 +167,7 @@ def gaps_of(source: Source, text: list[str]) -> Iterator[Gap]:
 
 
 def reason_for(gap: Gap, reasons: list[Reason]) -> str | None:
-    """Why a gap is there, if someone has said so. The reason is used up by it."""
+    """Return the reason for a gap, if there is one, and remove it from the list."""
     for reason in reasons:
         if reason.covers(gap):
             reasons.remove(reason)
@@ -177,17 +176,17 @@ def reason_for(gap: Gap, reasons: list[Reason]) -> str | None:
 
 
 def not_measured(sources: Iterable[Source], root: Path = ROOT) -> list[str]:
-    """Modules and kernel sources that neither report knows: nothing was compiled or imported."""
+    """Return the modules and kernel sources that are in neither report."""
     known = {source.file for source in sources}
     files = [*root.glob("liftmesh/**/*.py"), *root.glob("liftmesh/_core/**/*.cpp")]
     return sorted({file.relative_to(root).as_posix() for file in files} - known)
 
 
-# --- what is printed ----------------------------------------------------------------------------
+# --- output -------------------------------------------------------------------------------------
 
 
 def show_all(sources: list[Source], reasons: list[Reason], root: Path) -> int:
-    """Print the gaps of every file; return how many have no reason."""
+    """Print the gaps of every file; return the number of those without a reason."""
     without = 0
     for source in sources:
         gaps = list(gaps_of(source, (root / source.file).read_text("utf-8").splitlines()))
@@ -201,7 +200,7 @@ def show_all(sources: list[Source], reasons: list[Reason], root: Path) -> int:
 
 
 def main(words: list[str] | None = None, root: Path = ROOT, reasons: Path = REASONS) -> int:
-    """Print what the reports say; return the exit code."""
+    """Print the report; return the exit code."""
     parser = ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("python", type=Path, help="coverage's JSON report")
     parser.add_argument("kernel", type=Path, help="gcovr's JSON report")
@@ -209,12 +208,12 @@ def main(words: list[str] | None = None, root: Path = ROOT, reasons: Path = REAS
     python = read_python(json.loads(options.python.read_text("utf-8")))
     kernel = read_kernel(json.loads(options.kernel.read_text("utf-8")))
     without = show_all([*python, *kernel], read_reasons(reasons), root)
-    strangers = not_measured([*python, *kernel], root)
+    unmeasured = not_measured([*python, *kernel], root)
     totals = [*shares("Python", python), *shares("the kernel", kernel)]
     print("", *totals, f"gaps without a reason: {without}", sep="\n")
-    for file in strangers:
+    for file in unmeasured:
         print(f"not measured: {file}")
-    return int(bool(without or strangers) or not all(share.enough for share in totals))
+    return int(bool(without or unmeasured) or not all(share.enough for share in totals))
 
 
 if __name__ == "__main__":

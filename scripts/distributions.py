@@ -1,7 +1,7 @@
-"""Named planar point distributions: what the benchmark times and the tests triangulate.
+"""Named planar point distributions for benchmarks and tests.
 
-Each takes a size and a random generator and returns an (n, 2) float64 array. The lattices round
-the size to a whole number of rows. Rows come in random order, for a sorted input would flatter
+Each takes a size and a random generator and returns an (n, 2) float64 array. The lattices round the
+size to a whole number of lattice rows. Points come in random order, because sorted input favours
 some programs.
 """
 
@@ -41,7 +41,7 @@ def gaussian(n: int, rng: Generator) -> Points:
 
 
 def kuzmin(n: int, rng: Generator) -> Points:
-    """A disc like a galaxy's: dense in the middle, without an edge."""
+    """The Kuzmin disc, a model of galaxies: dense in the middle, unbounded."""
     radius = np.sqrt((1 - rng.random(n)) ** -2 - 1)
     return polar(radius, rng.uniform(0, 2 * np.pi, n))
 
@@ -86,12 +86,12 @@ def hexagonal(n: int, rng: Generator) -> Points:
 
 
 def circle(n: int, rng: Generator) -> Points:
-    """On the unit circle, but for rounding."""
+    """On the unit circle, up to rounding."""
     return polar(1.0, rng.uniform(0, 2 * np.pi, n))
 
 
 def line_singularity(n: int, rng: Generator) -> Points:
-    """Crowded along one side of the unit square."""
+    """Dense along one side of the unit square."""
     b = 0.001
     u, v = rng.random((2, n))
     return np.column_stack((b / (u - b * u + b), v))
@@ -126,9 +126,9 @@ def jacksboro_posts() -> Points:
 
 
 def jacksboro(n: int, rng: Generator) -> Points:
-    """The posts of a real elevation model, side by side with copies of it until there are enough.
+    """The posts of a real elevation model, tiled with copies of it until there are enough.
 
-    Few points are the posts of a corner. Copies stand one step of the lattice apart, so that no
+    A small size takes the posts of one corner. The tiles are one lattice step apart, so that no
     position occurs twice.
     """
     posts = jacksboro_posts()

@@ -1,7 +1,7 @@
-"""Makes the clouds of ``data/`` again, byte for byte: ``python scripts/make_data.py [FOLDER]``.
+"""Reproduce the clouds of ``data/``, byte for byte: ``python scripts/make_data.py [FOLDER]``.
 
-The terrain comes from the elevation model that matplotlib packages; the small clouds are computed
-here with integers and the four operations, so that every machine finds the same digits.
+The terrain comes from the elevation model in matplotlib's sample data. The small clouds are
+computed with integers and basic arithmetic, so that every machine gets the same digits.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ def main(folder: Path) -> None:
 def jacksboro() -> liftmesh.Cloud:
     """Return the terrain around the Jacksboro fault in metres east and north of its corner.
 
-    One latitude, the middle one, scales all longitudes: so the samples stay a lattice whose every
-    cell is a rectangle, four points of one circle, and no distance is off by more than 0.2 %.
-    Coordinates are rounded to the millimetre, which takes the last bit of ``cos`` out of the file.
+    All longitudes are scaled at the middle latitude. So the samples stay a rectangular lattice, in
+    which the four points of each cell are cocircular; distances are off by up to 0.2 %.
+    Coordinates are rounded to millimetres, so that the last bit of ``cos`` does not matter.
     """
     with np.load(_model()) as model:
         elevation = model["elevation"].astype(np.float64)
@@ -50,12 +50,12 @@ def jacksboro() -> liftmesh.Cloud:
 
 
 def quad() -> str:
-    """Return the corners of a square: four points of one circle, the smallest tie there is."""
+    """Return the corners of a square: four cocircular points, the smallest tie."""
     return "0 0 0\n1 0 1\n1 1 0\n0 1 1\n"
 
 
 def hill() -> str:
-    """Return a hill of 80 scattered points with the colours of its heights."""
+    """Return a hill of 80 scattered points, coloured by height."""
     lines = ["x,y,z,red,green,blue"]
     for k in range(80):
         x, y = (618 * k) % 1000 / 10, (757 * k + k * k) % 1000 / 10
@@ -66,9 +66,9 @@ def hill() -> str:
 
 
 def overhang() -> liftmesh.Cloud:
-    """Return two terraces joined by a vertical wall, which a planar triangulation cannot hold.
+    """Return two terraces joined by a vertical wall, which no planar triangulation can represent.
 
-    Foot and top of the wall share their planar position; the last row repeats the first.
+    The foot and top of the wall have the same planar position; the last row repeats the first.
     """
     low = [(x, y, 0.0) for x in range(3) for y in range(4)]
     high = [(x, y, 8.0) for x in range(2, 5) for y in range(4)]

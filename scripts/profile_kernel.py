@@ -1,12 +1,12 @@
-"""Where the kernel's cycles go: instructions and mispredicted branches a point, phase by phase.
+"""Profile the kernel: instructions and mispredicted branches per point, by function and source.
 
     python scripts/profile_kernel.py                        100,000 uniform points, one thread
     python scripts/profile_kernel.py --distribution lattice --n 20000
 
-A small driver is built with the kernel's sources and runs under valgrind's callgrind, which counts
-instructions exactly and simulates a simple branch predictor: hold its mispredictions against each
-other, not against a processor's. What is inlined counts for the function that it became a part of,
-and for the source that it stands in.
+A small driver, built with the kernel's sources, runs under valgrind's callgrind. It counts
+instructions exactly and simulates a simple branch predictor, so mispredictions compare with each
+other but not with a processor's. Inlined code counts towards the function that it is inlined into,
+and towards the source file that it was written in.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ HEADINGS = ("instructions\na point", "share", "mispredicted\na point")
 
 
 def main() -> None:
-    """Build, run and print."""
+    """Build and profile the driver, and print two tables."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=120)
     points = DISTRIBUTIONS[options.distribution](options.n, np.random.default_rng(SEED))
@@ -57,17 +57,17 @@ def read_options() -> Namespace:
     add = parser.add_argument
     add("--distribution", choices=DISTRIBUTIONS, default="uniform", metavar="D")
     add("--n", type=int, default=100_000, metavar="ROWS")
-    add("--top", type=int, default=15, help="functions, and sources, that are listed")
+    add("--top", type=int, default=15, help="number of functions and of sources to list")
     return parser.parse_args()
 
 
 def by_function(found: dict[Place, Cost]) -> dict[str, Cost]:
-    """Sum up over functions, each with what is inlined into it: the phases of a run."""
+    """Sum up costs by function, each with the code inlined into it."""
     return summed(found, lambda _, function: plain(function))
 
 
 def by_source(found: dict[Place, Cost]) -> dict[str, Cost]:
-    """Sum up over the kernel's files; everything else is one line."""
+    """Sum up costs by source file of the kernel; all other code is one entry."""
     return summed(found, lambda file, _: source_of(file))
 
 
@@ -77,9 +77,9 @@ def source_of(file: str) -> str:
 
 
 def plain(function: str) -> str:
-    """Leave the namespaces, parameters and template arguments out of a C++ name.
+    """Remove namespaces, parameters and template arguments from a C++ name.
 
-    A lambda is named by the function it stands in.
+    A lambda is named after its enclosing function.
     """
     name = function.replace("(anonymous namespace)::", "").replace("liftmesh::", "")
     name = CLONE.sub("", name)
@@ -92,7 +92,7 @@ def plain(function: str) -> str:
 
 
 def summed(found: dict[Place, Cost], key: Callable[[str, str], str]) -> dict[str, Cost]:
-    """Add up the costs of all places with one key, the dearest first."""
+    """Sum up the costs of all places with the same key, the most expensive first."""
     sums: dict[str, Cost] = defaultdict(Cost)
     for (file, function), cost in found.items():
         sums[key(file, function)] += cost
@@ -100,7 +100,7 @@ def summed(found: dict[Place, Cost], key: Callable[[str, str], str]) -> dict[str
 
 
 def table_of(costs: dict[str, Cost], title: str, points: int, rows: int) -> Table:
-    """Give the first rows, and the sum over all of them."""
+    """Make a table of the first rows, with the sum over all rows."""
     table = Table(title=title, title_justify="left", show_footer=True)
     total = sum(costs.values(), Cost())
     table.add_column("", "all")

@@ -1,8 +1,9 @@
-"""Draws the README's picture, ``data/jacksboro.png``: ``python scripts/render_readme.py [MESH]``.
+"""Draw the README's picture, ``data/jacksboro.png``: ``python scripts/render_readme.py [MESH]``.
 
-Reads the mesh that ``liftmesh triangulate data/jacksboro.ply out/jacksboro.ply`` wrote and draws
-its own triangles: all of them as a shaded map, and those of one window as a block in oblique view,
-where every edge is to be seen. Drawn at twice the size and halved, which smooths without seams.
+It reads the mesh that ``liftmesh triangulate data/jacksboro.ply out/jacksboro.ply`` wrote and draws
+its triangles: all of them as a shaded map, and those in a window as a block in oblique view, where
+every edge is visible. The picture is drawn at twice its size and scaled down, which smooths it
+without seams between the triangles.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ TINTS = LinearSegmentedColormap.from_list(
     "terrain", ["#9aa88a", "#b9ba95", "#d8c9a0", "#d6b48c", "#c99f7f", "#d9bfa6", "#eee0cf"]
 )
 WINDOW = (15_500.0, 17_350.0, 18_300.0, 19_850.0)  # west, south, east, north in metres
-SUN, SKY = (-1.0, 0.75, 1.0), (0.2, -0.6, 1.0)  # where the light comes from: east, north, up
+SUN, SKY = (-1.0, 0.75, 1.0), (0.2, -0.6, 1.0)  # directions of the light: east, north, up
 EXAGGERATION = 2.0
 FLOOR = 120.0  # metres of block under the lowest point
 
@@ -50,7 +51,7 @@ class Mesh:
     colors: Array
 
     def within(self, window: tuple[float, float, float, float]) -> Mesh:
-        """Keep the triangles that lie wholly inside a window."""
+        """Keep the triangles that lie entirely inside a window."""
         west, south, east, north = window
         x, y = self.corners[..., 0], self.corners[..., 1]
         inside = ((x >= west) & (x <= east) & (y >= south) & (y <= north)).all(axis=1)
@@ -73,7 +74,7 @@ def main(path: Path) -> None:
 
 
 def shaded(corners: Array) -> Array:
-    """Return each face's tint by height, times the light that falls on it."""
+    """Return the colour of each face: a tint by height, times its illumination."""
     raised = corners * (1.0, 1.0, EXAGGERATION)
     normals = np.cross(raised[:, 1] - raised[:, 0], raised[:, 2] - raised[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -90,7 +91,7 @@ def _towards(normals: Array, direction: tuple[float, float, float]) -> Array:
 
 
 def draw_map(figure: Figure, mesh: Mesh) -> Axes:
-    """Draw all triangles from above, and the frame of the window."""
+    """Draw all triangles from above, and a frame around the window."""
     axes = _blank_axes(figure, (0.03, 0.048, 0.565, 0.904))
     faces = PolyCollection(mesh.corners[..., :2], facecolors=mesh.colors, antialiased=False, lw=0)
     axes.add_collection(faces)
@@ -113,7 +114,7 @@ def _scale_bar(axes: Axes) -> None:
 
 
 def draw_block(figure: Figure, mesh: Mesh) -> Axes:
-    """Draw the window's triangles in oblique view, the nearer over the farther, on their block."""
+    """Draw the window's triangles in oblique view on a block, from back to front."""
     axes = _blank_axes(figure, (0.6, 0.115, 0.385, 0.60))
     for wall in _walls(mesh):
         axes.add_collection(PolyCollection([_oblique(wall)[:, :2]], fc=SECTION, ec=INK, lw=0.7))
@@ -133,7 +134,7 @@ def draw_block(figure: Figure, mesh: Mesh) -> Axes:
 
 
 def join(figure: Figure, above: Axes, oblique: Axes, block: Mesh) -> None:
-    """Lead from two corners of the window to the same corners of the block, and behind it."""
+    """Connect two corners of the window with the same corners of the block."""
     west, south, east, north = WINDOW
     south_wall, _ = _walls(block)
     points = block.corners.reshape(-1, 3)
@@ -147,7 +148,7 @@ def join(figure: Figure, above: Axes, oblique: Axes, block: Mesh) -> None:
 
 
 def _walls(mesh: Mesh) -> list[Array]:
-    """Return the two near sides of the block as outlines in space, along the surface and back."""
+    """Return the two front walls of the block as outlines in space."""
     floor = mesh.corners[..., 2].min() - FLOOR
     points = np.unique(mesh.corners.reshape(-1, 3), axis=0)
     south = points[points[:, 1] == points[:, 1].min()]
@@ -159,7 +160,7 @@ def _walls(mesh: Mesh) -> list[Array]:
 
 
 def _oblique(points: Array, *, turn: float = 30.0, tilt: float = 40.0) -> Array:
-    """Return right, up and depth of points, seen from the south-west and above."""
+    """Project points to right, up and depth, seen from the south-west and above."""
     turn, tilt = np.radians(turn), np.radians(tilt)
     x, y, z = points[..., 0], points[..., 1], points[..., 2] * EXAGGERATION
     right = x * np.cos(turn) - y * np.sin(turn)
@@ -175,7 +176,7 @@ def _oblique(points: Array, *, turn: float = 30.0, tilt: float = 40.0) -> Array:
 
 
 def write_words(figure: Figure, points: int, triangles: int) -> None:
-    """Write the title, and what is to be seen."""
+    """Write the title and the captions."""
     left, serif = 0.616, "STIXGeneral"
     figure.text(left, 0.955, "liftmesh", size=40, color=INK, family=serif, va="top")
     figure.text(
@@ -207,12 +208,14 @@ def _blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
 
 
 def save(figure: Figure) -> None:
-    """Write the picture, halved from twice its size."""
+    """Write the picture, scaled down to half its drawn size."""
     large = io.BytesIO()
     with mpl.rc_context({"font.family": "DejaVu Sans"}):
         figure.savefig(large, format="png", dpi=100 * FINER)
     picture = Image.open(large).convert("RGB").resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
-    coarser = picture.point(lambda value: 4 * round(value / 4))  # a third of the size, unseen
+    coarser = picture.point(
+        lambda value: 4 * round(value / 4)
+    )  # invisible, and a third of the file size
     coarser.save(PICTURE, optimize=True)
     print(f"{PICTURE}: {PICTURE.stat().st_size:,} bytes")
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything that must hold: style, types, rooms, the wheel in an environment of its own, and the tests.
-# Installs what it needs into .venv-test. Ends with a non-zero exit at the first thing that does not hold.
+# All checks: style, types, import rules, the wheel in an environment of its own, and the tests.
+# Installs what it needs into .venv-test. Exits with an error at the first check that fails.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
@@ -16,7 +16,7 @@ format_cpp() {
     find liftmesh/_core scripts tests -name '*.[ch]pp' -print0 -o -name '*.[ch]' -print0 | xargs -0 .venv-test/bin/clang-format --dry-run -Werror
 }
 
-# The wheel is built, installed and used outside the repository, so that only what it holds can be found.
+# The wheel is installed and used outside the repository, so that nothing but its own files can be imported.
 wheel() (
     local terrain=$PWD/data/jacksboro.ply checker=$PWD/scripts/check_wheel.py python=$PWD/.venv-test/bin/python
     outside=$(mktemp -d)

@@ -94,7 +94,7 @@ def test_a_border_that_passes_a_point_twice_is_seen(
         lie["euler_characteristic"] = len(points) - edges + len(triangles)
         capsys.readouterr()
         assert hold(lie, points, triangles) == 1
-        assert "the border passes a point more than once" in capsys.readouterr().out
+        assert "the boundary passes a point more than once" in capsys.readouterr().out
 
 
 SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 1), (0, 0), (np.nan, 0)]
@@ -178,12 +178,12 @@ SLIT = [(0, 0), (1, 0), (0, 3), (-3, 0), (0, -3), (2, 0)]
 # Each is wrong in one way only.
 WRONG = {
     "two triangles lie on one side of an edge": (SQUARE[:5], [*FAN, *FAN]),
-    "the border is not one closed curve": (
+    "the boundary is not one closed curve": (
         RING,
         [(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)],
     ),
-    "the border goes round twice": (PENTAGON, [(0, 1 + i, 1 + (i + 2) % 5) for i in range(5)]),
-    "the border turns inward": (SLIT, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]),
+    "the boundary goes round twice": (PENTAGON, [(0, 1 + i, 1 + (i + 2) % 5) for i in range(5)]),
+    "the boundary turns inward": (SLIT, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]),
     "a point is no vertex": (SQUARE[:5], [(0, 1, 2), (0, 2, 3)]),
     "a circle holds the apex of a neighbour": (
         [(0, 0), (2, 0), (0, 2), (1, 1.5)],
@@ -271,8 +271,8 @@ def test_files_that_are_taken(name: str, tmp_path: Path) -> None:
 
 
 BEYOND = {
-    "a quadrilateral": (obj(POINTS, []) + b"f 1 2 3 1\n", "line 4 is a face of 4 corners"),
-    "a face of two": (obj(POINTS, TRIANGLE) + b"f 1 2\n", "line 5 is a face of 2 corners"),
+    "a quadrilateral": (obj(POINTS, []) + b"f 1 2 3 1\n", "line 4 is a face of 4 vertices"),
+    "a face of two": (obj(POINTS, TRIANGLE) + b"f 1 2\n", "line 5 is a face of 2 vertices"),
     "half a vertex": (b"v 1\n", "line 1 is a vertex without x and y"),
     "a word for a number": (b"v 1 one 2\n", "could not convert"),
     "no vertices": (b"solid a\nvertex 0 0 0\n", "no PLY file, nor an OBJ file"),
