@@ -1,0 +1,142 @@
+"""The module graph of ARCHITECTURE.md: what a room is, which arrows are drawn, and the check."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import import_graph
+import pytest
+from import_graph import Graph, imports_of, includes_of, main, mermaid, reachable, reduced
+
+MODULES = {
+    "__init__.py": "",
+    "__init__.pyi": "from house.roof.tiles import Tile as Tile",
+    "__main__.py": "import house.roof",
+    "_engine.pyi": "",
+    "roof/__init__.py": "",
+    "roof/tiles.py": "from house import walls\nfrom house.roof import nails\n",
+    "roof/nails.py": "def drive():\n    from house.tools import hammer\n",
+    "tools.py": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import house.ground\n",
+    "walls.py": "from house import (\n    ground,\n    _engine,\n)\n",
+    "ground.py": "import json\n",
+    "attic.py": "",
+    "_core/main.cpp": '#include <vector>\n#include "lines/cut.hpp"\n  #  include "point.hpp"\n',
+    "_core/point.hpp": "",
+    "_core/lines/cut.hpp": '#include "side.hpp"\n#include "planes/plane.hpp"\n',
+    "_core/lines/side.hpp": "",
+    "_core/planes/plane.hpp": '#include "../lines/side.hpp"\n// #include "none.hpp"\n',
+}
+IMPORTS: Graph = {
+    "_engine": set(),
+    "roof": {"walls", "tools"},
+    "tools": {"ground"},
+    "walls": {"ground", "_engine"},
+    "ground": set(),
+    "attic": set(),
+}
+INCLUDES: Graph = {"core": {"lines"}, "lines": {"planes"}, "planes": {"lines"}}
+PAGE = """\
+# A house
+<!-- imports: begin -->
+<!-- imports: end -->
+Between them.
+<!-- includes: begin -->
+old
+<!-- includes: end -->
+"""
+
+
+@pytest.fixture
+def house(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.syspath_prepend(tmp_path)
+    for name, text in MODULES.items():
+        path = tmp_path / "house" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path / "house"
+
+
+def test_the_imports_of_rooms(house: Path) -> None:
+    assert imports_of(house) == IMPORTS
+
+
+def test_the_includes_of_rooms(house: Path) -> None:
+    assert includes_of(house / "_core") == INCLUDES
+
+
+def test_an_include_that_is_not_there_is_named(house: Path) -> None:
+    (house / "_core" / "lines" / "side.hpp").write_text('#include "none.hpp"')
+    with pytest.raises(SystemExit, match=r"lines includes none\.hpp"):
+        includes_of(house / "_core")
+
+
+@pytest.mark.parametrize(
+    ("arrows", "drawn"),
+    [
+        ("ab bc ac", "ab bc"),
+        ("ab bc cd ad ac bd", "ab bc cd"),
+        ("ab ac bd cd", "ab ac bd cd"),
+        ("ab ba", "ab ba"),
+        ("ab bc ca ac", "ab bc ca ac"),
+        ("ab bc cb ac", "ab bc cb ac"),
+        ("ab ba bc ac", "ab ba bc ac"),
+        ("ab bc cb cd ad bd", "ab bc cb cd bd"),
+    ],
+)
+def test_implied_arrows_are_left_out_but_those_of_cycles(arrows: str, drawn: str) -> None:
+    graph = graph_of(arrows)
+    assert reduced(graph) == graph_of(drawn, graph)
+
+
+def test_a_reduced_graph_has_the_same_paths() -> None:
+    chain = [f"room{k}" for k in range(12)]
+    graph: Graph = {a: {*chain[k + 1 :: 1 + k % 3]} for k, a in enumerate(chain)}
+    graph["room7"].add("room5")
+    less = reduced(graph)
+    assert sum(map(len, less.values())) < sum(map(len, graph.values()))
+    assert {a: reachable(less, a) for a in less} == {a: reachable(graph, a) for a in graph}
+
+
+def graph_of(arrows: str, rooms: Graph | None = None) -> Graph:
+    graph: Graph = {room: set() for room in rooms or {*arrows} - {" "}}
+    for a, b in arrows.split():
+        graph[a].add(b)
+    return graph
+
+
+def test_the_drawing() -> None:
+    assert mermaid({"b": {"a"}, "a": set(), "alone": set()}).splitlines() == [
+        "```mermaid", "flowchart TD", "    alone", "    b --> a", "```",
+    ]  # fmt: skip
+
+
+def test_the_page_is_written_and_checked(
+    house: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(PAGE)
+    assert main(["--check"], page, house) == 1
+    assert "page.md is out of date" in capsys.readouterr().err
+    assert page.read_text() == PAGE
+    assert main([], page, house) == 0
+    assert main(["--check"], page, house) == 0
+    text = page.read_text()
+    parts = ["# A house\n<!-- imports: begin -->\n```mermaid\n", "    roof --> walls\n",
+             "```\n<!-- imports: end -->\nBetween them.\n<!-- includes: begin -->\n```mermaid\n",
+             "    core --> lines\n", "```\n<!-- includes: end -->\n"]  # fmt: skip
+    assert all(text.index(a) < text.index(b) for a, b in pairwise(parts))
+    assert "old" not in text
+    (house / "attic.py").write_text("import house.ground")
+    assert main(["--check"], page, house) == 1
+
+
+def test_a_page_without_markers_is_refused(house: Path, tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(PAGE.replace("<!-- includes: end -->", ""))
+    with pytest.raises(SystemExit, match="includes: end"):
+        main([], page, house)
+
+
+def test_the_graphs_of_the_architecture_are_up_to_date() -> None:
+    assert import_graph.main(["--check"]) == 0
