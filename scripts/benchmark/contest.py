@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from benchmark.contestants import SCRIPTS, Contestant
 from benchmark.peers import PEERS
-from benchmark.process import Process, TooLongError, TroubleError
+from benchmark.process import NoAnswerError, Process, TimeLimitError
 from benchmark.results import Calls, Measurement, Timing, Trial
 from benchmark.system_load import SystemLoad
 
@@ -113,10 +113,10 @@ def first_run(
     try:
         process = contestant.start()
         trial = try_out(process, contestant, case, judge)
-    except TooLongError as error:
+    except TimeLimitError as error:
         limits[key] = (case.size, case.patience)
         return Trial(trouble=str(error), cut_off=True), None
-    except TroubleError as error:
+    except NoAnswerError as error:
         return Trial(trouble=str(error)), None
     return trial, process
 
@@ -149,7 +149,7 @@ def one_round(process: Process, calls: int, file: Path, patience: float) -> list
     """Time one round; return nothing if the process failed or exceeded the time limit."""
     try:
         return [tuple(process.ask("time", calls, file, patience=2 * patience)["seconds"])]
-    except TroubleError:
+    except NoAnswerError:
         return []
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from benchmark import cgal
 from benchmark.peers import CGAL, PEERS
-from benchmark.process import Process, TroubleError
+from benchmark.process import NoAnswerError, Process
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 PROGRAMS = SCRIPTS.parent / "out" / "programs"
@@ -50,8 +50,8 @@ class Contestant:
 def cgal_program() -> str:
     try:
         return str(cgal.build(PROGRAMS))
-    except cgal.NotHereError as error:
-        raise TroubleError(f"not here: {error}") from error
+    except cgal.UnavailableError as error:
+        raise NoAnswerError(f"not available: {error}") from error
 
 
 def line_up(peers: Iterable[str], threads: Iterable[int]) -> Iterator[Contestant]:

@@ -16,11 +16,11 @@ from typing import Any
 STARTING = 60.0  # time limit in seconds for a process's first answer
 
 
-class TroubleError(Exception):
+class NoAnswerError(Exception):
     """The process gave no answer; the message says why."""
 
 
-class TooLongError(TroubleError):
+class TimeLimitError(NoAnswerError):
     """The process was killed because its answer took too long."""
 
 
@@ -57,11 +57,11 @@ class Process:
     def ask(self, *words: object, patience: float) -> dict[str, Any]:
         """Send a request and wait for the answer."""
         if self.child.stdin.closed:
-            raise TroubleError("gone")
+            raise NoAnswerError("gone")
         try:
             print(*words, sep="\t", file=self.child.stdin, flush=True)
         except BrokenPipeError:
-            raise TroubleError(self.close()) from None
+            raise NoAnswerError(self.close()) from None
         return self.answer(patience)
 
     def answer(self, patience: float) -> dict[str, Any]:
@@ -69,10 +69,10 @@ class Process:
         ready, _, _ = select.select([self.child.stdout], [], [], patience)
         if not ready:
             self.close()
-            raise TooLongError(f"> {patience:g} s")
+            raise TimeLimitError(f"> {patience:g} s")
         line = self.child.stdout.readline()
         if not line.endswith("\n"):
-            raise TroubleError(self.close())
+            raise NoAnswerError(self.close())
         return json.loads(line)
 
     def close(self) -> str:
@@ -97,7 +97,7 @@ def cause(code: int, stderr: str) -> str:
         return f"crash, {signal.Signals(-code).name}"
     lines = stderr.strip().splitlines() or [f"exit code {code}"]
     line = next((line for line in reversed(lines) if "Error" in line), lines[-1])
-    return line.replace("ModuleNotFoundError", "not here")[:100]
+    return line.replace("ModuleNotFoundError", "not installed")[:100]
 
 
 def kill_first_when_out_of_memory(pid: int) -> None:

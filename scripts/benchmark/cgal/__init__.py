@@ -15,7 +15,7 @@ LIBRARIES = ("-lgmp",)
 HEADERS = "CGAL/Delaunay_triangulation_2.h"
 
 
-class NotHereError(Exception):
+class UnavailableError(Exception):
     """CGAL cannot be built on this machine; the message says what to install."""
 
 
@@ -30,7 +30,7 @@ def build(folder: Path) -> Path:
         command = [*compiler, *FLAGS, str(SOURCE), "-o", str(beside), *LIBRARIES]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
-            raise NotHereError(f"the compiler refused: {first_error(done.stderr)}")
+            raise UnavailableError(f"the compiler refused: {first_error(done.stderr)}")
         beside.replace(program)
     return program
 
@@ -39,7 +39,7 @@ def find_compiler() -> list[str]:
     """Return the C++ compiler's command: CXX from the environment, or g++."""
     compiler = shlex.split(os.environ.get("CXX", "g++"))
     if not shutil.which(compiler[0]):
-        raise NotHereError(f"no {compiler[0]}: install g++ and libcgal-dev")
+        raise UnavailableError(f"no {compiler[0]}: install g++ and libcgal-dev")
     return compiler
 
 
@@ -48,7 +48,7 @@ def need_headers(compiler: list[str]) -> None:
     command = [*compiler, "-std=c++20", "-E", "-x", "c++", "-"]
     text = f"#if !__has_include(<{HEADERS}>)\n#error\n#endif\n"
     if subprocess.run(command, input=text, capture_output=True, text=True, check=False).returncode:
-        raise NotHereError("no headers of CGAL: install libcgal-dev")
+        raise UnavailableError("no headers of CGAL: install libcgal-dev")
 
 
 def fingerprint(compiler: list[str]) -> str:
