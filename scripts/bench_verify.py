@@ -108,9 +108,9 @@ def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folde
     points.tofile(files[0])
     triangles.tofile(files[1])
     held = {name: run("peak", name, *files, threads)["held"] for name in ("build", "verify")}
-    told = run("turns", rounds, *files, threads)
-    costs = {name: Cost(told[name], held[name]) for name in held}
-    return Judged(**costs, answer=told["answer"])
+    times = run("turns", rounds, *files, threads)
+    costs = {name: Cost(times[name], held[name]) for name in held}
+    return Judged(**costs, answer=times["answer"])
 
 
 def run(*words: object) -> dict[str, Any]:

@@ -39,7 +39,7 @@ FORMAT = {"format": "liftmesh certificate", "format_version": 1}
 INDICES = ("vertex_indices", "vertex_index")
 
 
-def demand(condition: object, why_not: str) -> None:
+def require(condition: object, why_not: str) -> None:
     """Raise an error if the input is beyond this program."""
     if not condition:
         raise ValueError(why_not)
@@ -51,13 +51,13 @@ def read_obj(data: bytes) -> Mesh:
     for number, line in enumerate(data.splitlines(), 1):
         word, *rest = line.partition(b"#")[0].split() or [b""]
         if word == b"v":
-            demand(len(rest) >= 2, f"line {number} is a vertex without x and y")
+            require(len(rest) >= 2, f"line {number} is a vertex without x and y")
             rows.append((float(rest[0]), float(rest[1])))
         elif word == b"f":
-            demand(len(rest) == 3, f"line {number} is a face of {len(rest)} vertices, not three")
+            require(len(rest) == 3, f"line {number} is a face of {len(rest)} vertices, not three")
             a, b, c = (row_of(text, len(rows)) for text in rest)
             triangles.append((a, b, c))
-    demand(rows, "it is no PLY file, nor an OBJ file with vertices")
+    require(rows, "it is no PLY file, nor an OBJ file with vertices")
     return rows, triangles
 
 
@@ -72,42 +72,42 @@ def read_ply(data: bytes) -> Mesh:
     x, y, row = layout_of_vertices(vertices[1:])
     rows, body = take(body, row, int(vertices[0][2]))
     found, _ = take(body, layout_of_a_face(faces[1:]), int(faces[0][2]))
-    demand(all(count == 3 for count, *_ in found), "the PLY file has faces that are no triangles")
+    require(all(count == 3 for count, *_ in found), "the PLY file has faces that are no triangles")
     return [(values[x], values[y]) for values in rows], [(a, b, c) for _, a, b, c in found]
 
 
 def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
     """Return the lines of the first two elements, and the bytes after the header."""
     found = re.match(rb"ply\r?\n(.*?\n)end_header\r?\n", data, re.DOTALL)
-    demand(found, "the PLY header does not end")
+    require(found, "the PLY header does not end")
     lines = [line.decode("latin-1").split() for line in found[1].splitlines()]
     form = ["format", "binary_little_endian", "1.0"]
-    demand(form in lines, "the PLY file is not binary_little_endian: write it so, or as OBJ")
+    require(form in lines, "the PLY file is not binary_little_endian: write it so, or as OBJ")
     lines = [line for line in lines if line[:1] in (["element"], ["property"])]
     at = [i for i, line in enumerate(lines) if line[0] == "element"] + [len(lines)]
     elements = [lines[i:j] for i, j in pairwise(at)][:2]
     named = [element[0][1] for element in elements]
-    demand(named == ["vertex", "face"], "the PLY file does not begin with vertices, then faces")
+    require(named == ["vertex", "face"], "the PLY file does not begin with vertices, then faces")
     return elements, data[found.end() :]
 
 
 def take(body: bytes, row: struct.Struct, count: int) -> tuple[list[tuple[Any, ...]], bytes]:
     """Unpack that many rows; return them and the bytes after them."""
     end = count * row.size
-    demand(len(body) >= end, "the PLY file is cut short, or has faces that are no triangles")
+    require(len(body) >= end, "the PLY file is cut short, or has faces that are no triangles")
     return list(row.iter_unpack(body[:end])), body[end:]
 
 
 def layout_of_vertices(properties: list[list[str]]) -> tuple[int, int, struct.Struct]:
     names, types = [line[-1] for line in properties], [line[1] for line in properties]
-    demand({"x", "y"} <= {*names}, "the PLY file's vertices have no x and y")
-    demand({*types} <= NUMBERS.keys(), f"the PLY file's vertices hold {', '.join({*types})}")
+    require({"x", "y"} <= {*names}, "the PLY file's vertices have no x and y")
+    require({*types} <= NUMBERS.keys(), f"the PLY file's vertices hold {', '.join({*types})}")
     row = struct.Struct("<" + "".join(NUMBERS[name] for name in types))
     return names.index("x"), names.index("y"), row
 
 
 def layout_of_a_face(properties: list[list[str]]) -> struct.Struct:
-    demand(
+    require(
         len(properties) == 1
         and properties[0][1] == "list"
         and properties[0][-1] in INDICES
@@ -228,55 +228,59 @@ def sums(rows: list[Row], triangles: list[Triangle]) -> dict[str, str]:
     return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
 
 
-def lies(said: Any, so: Any, name: str = "it") -> list[str]:
+def differences(claimed: Any, truth: Any, name: str = "it") -> list[str]:
     """Compare a certificate with the truth, strictly: 1 is not true, and 1.0 is not 1."""
-    if isinstance(so, dict) and isinstance(said, dict):
-        return [lie for key, value in so.items() for lie in lies(said.get(key), value, key)]
-    one, other = json.dumps(said), json.dumps(so)
+    if isinstance(truth, dict) and isinstance(claimed, dict):
+        return [
+            found
+            for key, value in truth.items()
+            for found in differences(claimed.get(key), value, key)
+        ]
+    one, other = json.dumps(claimed), json.dumps(truth)
     return [] if one == other else [f"{name} is {one[:80]}, and should be {other}"]
 
 
-def flaws_of(said: dict[str, Any]) -> list[tuple[Any, Any]] | None:
+def flaws_of(claimed: dict[str, Any]) -> list[tuple[Any, Any]] | None:
     """Return kinds and counts of flaws, or None if there is no list of flaws."""
-    flaws = said.get("flaws")
+    flaws = claimed.get("flaws")
     if not isinstance(flaws, list) or not all(isinstance(flaw, dict) for flaw in flaws):
         return None
     return [(flaw.get("kind"), flaw.get("count")) for flaw in flaws]
 
 
-def hold(said: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -> int:
+def check(claimed: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -> int:
     """Check a certificate against a mesh and print the verdict."""
     for name, value in sums(rows, triangles).items():
-        if said.get(name) != value:
+        if claimed.get(name) != value:
             print(f"The certificate speaks of another mesh: {name} differs (or --plane did).")
             return 1
-    wrong, so = judge(rows, triangles)
-    flaws = flaws_of(said)
-    found = lies(said | {"flaws": flaws}, so)
+    wrong, truth = judge(rows, triangles)
+    flaws = flaws_of(claimed)
+    found = differences(claimed | {"flaws": flaws}, truth)
     if wrong and all(kind == "canonical" for kind, _ in flaws or []):
         found.append("flaws should name what is wrong")
     if found:
         print(f"The certificate is wrong: {'; '.join(found)}{wrong and f' ({wrong})'}.")
         return 1
-    kind = "canonical" if so["canonical"] else "valid, not canonical"
+    kind = "canonical" if truth["canonical"] else "valid, not canonical"
     count = f"{len(triangles):,} triangle{'' if len(triangles) == 1 else 's'}"
     print(f"The certificate holds: {count}, {f'not valid: {wrong}' if wrong else kind}.")
     return 0
 
 
 def read_certificate(path: str) -> dict[str, Any]:
-    said = json.loads(Path(path).read_bytes())
-    known = isinstance(said, dict) and not lies(said, FORMAT)
-    demand(known, f"the certificate is not of the format {json.dumps(FORMAT)}")
-    return dict(said)
+    claimed = json.loads(Path(path).read_bytes())
+    known = isinstance(claimed, dict) and not differences(claimed, FORMAT)
+    require(known, f"the certificate is not of the format {json.dumps(FORMAT)}")
+    return dict(claimed)
 
 
 def main(certificate: str, mesh: str) -> int:
     try:
-        said, data = read_certificate(certificate), Path(mesh).read_bytes()
-        return hold(said, *(read_ply if data[:3] == b"ply" else read_obj)(data))
-    except Exception as error:  # noqa: BLE001 - whatever goes wrong here, it is no lie of theirs
-        text = f"{certificate} cannot be held against {mesh}: {str(error) or repr(error)}"
+        claimed, data = read_certificate(certificate), Path(mesh).read_bytes()
+        return check(claimed, *(read_ply if data[:3] == b"ply" else read_obj)(data))
+    except Exception as error:  # noqa: BLE001 - no error here makes the certificate false
+        text = f"{certificate} cannot be checked against {mesh}: {str(error) or repr(error)}"
         print(text, file=sys.stderr)
         return 2
 
@@ -285,5 +289,5 @@ if __name__ == "__main__":
     if len(sys.argv) != 3:
         print(__doc__, file=sys.stderr)
         sys.exit(2)
-    sys.stdout.reconfigure(errors="backslashreplace")  # stderr is so anyway
+    sys.stdout.reconfigure(errors="backslashreplace")  # as stderr does by default
     sys.exit(main(*sys.argv[1:]))

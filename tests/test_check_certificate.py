@@ -49,7 +49,7 @@ def said_of(points: Any, triangles: Any) -> dict[str, Any]:
 
 def hold(said: dict[str, Any], points: Any, triangles: Any) -> int:
     corners = [tuple(map(int, triangle)) for triangle in triangles]
-    return checker.hold(said, [tuple(map(float, point)) for point in points], corners)
+    return checker.check(said, [tuple(map(float, point)) for point in points], corners)
 
 
 def obj(points: Any, triangles: Any) -> bytes:
@@ -309,7 +309,7 @@ def test_what_cannot_be_checked_is_said(
     assert ended(tmp_path, said_of(POINTS, TRIANGLE), mesh) == 2
     told = capsys.readouterr()
     assert told.out == ""
-    assert "cannot be held against" in told.err
+    assert "cannot be checked against" in told.err
     assert why in told.err
     assert told.err.count("\n") == 1
 

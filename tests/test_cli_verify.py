@@ -170,4 +170,4 @@ def test_faces_that_are_cut_or_left_out_are_told(tmp_path: Path) -> None:
     )
     checked = check(tmp_path / "mesh.json", path)
     assert checked.returncode == 2
-    assert "line 5 is a face of 4 corners, not three" in checked.stderr
+    assert "line 5 is a face of 4 vertices, not three" in checked.stderr

@@ -62,7 +62,7 @@ def try_files(target: Target, files: list[Path]) -> int:
     """Run files one by one; return 1 if any of them is a find."""
     reasons = {path: reason(target, path.resolve()) for path in files}
     for path, why in reasons.items():
-        print(f"{path}: {why or 'as it should be'}")
+        print(f"{path}: {why or 'passes'}")
     return int(any(reasons.values()))
 
 

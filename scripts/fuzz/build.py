@@ -23,7 +23,7 @@ ROOT = HERE.parents[1]
 KERNEL = ROOT / "liftmesh" / "_core"
 OUT = ROOT / "out" / "fuzz"
 
-STANDARD = HERE / "standard.hpp"
+PRECOMPILED = HERE / "precompiled.hpp"
 COMMON = ("-std=c++20", "-O1", "-ffp-contract=off", "-fno-omit-frame-pointer", "-gline-tables-only")
 COMPILER = os.environ.get("CLANG", "clang++")
 MISSING = f"{COMPILER} is missing or lacks its sanitizers: scripts/setup.sh names the packages"
@@ -98,9 +98,9 @@ def run(command: list[str]) -> str:
 def _build(program: Program, folder: Path) -> Path:
     """Compile all sources but the bindings, and link."""
     kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.name != "bindings.cpp"]
-    header = folder / "standard.pch"
-    command = program.compiled_with(STANDARD)
-    run([*command, "-x", "c++-header", str(STANDARD), "-o", str(header)])
+    header = folder / "precompiled.pch"
+    command = program.compiled_with(PRECOMPILED)
+    run([*command, "-x", "c++-header", str(PRECOMPILED), "-o", str(header)])
 
     def compiled(source: Path) -> str:
         target = folder / f"{source.parent.name}-{source.stem}.o"
