@@ -11,7 +11,6 @@ from .errors import (
     NonFiniteError as NonFiniteError,
     UnsupportedTypeError as UnsupportedTypeError,
 )
-from .io.coercion import as_cloud as as_cloud
 from .io.files import (
     Written as Written,
     read as read,
@@ -19,7 +18,7 @@ from .io.files import (
     write as write,
 )
 from .io.format import Format as Format
-from .io.registry import Adapter as Adapter
+from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
 from .planar.counters import Counters as Counters
 from .planar.delaunay import Delaunay as Delaunay, delaunay as delaunay

@@ -39,7 +39,7 @@ def assert_accounted(surface):
     assert len(used) == report.used
     assert np.array_equal(np.union1d(used, report.left_out), np.arange(report.rows))
     assert (np.diff(report.left_out) > 0).all()
-    assert len(report.left_out) == len(report.stand_ins) == report.rows - report.used
-    stand_ins = report.stand_ins[report.stand_ins >= 0]
-    assert np.isin(stand_ins, used).all()
-    assert report.skipped == np.count_nonzero(report.stand_ins < 0)
+    assert len(report.left_out) == len(report.representatives) == report.rows - report.used
+    representatives = report.representatives[report.representatives >= 0]
+    assert np.isin(representatives, used).all()
+    assert report.skipped == np.count_nonzero(report.representatives < 0)

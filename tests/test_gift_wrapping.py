@@ -18,6 +18,7 @@ from test_concurrency import LONG_RUN, Ticker, seconds_to_stop
 
 import liftmesh
 from liftmesh.cli import exit_codes
+from liftmesh.planar import lifting
 
 Points = NDArray[np.float64]
 
@@ -270,6 +271,16 @@ def test_rows_that_are_not_finite_are_named(method: str) -> None:
 def test_what_is_no_vertex(method: str, q: Any) -> None:
     with pytest.raises(liftmesh.InputError, match=r"^q is .*: give 'origin', 'median' or a "):
         liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method, q=q)
+
+
+def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) -> None:
+    def computed(_points: object) -> tuple[float, float]:
+        raise AssertionError("the median is not needed")
+
+    monkeypatch.setattr(lifting, "_median", computed)
+    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], q="median").nsimplex == 1
+    with pytest.raises(AssertionError, match="not needed"):
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf", q="median")
 
 
 @pytest.mark.parametrize("method", ["LF", "lf-res", "indexed", "", None, 3])

@@ -32,9 +32,9 @@ class TestDuplicates:
         carriers = {position: choose(rows) for position, rows in planar_groups(points).items()}
         assert used == set(carriers.values())
         report = surface.report
-        for row, stand_in in zip(report.left_out, report.stand_ins, strict=True):
-            assert stand_in == carriers[tuple(points[row, :2].tolist())]
-        same = points[report.left_out, 2] == points[report.stand_ins, 2]
+        for row, representative in zip(report.left_out, report.representatives, strict=True):
+            assert representative == carriers[tuple(points[row, :2].tolist())]
+        same = points[report.left_out, 2] == points[report.representatives, 2]
         assert (report.duplicates, report.overhangs) == (same.sum(), (~same).sum())
 
     @pytest.mark.parametrize("policy", POLICIES)
@@ -65,7 +65,7 @@ class TestDuplicates:
         expected[0, 2] = 2.5
         assert surface.vertices.tobytes() == expected.tobytes()
         assert surface.report.left_out.tolist() == [3, 4, 5]
-        assert surface.report.stand_ins.tolist() == [0, 0, 1]
+        assert surface.report.representatives.tolist() == [0, 0, 1]
         assert (surface.report.duplicates, surface.report.overhangs) == (1, 2)
 
     def test_the_mean_copies_only_where_a_height_changes(self):
@@ -93,7 +93,7 @@ class TestDuplicates:
         report = triangulate(points, duplicates="error").report
         assert (report.duplicates, report.overhangs) == (3, 0)
         assert report.left_out.tolist() == [300, 301, 302]
-        assert report.stand_ins.tolist() == [7, 7, 3]
+        assert report.representatives.tolist() == [7, 7, 3]
 
     def test_a_million_rows_at_one_position(self):
         corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -102,7 +102,7 @@ class TestDuplicates:
         points[-3:] = corners
         report = triangulate(points, duplicates="highest").report
         assert (report.used, report.triangles) == (3, 1)
-        assert report.stand_ins[0] == 999
+        assert report.representatives[0] == 999
 
 
 class TestNonFinite:
@@ -122,7 +122,7 @@ class TestNonFinite:
         assert_accounted(surface)
         assert surface.report.skipped == 2
         assert surface.report.left_out.tolist() == [7, 41]
-        assert surface.report.stand_ins.tolist() == [-1, -1]
+        assert surface.report.representatives.tolist() == [-1, -1]
 
     def test_the_first_row_is_named_whatever_is_wrong_with_it(self):
         points = terrain()
@@ -145,7 +145,7 @@ class TestNonFinite:
         surface = triangulate(points, nonfinite="skip", duplicates="last")
         assert_accounted(surface)
         assert surface.report.left_out.tolist() == [0, 4, 9, 301]
-        assert surface.report.stand_ins.tolist() == [-1, 303, 302, -1]
+        assert surface.report.representatives.tolist() == [-1, 303, 302, -1]
 
     def test_masked_rows_are_not_finite(self):
         points = np.ma.masked_array(terrain(), mask=False)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from liftmesh.cli import exit_codes
-from liftmesh.cli.endings import Terminated, ending_at_sigterm, out_of_memory
+from liftmesh.cli.signals import Terminated, ending_at_sigterm, out_of_memory
 from liftmesh.errors import LiftmeshError
 
 __all__ = ["main"]

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.coercion import as_cloud
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
-from liftmesh.io.registry import find_format
+from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.streams import remaining, seekable
 
 if TYPE_CHECKING:

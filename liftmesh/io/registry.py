@@ -3,26 +3,29 @@
 Another package adds a file format by an entry point in the group ``liftmesh.formats``: its name is
 the suffix it serves, without the dot, its object a `Format`. It adds a cloud type by one in the
 group ``liftmesh.adapters``, whose object is an `Adapter`. Built-in entries come first, then plugins
-in the order of their names. A plugin that cannot be loaded is named when its suffix is asked for,
-or when no adapter accepts an object, and affects nobody else.
+in the order of their names, last what serves objects of no known type. A plugin that cannot be
+loaded is named when its suffix is asked for, or when no adapter accepts an object, and affects
+nobody else.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+import os
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from liftmesh.errors import FormatError
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.io import numpy_files, obj, off, ply, text, trimesh_files
 from liftmesh.io.format import Format
-from liftmesh.io.objects import open3d, trimesh
+from liftmesh.io.objects import open3d, plain, trimesh
+from liftmesh.io.objects.plain import qualified_name
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-    from liftmesh.cloud import Cloud
 
 Entry = TypeVar("Entry")
 
@@ -74,6 +77,10 @@ def _is_of(package: str, names: Collection[str]) -> Callable[[object], bool]:
     return accepts
 
 
+def _refuse_path(path: object) -> Cloud:
+    raise UnsupportedTypeError(f"{path!r} is a path, not a cloud: liftmesh.read it first")
+
+
 FORMATS: tuple[Format, ...] = (
     ply.FORMAT,
     obj.FORMAT,
@@ -85,8 +92,18 @@ FORMATS: tuple[Format, ...] = (
 )
 
 ADAPTERS = (
+    Adapter("cloud", lambda source: isinstance(source, Cloud), lambda source: source),
+    Adapter("array", plain.is_array, plain.from_array),
+    Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
     Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh", "Scene"}), trimesh.to_cloud),
     Adapter("open3d", _is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}), open3d.to_cloud),
+)
+
+# Asked after those of other packages.
+FALLBACKS = (
+    Adapter("object with to_cloud()", plain.has_to_cloud, plain.converted),
+    Adapter("object with vertices and faces", plain.has_parts, plain.from_parts),
+    Adapter("array-like", plain.is_array_like, plain.from_array),
 )
 
 
@@ -143,69 +160,59 @@ def find_format(wanted: str, name: str) -> Format:
     raise FormatError(f"{name}: {_unknown(key)}; known are {', '.join(_suffixes())}")
 
 
-def find_adapter(source: object) -> Adapter | None:
-    """Find the first adapter that accepts an object.
+def as_cloud(source: Any) -> Cloud:
+    """Make a cloud of anything that holds points.
 
     Parameters
     ----------
     source : object
-        Anything.
+        A `Cloud`; an array-like of shape (n, 2) or (n, 3); a ``trimesh.PointCloud``,
+        ``trimesh.Trimesh`` or ``trimesh.Scene``; an Open3D point cloud, mesh or tensor, legacy or
+        tensor based; what an installed adapter accepts; an object with a method ``to_cloud()``,
+        such as a `Surface`; or one with ``vertices`` and ``faces`` and, if it has them, ``colors``,
+        ``normals`` and ``attributes``.
 
     Returns
     -------
-    Adapter or None
-        None where no adapter accepts it.
+    Cloud
+        One row a point, in the order of ``source``; rows of two coordinates get z = 0. Float64
+        coordinates are shared with ``source`` where that is safe.
+
+    Raises
+    ------
+    InputError
+        An array has the wrong shape or type, or colours or attributes do not fit the points.
+    FormatError
+        A face of a trimesh scene names a vertex that is not there.
+    UnsupportedTypeError
+        No adapter accepts the object, or it is a path.
 
     Examples
     --------
-    >>> import trimesh
-    >>> find_adapter(trimesh.creation.box()).name
-    'trimesh'
+    >>> as_cloud([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]).points.shape
+    (3, 3)
     """
-    for adapter in ADAPTERS:
+    for adapter in _adapters():
         if adapter.accepts(source):
-            return adapter
-    installed, _ = _installed_adapters()
-    return next((adapter for adapter in installed if adapter.accepts(source)), None)
+            return adapter.to_cloud(source)
+    raise _unsupported(source)
 
 
-def broken_adapters() -> tuple[str, ...]:
-    """Say which adapters of other packages cannot be loaded, and why.
-
-    Returns
-    -------
-    tuple of str
-        A reason each.
-
-    Examples
-    --------
-    >>> broken_adapters()
-    ()
-    """
-    return _installed_adapters()[1]
+def _adapters() -> Iterator[Adapter]:
+    yield from ADAPTERS
+    yield from _installed_adapters()[0]
+    yield from FALLBACKS
 
 
-def qualified_name(source: object) -> str:
-    """Name the type of an object in full.
-
-    Parameters
-    ----------
-    source : object
-        Anything.
-
-    Returns
-    -------
-    str
-        Module and name, as a message shows it.
-
-    Examples
-    --------
-    >>> from fractions import Fraction
-    >>> qualified_name(Fraction(1, 2))
-    'fractions.Fraction'
-    """
-    kind = type(source)
-    return f"{kind.__module__}.{kind.__qualname__}"
+def _unsupported(source: object) -> UnsupportedTypeError:
+    message = (
+        f"a {qualified_name(source)} is no point cloud: give an array of shape (n, 2) or (n, 3), "
+        "a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
+    )
+    broken = _installed_adapters()[1]
+    if broken:
+        message += f"; adapters that cannot be loaded: {'; '.join(broken)}"
+    return UnsupportedTypeError(message)
 
 
 def _unknown(key: str) -> str:

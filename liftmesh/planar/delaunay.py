@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, ParaboloidVertex, Progress, Rows
+from liftmesh._typing import Array, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.options import Method, NonFinite, RowOrder, check_option
 from liftmesh.planar.counters import Counters
-from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.lifting import given_vertex, resolve_q
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.threads import as_threads
 
@@ -170,7 +170,7 @@ def _solve(
     rows = as_coordinates(points)
     planar = rows[:, :2]
     run = (rows, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
-    outcome, counters = _run(run, method, resolve_q(q, planar))
+    outcome, counters = _run(run, method, q, planar)
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
     if status == "non-finite":
         raise non_finite(row, rows[row])
@@ -192,11 +192,12 @@ def _solve(
 
 
 def _run(
-    run: _kernel.Run, method: Method, q: tuple[float, float]
+    run: _kernel.Run, method: Method, q: ParaboloidVertex, planar: Reals
 ) -> tuple[_kernel.Outcome, Counters | None]:
     if method not in _WRAPPING:
+        given_vertex(q)  # divide and conquer does without q, but a wrong one is told
         return _kernel.delaunay(*run), None
-    outcome, counts = _kernel.gift_wrap(*run, method, *q)
+    outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
     return outcome, Counters.from_kernel(counts)
 
 

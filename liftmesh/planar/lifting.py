@@ -50,11 +50,38 @@ def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
     >>> resolve_q("median", np.array([[0.0, 5.0], [1.0, 7.0], [9.0, 6.0]]))
     (1.0, 6.0)
     """
+    vertex = given_vertex(q)
+    if vertex is not None:
+        return vertex
+    return (0.0, 0.0) if isinstance(q, str) and q == "origin" else _median(points)
+
+
+def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
+    """Check the option q, and give the point that it names.
+
+    Parameters
+    ----------
+    q : {"origin", "median"} or (2,) array_like
+        The vertex of the paraboloid.
+
+    Returns
+    -------
+    tuple of float, or None
+        qx and qy; None for "origin" and "median".
+
+    Raises
+    ------
+    InputError
+        q is none of these.
+
+    Examples
+    --------
+    >>> given_vertex((1, 2)), given_vertex("median")
+    ((1.0, 2.0), None)
+    """
     if isinstance(q, str):
-        if q == "origin":
-            return 0.0, 0.0
-        if q == "median":
-            return _median(points)
+        if q in ("origin", "median"):
+            return None
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
     try:
         pair = np.asarray(q, dtype=np.float64)

@@ -29,7 +29,7 @@ class Choice:
         The row of each group that carries the surface.
     left_out : (k,) ndarray of int32
         The other rows of the groups, increasing.
-    stand_ins : (k,) ndarray of int32
+    representatives : (k,) ndarray of int32
         For each row left out, the carrier of its group.
     overhanging : (k,) ndarray of bool
         Whether the row left out is at another height than its carrier; else it is a duplicate.
@@ -50,7 +50,7 @@ class Choice:
     kept: Rows
     carriers: Rows
     left_out: Rows
-    stand_ins: Rows
+    representatives: Rows
     overhanging: Mask
     moved: Rows
     new_heights: Floats
@@ -99,15 +99,15 @@ def choose_carriers(duplicates: Rows, heights: Floats, planar: Floats, policy: s
     groups = _Groups.of(duplicates, heights)
     carriers = groups.carriers(policy)
     moved, new_heights = groups.means() if policy == "mean" else (carriers[:0], heights[:0])
-    stand_ins = groups.spread(carriers)
-    left = groups.rows != stand_ins
-    left_out, stand_ins = _sorted_pairs(groups.rows[left], stand_ins[left])
+    representatives = groups.spread(carriers)
+    left = groups.rows != representatives
+    left_out, representatives = _sorted_pairs(groups.rows[left], representatives[left])
     return Choice(
         kept=groups.firsts(),
         carriers=carriers,
         left_out=left_out,
-        stand_ins=stand_ins,
-        overhanging=heights[left_out] != heights[stand_ins],
+        representatives=representatives,
+        overhanging=heights[left_out] != heights[representatives],
         moved=moved,
         new_heights=new_heights,
     )

@@ -53,7 +53,7 @@ class Report:
         Time that each stage took.
     left_out : (k,) ndarray of int32
         The rows in no face, increasing: duplicates, overhangs and skipped ones.
-    stand_ins : (k,) ndarray of int32
+    representatives : (k,) ndarray of int32
         For each row left out, the used row of the same planar position; -1 for skipped ones.
 
     Examples
@@ -63,7 +63,7 @@ class Report:
     >>> report = liftmesh.triangulate(cloud, duplicates="highest").report
     >>> report.rows, report.used, report.duplicates, report.overhangs, report.skipped
     (5, 3, 0, 2, 0)
-    >>> report.left_out, report.stand_ins
+    >>> report.left_out, report.representatives
     (array([1, 4], dtype=int32), array([3, 3], dtype=int32))
     """
 
@@ -76,7 +76,7 @@ class Report:
     policy: str
     seconds: Mapping[str, float] = field(repr=False)
     left_out: Rows = field(repr=False)
-    stand_ins: Rows = field(repr=False)
+    representatives: Rows = field(repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))

@@ -261,7 +261,7 @@ def _report(
 ) -> Report:
     overhangs = int(np.count_nonzero(choice.overhanging))
     left_out = np.concatenate([choice.left_out, solution.skipped])
-    stand_ins = np.concatenate([choice.stand_ins, np.full_like(solution.skipped, -1)])
+    representatives = np.concatenate([choice.representatives, np.full_like(solution.skipped, -1)])
     order = np.argsort(left_out)
     return Report(
         rows=solution.npoints,
@@ -273,5 +273,5 @@ def _report(
         policy=policy,
         seconds=seconds,
         left_out=left_out[order],
-        stand_ins=stand_ins[order],
+        representatives=representatives[order],
     )

@@ -56,7 +56,7 @@ def test_obj(mesh: Cloud) -> None:
 
 
 @given(meshes(attributes=True))
-def test_npz(mesh: Cloud) -> None:
+def test_numpy_files(mesh: Cloud) -> None:
     assert_same_mesh(loaded(saved(mesh, "npz"), "npz"), mesh)
 
 

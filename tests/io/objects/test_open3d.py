@@ -14,8 +14,8 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
-from liftmesh.io.coercion import as_cloud
 from liftmesh.io.objects.open3d import to_legacy, to_tensor
+from liftmesh.io.registry import as_cloud
 
 POINTS = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0], [1.0, 1.0, -0.0]])
 FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)

@@ -10,8 +10,8 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
-from liftmesh.io.coercion import as_cloud
 from liftmesh.io.objects.trimesh import to_mesh
+from liftmesh.io.registry import as_cloud
 
 POINTS = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0], [1.0, 1.0, -0.0]])
 FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)

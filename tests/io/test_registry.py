@@ -12,8 +12,7 @@ import pytest
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError, UnsupportedTypeError
-from liftmesh.io.coercion import as_cloud
-from liftmesh.io.registry import Adapter
+from liftmesh.io.registry import Adapter, as_cloud
 
 ROWS = [[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]
 

@@ -70,7 +70,7 @@ def test_carriers_are_those_of_the_policy(policy, cloud):
     assert choice.carriers.tolist() == [expected[kept] for kept in sorted(expected)]
     left = {row: expected[rows[0]] for rows in groups for row in rows if row != expected[rows[0]]}
     assert choice.left_out.tolist() == sorted(left)
-    assert choice.stand_ins.tolist() == [left[row] for row in sorted(left)]
+    assert choice.representatives.tolist() == [left[row] for row in sorted(left)]
     overhanging = [heights[row] != heights[left[row]] for row in sorted(left)]
     assert choice.overhanging.tolist() == overhanging
 
@@ -152,7 +152,13 @@ def test_the_error_names_rows_position_heights_and_remedy():
 @pytest.mark.parametrize("policy", get_args(Duplicates))
 def test_no_shared_position(policy):
     choice = choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
-    for values in (choice.kept, choice.carriers, choice.left_out, choice.stand_ins, choice.moved):
+    for values in (
+        choice.kept,
+        choice.carriers,
+        choice.left_out,
+        choice.representatives,
+        choice.moved,
+    ):
         assert values.dtype == np.int32
         assert len(values) == 0
 
