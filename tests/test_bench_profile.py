@@ -13,12 +13,12 @@ from rich.console import Console
 
 FILE = f"""events: Ir Bc Bcm Bi Bim
 
-fl=(1) {KERNEL}/merge.cpp
+fl=(1) {KERNEL}/delaunay/merge.cpp
 fn=(1) liftmesh::merge(liftmesh::Mesh&)
 10 100 20 3
 fi=(2) {KERNEL}/predicates/incircle.hpp
 +5 50 8 1 2 1
-cfi=(3) {KERNEL}/emit.cpp
+cfi=(3) {KERNEL}/delaunay/emit.cpp
 cfn=(2) liftmesh::emit(int)
 calls=4 +9
 * 900 9 9
@@ -34,9 +34,9 @@ fn=(2)
 def test_costs_are_kept_by_source_and_function_without_those_of_calls() -> None:
     merge, emit = "liftmesh::merge(liftmesh::Mesh&)", "liftmesh::emit(int)"
     assert costs(FILE.splitlines()) == {
-        (f"{KERNEL}/merge.cpp", merge): Cost(107, 3),
+        (f"{KERNEL}/delaunay/merge.cpp", merge): Cost(107, 3),
         (f"{KERNEL}/predicates/incircle.hpp", merge): Cost(50, 2),
-        (f"{KERNEL}/emit.cpp", emit): Cost(800, 7),
+        (f"{KERNEL}/delaunay/emit.cpp", emit): Cost(800, 7),
     }
 
 

@@ -142,6 +142,29 @@ def test_every_kernel_source_is_compiled() -> None:
     assert [s for s in sources if s not in listed] == []
 
 
+KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
+    "base": set(),
+    "predicates": {"base"},
+    "parallel": {"base"},
+    "sorting": {"base", "predicates", "parallel"},
+    "delaunay": {"base", "predicates", "parallel", "sorting"},
+    "paper": {"base", "predicates"},
+    "hull": {"base", "predicates", "parallel", "sorting", "delaunay", "paper"},
+    "verify": {"base", "predicates", "parallel", "sorting"},
+}
+
+
+def test_kernel_sources_include_what_is_below_them_by_room() -> None:
+    core = PACKAGE / "_core"
+    assert {p.name for p in core.iterdir() if p.is_dir()} == KERNEL_ROOMS.keys()
+    assert [p.name for p in core.glob("*.[ch]pp")] == ["bindings.cpp"]
+    for room, below in KERNEL_ROOMS.items():
+        for source in (core / room).glob("*.[ch]pp"):
+            included = re.findall(r'#include "([^"]+)"', source.read_text("utf-8"))
+            assert [name for name in included if not (core / name).is_file()] == [], source
+            assert {Path(name).parent.as_posix() for name in included} <= {room, *below}, source
+
+
 @pytest.mark.parametrize("page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md"])
 def test_programs_that_a_page_names_are_there(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")

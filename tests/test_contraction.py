@@ -64,7 +64,7 @@ def build(target: Path, contraction: list[str], *sources: Path) -> Path:
 
 
 class TestTheProbe:
-    SOURCES = (PROGRAMS / "probe.cpp", CORE / "floating_point.cpp")
+    SOURCES = (PROGRAMS / "probe.cpp", CORE / "base/floating_point.cpp")
 
     def says(self, program: Path) -> list[str]:
         done = subprocess.run([program], capture_output=True, text=True, check=True)

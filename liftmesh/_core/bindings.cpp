@@ -10,12 +10,12 @@
 #include <new>
 #include <stdexcept>
 
-#include "blocks.hpp"
-#include "delaunay.hpp"
-#include "floating_point.hpp"
-#include "gift_wrapping.hpp"
-#include "locate.hpp"
-#include "lower_hull.hpp"
+#include "base/floating_point.hpp"
+#include "delaunay/delaunay.hpp"
+#include "delaunay/locate.hpp"
+#include "hull/gift_wrapping.hpp"
+#include "hull/lower_hull.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "verify/verify.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "input.hpp"
-#include "point.hpp"
+#include "base/input.hpp"
+#include "base/point.hpp"
 
 namespace parallel {
 

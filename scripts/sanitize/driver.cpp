@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "clouds.hpp"
-#include "delaunay.hpp"
-#include "gift_wrapping.hpp"
+#include "delaunay/delaunay.hpp"
+#include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
 #include "verify/verify.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "floating_point.hpp"
+#include "base/floating_point.hpp"
 
 int main() {
     std::puts(liftmesh::contracts() ? "contracts" : "rounds as written");

@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "facets.hpp"
+#include "base/facets.hpp"
+#include "base/point.hpp"
+#include "base/status.hpp"
 #include "paper/first_edge.hpp"
 #include "paper/open_edges.hpp"
-#include "point.hpp"
-#include "status.hpp"
 
 namespace liftmesh::paper {
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
+#include "base/status.hpp"
 #include "paper/counts.hpp"
 #include "paper/points.hpp"
-#include "status.hpp"
 
 namespace liftmesh::paper {
 

@@ -8,8 +8,8 @@
 
 #include <optional>
 
+#include "base/status.hpp"
 #include "paper/points.hpp"
-#include "status.hpp"
 
 namespace liftmesh::paper {
 

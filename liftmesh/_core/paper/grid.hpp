@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "point.hpp"
-#include "site.hpp"
+#include "base/point.hpp"
+#include "base/site.hpp"
 
 namespace liftmesh::paper {
 

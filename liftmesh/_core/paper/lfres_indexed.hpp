@@ -17,10 +17,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "base/status.hpp"
 #include "paper/counts.hpp"
 #include "paper/grid.hpp"
 #include "predicates/incircle.hpp"
-#include "status.hpp"
 
 namespace liftmesh::paper {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "point.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh::paper {
 

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "point.hpp"
+#include "base/point.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient3d.hpp"
 

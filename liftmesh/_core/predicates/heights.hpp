@@ -3,7 +3,7 @@
 // Only the first edge of the paper needs them: everywhere else q cancels.
 #pragma once
 
-#include "point.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh {
 

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "point.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "point.hpp"
+#include "base/point.hpp"
 #include "predicates/wide.hpp"
 
 namespace liftmesh {

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "point.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh {
 

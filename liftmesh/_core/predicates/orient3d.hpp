@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-#include "point.hpp"
+#include "base/point.hpp"
 #include "predicates/incircle.hpp"
 
 namespace liftmesh {

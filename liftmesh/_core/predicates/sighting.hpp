@@ -15,7 +15,7 @@
 // a height is 0 or at least 2^-436, and nothing underflows.
 #pragma once
 
-#include "point.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh {
 

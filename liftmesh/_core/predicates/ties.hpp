@@ -1,7 +1,7 @@
 // The rule for ties: where a lifted point is exactly on the plane of three others.
 #pragma once
 
-#include "point.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh {
 

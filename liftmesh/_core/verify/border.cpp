@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "buffer.hpp"
+#include "base/buffer.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "team.hpp"
+#include "parallel/team.hpp"
 #include "verify/flaws.hpp"
 #include "verify/subject.hpp"
 

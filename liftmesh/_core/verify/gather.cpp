@@ -9,9 +9,9 @@
 #include <cstddef>
 #include <utility>
 
-#include "cuts.hpp"
-#include "input.hpp"
-#include "sample.hpp"
+#include "base/input.hpp"
+#include "sorting/cuts.hpp"
+#include "sorting/sample.hpp"
 #include "verify/open_sides.hpp"
 
 namespace liftmesh {

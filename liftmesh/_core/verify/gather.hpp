@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "buffer.hpp"
-#include "team.hpp"
+#include "base/buffer.hpp"
+#include "parallel/team.hpp"
 #include "verify/subject.hpp"
 
 namespace liftmesh {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "buffer.hpp"
-#include "team.hpp"
+#include "base/buffer.hpp"
+#include "parallel/team.hpp"
 
 namespace liftmesh {
 

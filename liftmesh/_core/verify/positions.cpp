@@ -8,7 +8,7 @@
 #include <numeric>
 #include <span>
 
-#include "input.hpp"
+#include "base/input.hpp"
 #include "verify/parts.hpp"
 
 namespace liftmesh {

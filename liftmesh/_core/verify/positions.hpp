@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "team.hpp"
+#include "parallel/team.hpp"
 #include "verify/flaws.hpp"
 #include "verify/subject.hpp"
 

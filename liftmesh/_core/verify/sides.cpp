@@ -11,7 +11,7 @@
 #include <span>
 #include <utility>
 
-#include "input.hpp"
+#include "base/input.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/ties.hpp"
 #include "verify/open_sides.hpp"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "point.hpp"
+#include "base/point.hpp"
 #include "predicates/incircle.hpp"
 
 namespace liftmesh {

@@ -37,10 +37,10 @@
 #include <utility>
 #include <vector>
 
-#include "buffer.hpp"
-#include "floating_point.hpp"
+#include "base/buffer.hpp"
+#include "base/floating_point.hpp"
 #include "predicates/orient2d.hpp"
-#include "scale.hpp"
+#include "predicates/scale.hpp"
 #include "verify/border.hpp"
 #include "verify/gather.hpp"
 #include "verify/positions.hpp"

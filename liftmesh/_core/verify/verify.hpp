@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "input.hpp"
-#include "status.hpp"
-#include "team.hpp"
+#include "base/input.hpp"
+#include "base/status.hpp"
+#include "parallel/team.hpp"
 #include "verify/flaws.hpp"
 
 namespace liftmesh {

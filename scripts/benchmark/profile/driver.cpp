@@ -3,7 +3,7 @@
 #include <fstream>
 #include <vector>
 
-#include "delaunay.hpp"
+#include "delaunay/delaunay.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "encodings.hpp"
-#include "scale.hpp"
+#include "predicates/scale.hpp"
 
 namespace fuzzing {
 

@@ -11,11 +11,11 @@
 #include <memory>
 #include <vector>
 
+#include "base/input.hpp"
+#include "base/point.hpp"
 #include "bytes.hpp"
-#include "input.hpp"
-#include "point.hpp"
+#include "parallel/team.hpp"
 #include "predicates/orient3d.hpp"
-#include "team.hpp"
 
 namespace fuzzing {
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "delaunay/locate.hpp"
 #include "demand.hpp"
-#include "gift_wrapping.hpp"
-#include "locate.hpp"
-#include "lower_hull.hpp"
+#include "hull/gift_wrapping.hpp"
+#include "hull/lower_hull.hpp"
 #include "paper/counts.hpp"
 #include "predicates/orient2d.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "case.hpp"
-#include "delaunay.hpp"
+#include "delaunay/delaunay.hpp"
 #include "expectation.hpp"
 #include "structure.hpp"
 

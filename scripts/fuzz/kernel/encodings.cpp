@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "team.hpp"
+#include "parallel/team.hpp"
 
 namespace fuzzing {
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "base/point.hpp"
 #include "bytes.hpp"
-#include "point.hpp"
 
 namespace fuzzing {
 

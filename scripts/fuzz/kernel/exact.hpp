@@ -4,7 +4,7 @@
 // perturbation itself: the first of its terms that is not zero.
 #pragma once
 
-#include "point.hpp"
+#include "base/point.hpp"
 #include "predicates/orient3d.hpp"
 
 namespace fuzzing {

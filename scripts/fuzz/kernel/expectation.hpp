@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "case.hpp"
-#include "delaunay.hpp"
+#include "delaunay/delaunay.hpp"
 
 namespace fuzzing {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/result.hpp"
 #include "case.hpp"
-#include "result.hpp"
 
 namespace fuzzing {
 

@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/floating_point.hpp"
 #include "case.hpp"
 #include "checks.hpp"
-#include "delaunay.hpp"
+#include "delaunay/delaunay.hpp"
 #include "demand.hpp"
 #include "expectation.hpp"
-#include "floating_point.hpp"
 #include "structure.hpp"
 
 namespace fuzzing {

@@ -1,0 +1,13 @@
+// A distinct point of the input and the row that stands for it.
+#pragma once
+
+#include "base/point.hpp"
+
+namespace liftmesh {
+
+struct Site {
+    Point point;
+    Row row;
+};
+
+}  // namespace liftmesh

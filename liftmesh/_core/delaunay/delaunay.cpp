@@ -1,0 +1,46 @@
+#include "delaunay/delaunay.hpp"
+
+#include <utility>
+
+#include "base/floating_point.hpp"
+#include "delaunay/divide_conquer.hpp"
+#include "delaunay/emit.hpp"
+
+namespace liftmesh {
+
+Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order) {
+    Delaunay outcome;
+    const OrderResult arranged = arrange(input, skip_non_finite, team, order);
+    outcome.status = arranged.status;
+    outcome.row = arranged.row;
+    if (outcome.status != Status::ok) return outcome;
+    outcome.distinct = order.count;
+    outcome.duplicates = std::move(order.duplicates);
+    outcome.skipped = std::move(order.skipped);
+    if (order.count < 3) outcome.status = Status::too_few;
+    return outcome;
+}
+
+Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt,
+               Order& order) {
+    Team team(threads.for_rows(input.rows), interrupt);
+    return start(input, skip_non_finite, team, order);
+}
+
+Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt) {
+    const IeeeArithmetic ieee;
+    Team team(threads.for_rows(input.rows), interrupt);
+    interrupt.expect(input.rows * (work::arranging + work::triangulating + work::emitting));
+    Order order;
+    Delaunay outcome = start(input, skip_non_finite, team, order);
+    if (outcome.status != Status::ok) return outcome;
+    Construction construction;
+    outcome.status = divide_and_conquer(order, team, construction);
+    if (outcome.status != Status::ok) return outcome;
+    static_assert(sizeof(Site) == 2 * 3 * sizeof(std::int32_t), "two triangles for each point");
+    Memory sites{reuse<std::int32_t>(std::move(order.sites)), 6 * order.room};
+    outcome.status = emit(construction, team, std::move(sites), outcome.result);
+    return outcome;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,23 @@
+// The default engine: divide and conquer on the lifted lower hull.
+#pragma once
+
+#include "base/buffer.hpp"
+#include "delaunay/merge.hpp"
+#include "parallel/team.hpp"
+#include "sorting/order.hpp"
+
+namespace liftmesh {
+
+// A triangulation under way or complete: the points in their final order, and the triangles' slots.
+struct Construction {
+    Buffer<Point> points;
+    Buffer<Row> rows;
+    Buffer<Word> triangles;  // of 2 * count - 2, ghosts included
+    std::size_t count = 0;
+    TriangleId some_ghost = 0;
+};
+
+// Triangulates the distinct points of `order` (two at least), whose sites are of no use afterwards.
+Status divide_and_conquer(Order& order, Team& team, Construction& result);
+
+}  // namespace liftmesh

@@ -1,0 +1,25 @@
+// Two triangulations side by side become one: the seam of divide and conquer.
+#pragma once
+
+#include "base/status.hpp"
+#include "delaunay/mesh.hpp"
+#include "predicates/incircle.hpp"
+
+namespace liftmesh {
+
+// A finished part, held by two of its ghosts: those of the last merge, at the two ends of its seam.
+struct Part {
+    TriangleId lower, upper;
+};
+
+struct Seam {
+    Mesh& mesh;
+    Guard guard;
+    Interrupt& interrupt;
+};
+
+// Merges parts that a cut across `axis` separates (all of `left` before all of `right`), using the
+// slot of the triangle `slot` and the one behind it.
+Part merge(const Seam& seam, Part left, Part right, Axis axis, TriangleId slot);
+
+}  // namespace liftmesh

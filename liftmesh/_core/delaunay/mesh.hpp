@@ -1,0 +1,82 @@
+// The triangulation under construction: one flat array of triangles in static slots.
+//
+// A triangulation of k >= 2 distinct points whose hull edges carry a ghost triangle each has
+// exactly 2k - 2 triangles, collinear sets included. A merge of l and r points adds two, and
+// (2l - 2) + (2r - 2) + 2 = 2(l + r) - 2: so points [first, last) own the slots from 2 first to
+// 2 last - 2, and the two that follow those of its left part belong to the merge. There is no
+// allocator, and the layout does not depend on who builds which part when.
+//
+// A slot is six words: three vertices and three edge names. A triangle is named by the number of
+// its first word, t; its edge k, which faces vertex k and runs from vertex k + 1 to vertex k + 2
+// (counted modulo 3), by t + k. So the word at the name of an edge is the vertex it faces, and
+// three words on stands its twin: the name of the same edge in the triangle across. A ghost
+// triangle has the vertex `ghost` at place 2; for the hull edge tail -> head, taken
+// counter-clockwise, it is {head, tail, ghost}.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/point.hpp"
+
+namespace liftmesh {
+
+using Word = std::uint32_t;
+using TriangleId = Word;
+using Edge = Word;
+
+inline constexpr Vertex ghost = ~Vertex{0};
+inline constexpr Word words_per_triangle = 6;
+
+constexpr Edge edge(TriangleId triangle, unsigned k) {
+    return triangle + k;
+}
+constexpr TriangleId triangle_of(Edge e) {
+    return e - e % 3;
+}
+constexpr Edge next(Edge e) {
+    return e + 1 - 3 * Word{e % 3 == 2};
+}
+constexpr Edge previous(Edge e) {
+    return e - 1 + 3 * Word{e % 3 == 0};
+}
+constexpr std::size_t slot_of(TriangleId triangle) {
+    return triangle / words_per_triangle;
+}
+constexpr TriangleId triangle_in(std::size_t slot) {
+    return static_cast<TriangleId>(words_per_triangle * slot);
+}
+
+class Mesh {
+ public:
+    Mesh(const Point* points, Word* words) : points_(points), words_(words) {}
+
+    Point point(Vertex v) const { return points_[v]; }
+    Vertex apex(Edge e) const { return words_[e]; }
+    Vertex& vertex(TriangleId t, unsigned k) { return words_[t + k]; }
+    Edge twin(Edge e) const { return words_[e + 3]; }
+    void join(Edge e, Edge f) {
+        words_[e + 3] = f;
+        words_[f + 3] = e;
+    }
+
+    // The hull, walked by its ghosts: the twin of a ghost's edge 1 is edge 0 of the next.
+    Vertex tail(TriangleId g) const { return words_[g + 1]; }
+    Vertex head(TriangleId g) const { return words_[g]; }
+    TriangleId successor(TriangleId g) const { return twin(g + 1); }
+    TriangleId predecessor(TriangleId g) const { return twin(g) - 1; }
+    Edge hull_edge(TriangleId g) const { return edge(g, 2); }
+
+    void place_ghost(TriangleId g, Vertex tail, Vertex head) {
+        words_[g] = head;
+        words_[g + 1] = tail;
+        words_[g + 2] = ghost;
+    }
+    void chain(TriangleId g, TriangleId successor) { join(edge(g, 1), edge(successor, 0)); }
+
+ private:
+    const Point* points_;
+    Word* words_;
+};
+
+}  // namespace liftmesh

@@ -1,0 +1,333 @@
+#include "hull/hull3.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+
+#include "delaunay/mesh.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+constexpr Vertex nobody = ~Vertex{0};
+
+// The order of insertion. A point is in the last round with probability 1/2, in the one before with
+// 1/4, and so on, by the trailing zeros of a scrambled index (the finalizer of splitmix64).
+std::vector<Vertex> biased_random_order(std::size_t count) {
+    std::array<std::vector<Vertex>, 65> rounds;
+    for (std::size_t v = 0; v < count; ++v) {
+        std::uint64_t bits = (v + 1) * 0x9e3779b97f4a7c15u;
+        bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+        bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+        bits ^= bits >> 31;
+        rounds[static_cast<std::size_t>(std::countr_zero(bits))].push_back(static_cast<Vertex>(v));
+    }
+    std::vector<Vertex> order;
+    order.reserve(count);
+    for (auto round = rounds.rbegin(); round != rounds.rend(); ++round)
+        order.insert(order.end(), round->begin(), round->end());
+    return order;
+}
+
+class LowerHullBuilder {
+ public:
+    LowerHullBuilder(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt)
+        : p_(points),
+          guard_(guard),
+          patience_(interrupt),
+          next_waiting_(points.size(), nobody),
+          home_(points.size(), nowhere),
+          spoke_(points.size() + 1) {}
+
+    Status build() {
+        const std::vector<Vertex> order = biased_random_order(p_.size());
+        const std::optional<std::array<Vertex, 3>> seed = find_seed(order);
+        if (!seed) return patience_.ends(0) ? Status::interrupted : Status::ok;
+        start(*seed);
+        for (Vertex v : order) {
+            if (patience_.ends()) return Status::interrupted;
+            if (std::find(seed->begin(), seed->end(), v) == seed->end())
+                settle(v, *std::find_if(fresh_.begin(), fresh_.end(),
+                                        [&](TriangleId t) { return holds(t, planar(v)); }));
+        }
+        for (Vertex v : order)
+            if (home_[v] != nowhere)
+                if (insert(v); patience_.ends(cavity_.size())) return Status::interrupted;
+        return Status::ok;
+    }
+
+    std::vector<Facet> facets() const {
+        const std::size_t slots = waiting_.size();
+        std::vector<std::uint32_t> name(slots, Facet::none);
+        std::vector<Facet> result;
+        result.reserve(slots);
+        for (std::size_t slot = 0; slot < slots; ++slot) {
+            const TriangleId t = triangle_in(slot);
+            if (!is_live(t) || is_ghost(t)) continue;
+            name[slot] = static_cast<std::uint32_t>(result.size());
+            const Vertex* v = corners(t);
+            result.push_back({{v[0], v[1], v[2]}});
+        }
+        for (std::size_t slot = 0; slot < slots; ++slot)
+            if (name[slot] != Facet::none)
+                for (unsigned k = 0; k < 3; ++k)
+                    result[name[slot]].neighbor[k] = name[slot_of(twin(triangle_in(slot) + k))];
+        return result;
+    }
+
+ private:
+    static constexpr TriangleId nowhere = ~TriangleId{0};
+
+    // An edge of the rim, as seen from the cavity: what lies outside, and the edge's ends.
+    struct Side {
+        Edge outside;
+        Vertex tail, head;
+    };
+    Side side(TriangleId t, unsigned k) const {
+        return {twin(edge(t, k)), corners(t)[(k + 1) % 3], corners(t)[(k + 2) % 3]};
+    }
+
+    Point planar(Vertex v) const { return p_[v].planar(); }
+    const Vertex* corners(TriangleId t) const { return &words_[t]; }
+    Edge twin(Edge e) const { return words_[e + 3]; }
+    bool is_ghost(TriangleId t) const { return corners(t)[2] == ghost; }
+    bool is_live(TriangleId t) const { return corners(t)[0] != ghost; }
+
+    // The first three points of the order that are not on one line.
+    std::optional<std::array<Vertex, 3>> find_seed(const std::vector<Vertex>& order) {
+        for (std::size_t i = 2; i < order.size() && !patience_.ends(); ++i) {
+            const int turn = orient2d(planar(order[0]), planar(order[1]), planar(order[i]));
+            if (turn > 0) return {{order[0], order[1], order[i]}};
+            if (turn < 0) return {{order[1], order[0], order[i]}};
+        }
+        return std::nullopt;
+    }
+
+    void start(const std::array<Vertex, 3>& v) {
+        const TriangleId middle = allocate({v[0], v[1], v[2]});
+        std::array<TriangleId, 3> around;
+        for (unsigned k = 0; k < 3; ++k) {
+            around[k] = allocate({v[(k + 2) % 3], v[(k + 1) % 3], ghost});
+            join(edge(middle, k), edge(around[k], 2));
+        }
+        for (unsigned k = 0; k < 3; ++k) join(edge(around[k], 0), edge(around[(k + 2) % 3], 1));
+        fresh_ = {middle, around[0], around[1], around[2]};
+    }
+
+    TriangleId allocate(const std::array<Vertex, 3>& v) {
+        TriangleId t;
+        if (free_.empty()) {
+            t = triangle_in(waiting_.size());
+            words_.resize(words_.size() + words_per_triangle);
+            waiting_.push_back(nobody);
+        } else {
+            t = free_.back();
+            free_.pop_back();
+        }
+        std::copy(v.begin(), v.end(), &words_[t]);
+        return t;
+    }
+
+    void join(Edge e, Edge f) {
+        words_[e + 3] = f;
+        words_[f + 3] = e;
+    }
+
+    // Whether a point that is below the facet goes there: its position is in the triangle, or
+    // beyond the hull edge of a ghost.
+    bool holds(TriangleId t, Point p) const {
+        const Vertex* v = corners(t);
+        if (is_ghost(t)) return orient2d(planar(v[1]), planar(v[0]), p) < 0;
+        return orient2d(planar(v[0]), planar(v[1]), p) >= 0 &&
+               orient2d(planar(v[1]), planar(v[2]), p) >= 0 &&
+               orient2d(planar(v[2]), planar(v[0]), p) >= 0;
+    }
+
+    // Lets a point wait at the facet that it belongs to, or leaves it out for good.
+    void settle(Vertex v, TriangleId home) {
+        home_[v] = nowhere;
+        if (!is_in_conflict(home, v)) return;
+        home_[v] = home;
+        next_waiting_[v] = waiting_[slot_of(home)];
+        waiting_[slot_of(home)] = v;
+    }
+
+    // Whether a facet goes when v comes.
+    bool is_in_conflict(TriangleId t, Vertex v) const {
+        const Vertex* w = corners(t);
+        if (!is_ghost(t)) return orient3d_canonical(p_[w[0]], p_[w[1]], p_[w[2]], p_[v], guard_);
+        const int turn = orient2d(planar(w[1]), planar(w[0]), planar(v));
+        return turn != 0 ? turn < 0 : is_below_line(p_[w[1]], p_[w[0]], p_[v]);
+    }
+
+    // The same for an edge of the planar hull and a point on its line. Of three points on a line in
+    // space the middle one is a vertex: it is below the line of the others.
+    static bool is_below_line(SpacePoint a, SpacePoint b, SpacePoint p) {
+        const bool across = a.x != b.x;
+        const auto upright = [&](SpacePoint s) { return Point{across ? s.x : s.y, s.z}; };
+        const Point s = upright(a), t = upright(b), r = upright(p);
+        const int turn = orient2d(s, t, r);
+        if (turn != 0) return (turn < 0) == (s.x < t.x);
+        return (s.x < r.x) == (r.x < t.x);
+    }
+
+    void insert(Vertex v) {
+        find_cavity(v);
+        collect_waiting(v);
+        fill_cavity(v);
+        const Fan fan = fan_around(v);
+        for (Vertex w : moving_) {
+            if (patience_.ends()) return;
+            settle(w, fan.find(*this, planar(w)));
+        }
+    }
+
+    // The facets in conflict are connected; the rim is where they meet those that stay.
+    void find_cavity(Vertex v) {
+        cavity_.assign(1, home_[v]);
+        rim_.clear();
+        conflict_.resize(waiting_.size());
+        conflict_[slot_of(home_[v])] = true;
+        for (std::size_t i = 0; i < cavity_.size(); ++i) {
+            for (unsigned k = 0; k < 3; ++k) {
+                const TriangleId t = triangle_of(twin(edge(cavity_[i], k)));
+                if (conflict_[slot_of(t)]) continue;
+                if (is_in_conflict(t, v)) {
+                    conflict_[slot_of(t)] = true;
+                    cavity_.push_back(t);
+                } else {
+                    rim_.push_back(side(cavity_[i], k));
+                }
+            }
+        }
+        for (TriangleId t : cavity_) conflict_[slot_of(t)] = false;
+    }
+
+    void collect_waiting(Vertex v) {
+        home_[v] = nowhere;
+        moving_.clear();
+        for (TriangleId t : cavity_) {
+            for (Vertex w = waiting_[slot_of(t)]; w != nobody; w = next_waiting_[w])
+                if (w != v) moving_.push_back(w);
+            waiting_[slot_of(t)] = nobody;
+        }
+    }
+
+    // A new facet on each edge of the rim; `spoke_` remembers the edge from v to each corner.
+    void fill_cavity(Vertex v) {
+        for (TriangleId t : cavity_) {
+            words_[t] = ghost;
+            free_.push_back(t);
+        }
+        fresh_.clear();
+        for (const Side& side : rim_) {
+            const TriangleId t = allocate(ghost_last({side.tail, side.head, v}));
+            fresh_.push_back(t);
+            join(facing(t, v), side.outside);
+            spoke_[index(side.tail)] = facing(t, side.head);
+        }
+        for (std::size_t i = 0; i < rim_.size(); ++i)
+            join(facing(fresh_[i], rim_[i].tail), spoke_[index(rim_[i].head)]);
+    }
+
+    // The facets around a vertex, counter-clockwise, each with the spoke at which it begins. Angles
+    // are compared exactly: by the half of the turn, counted from the first spoke, and inside a
+    // half by the turn from one to the other. Ghosts stand apart.
+    class Fan {
+     public:
+        Fan(Point centre, std::vector<TriangleId>& facets, std::vector<Point>& spokes)
+            : centre_(centre), facets_(facets), spokes_(spokes) {}
+
+        TriangleId find(const LowerHullBuilder& hull, Point p) const {
+            for (TriangleId t : ghosts)
+                if (t != nowhere && hull.holds(t, p)) return t;
+            const auto after = std::partition_point(
+                spokes_.begin(), spokes_.end(), [&](Point spoke) { return !is_before(p, spoke); });
+            return facets_[static_cast<std::size_t>(after - spokes_.begin()) - 1];
+        }
+
+        std::array<TriangleId, 2> ghosts = {nowhere, nowhere};
+
+     private:
+        // Whether p is at a smaller angle than the spoke.
+        bool is_before(Point p, Point spoke) const {
+            const bool late = is_late(p), spoke_is_late = is_late(spoke);
+            if (late != spoke_is_late) return spoke_is_late;
+            return orient2d(centre_, spoke, p) < 0;
+        }
+        bool is_late(Point p) const {
+            const Point first = spokes_.front();
+            const int turn = orient2d(centre_, first, p);
+            if (turn != 0) return turn < 0;
+            return first.x != centre_.x ? (first.x > centre_.x) != (p.x > centre_.x)
+                                        : (first.y > centre_.y) != (p.y > centre_.y);
+        }
+
+        Point centre_;
+        std::vector<TriangleId>& facets_;
+        std::vector<Point>& spokes_;
+    };
+
+    // From facet to facet across the spokes, beginning behind a ghost where there is one.
+    Fan fan_around(Vertex v) {
+        fan_.clear();
+        spokes_.clear();
+        Fan fan(planar(v), fan_, spokes_);
+        const auto next_around = [&](TriangleId t) {
+            return triangle_of(twin(next(facing(t, v))));
+        };
+        TriangleId t = fresh_.front();
+        for (TriangleId g : fresh_)
+            if (is_ghost(g)) t = g;
+        for (std::size_t i = 0, ghosts = 0; i < fresh_.size(); ++i, t = next_around(t)) {
+            if (is_ghost(t)) {
+                fan.ghosts[ghosts++] = t;
+            } else {
+                fan_.push_back(t);
+                spokes_.push_back(planar(words_[next(facing(t, v))]));
+            }
+        }
+        return fan;
+    }
+
+    static std::array<Vertex, 3> ghost_last(std::array<Vertex, 3> v) {
+        std::rotate(v.begin(), v.begin() + (v[0] == ghost ? 1 : v[1] == ghost ? 2 : 0), v.end());
+        return v;
+    }
+    Edge facing(TriangleId t, Vertex v) const {
+        const Vertex* w = corners(t);
+        return edge(t, w[0] == v ? 0 : w[1] == v ? 1 : 2);
+    }
+    std::size_t index(Vertex v) const { return v == ghost ? p_.size() : v; }
+
+    std::span<const SpacePoint> p_;
+    Guard guard_;
+    Patience patience_;
+    std::vector<Word> words_;  // of the facets, as in mesh.hpp
+    std::vector<TriangleId> free_;
+    std::vector<Vertex> waiting_;       // of each facet, the first that waits there
+    std::vector<Vertex> next_waiting_;  // of each point, the next at the same facet
+    std::vector<TriangleId> home_;      // of each point that waits
+    std::vector<Edge> spoke_;
+    std::vector<char> conflict_;
+    std::vector<TriangleId> cavity_, fresh_, fan_;
+    std::vector<Point> spokes_;
+    std::vector<Side> rim_;
+    std::vector<Vertex> moving_;
+};
+
+}  // namespace
+
+Status lower_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
+                  std::vector<Facet>& facets) {
+    LowerHullBuilder builder(points, guard, interrupt);
+    const Status status = builder.build();
+    if (status == Status::ok) facets = builder.facets();
+    return status;
+}
+
+}  // namespace liftmesh

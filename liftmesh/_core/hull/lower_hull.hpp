@@ -1,0 +1,18 @@
+// From the caller's rows in space to the facets of their lower hull.
+#pragma once
+
+#include "base/input.hpp"
+#include "base/status.hpp"
+#include "delaunay/delaunay.hpp"
+#include "paper/counts.hpp"
+
+namespace liftmesh {
+
+enum class HullMethod : std::uint8_t { incremental, lf };
+
+// Rows have three columns, all finite. Of rows at one planar position only the lowest can be on the
+// lower hull: it stands for them, the first where several are lowest. `counts` is of `lf`.
+Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
+                    paper::Counts& counts);
+
+}  // namespace liftmesh

@@ -1,0 +1,66 @@
+// The power of two by which coordinates are moved into the window of the in-circle filter.
+//
+// Multiplying by a power of two changes no sign, and within the window it loses no bit: a set of
+// denormals is triangulated as fast as any other. Only sets that span more than 339 binary orders
+// of magnitude stay as they are, and their in-circle tests take the guarded way.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "base/point.hpp"
+#include "predicates/incircle.hpp"
+
+namespace liftmesh {
+
+// The least and the greatest magnitude among non-zero coordinates.
+class Range {
+ public:
+    void add(Point p) {
+        add(p.x);
+        add(p.y);
+    }
+    void add(const Range& other) {
+        least_ = std::min(least_, other.least_);
+        greatest_ = std::max(greatest_, other.greatest_);
+    }
+    bool empty() const { return greatest_ == 0; }
+    double least() const { return std::bit_cast<double>(least_ + 1); }
+    double greatest() const { return std::bit_cast<double>(greatest_); }
+
+ private:
+    // Magnitudes compare as their bits do; less one, zero becomes the greatest of all.
+    void add(double value) {
+        const std::uint64_t bits = std::bit_cast<std::uint64_t>(value) & ~(std::uint64_t{1} << 63);
+        least_ = std::min(least_, bits - 1);
+        greatest_ = std::max(greatest_, bits);
+    }
+    std::uint64_t least_ = ~std::uint64_t{0}, greatest_ = 0;
+};
+
+struct Scale {
+    bool moves = false;
+    double first = 1, second = 1;  // two factors, as 2^1273 is no double
+    Guard guard = Guard::in_window();
+
+    explicit Scale(const Range& range) {
+        if (range.empty()) return;
+        const int least = std::ilogb(range.least());
+        const int greatest = std::ilogb(range.greatest());
+        if (least >= Guard::least_exponent && greatest < Guard::greatest_exponent) return;
+        if (greatest - least >= Guard::greatest_exponent - 1 - Guard::least_exponent) {
+            guard = Guard::anywhere();
+            return;
+        }
+        moves = true;
+        const int shift = Guard::greatest_exponent - 1 - greatest;
+        first = std::ldexp(1.0, shift / 2);
+        second = std::ldexp(1.0, shift - shift / 2);
+    }
+
+    Point operator()(Point p) const { return {p.x * first * second, p.y * first * second}; }
+};
+
+}  // namespace liftmesh

@@ -1,0 +1,22 @@
+// The box of some points.
+#pragma once
+
+#include <algorithm>
+
+#include "base/point.hpp"
+
+namespace liftmesh {
+
+struct Bounds {
+    Point low, high;
+
+    explicit Bounds(Point p) : low(p), high(p) {}
+    void add(Point p) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    // The axis along which a cut leaves the rounder parts. Their seam is the shorter for it.
+    Axis longer() const { return high.x - low.x >= high.y - low.y ? Axis::x : Axis::y; }
+};
+
+}  // namespace liftmesh

@@ -1,0 +1,72 @@
+// A kd tree of cuts learnt from a sample: it sends any point to one of 2^depth cells of about equal
+// population. A cut goes across the axis along which its part of the sample spreads more, and
+// compares both coordinates, so that points with equal x are told apart by y, and equal points
+// always share a cell.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/point.hpp"
+#include "parallel/team.hpp"
+
+namespace liftmesh {
+
+// Which coordinate counts is the tree's to say: they are taken by their place, which needs no jump.
+using Coordinates = std::array<double, 2>;
+template <std::size_t N>
+using Abreast = std::array<Coordinates, N>;
+
+class Cuts {
+ public:
+    // `sample` is reordered; it needs at least one point for each of the 2^depth cells.
+    Cuts(std::vector<Point> sample, int depth);
+    Cuts(std::vector<Point> sample, int depth, Team& team);
+
+    int depth() const { return depth_; }
+    std::size_t cells() const { return std::size_t{1} << depth_; }
+
+    // The axis across which a node is cut: the root is 1, node i has the children 2 i and 2 i + 1.
+    Axis axis(std::size_t node) const { return cut_[node].place == 0 ? Axis::x : Axis::y; }
+
+    std::size_t cell(Point p) const { return cells(Abreast<1>{{{p.x, p.y}}})[0]; }
+
+    // Several points go down the tree abreast: none waits for another.
+    template <std::size_t N>
+    std::array<std::uint32_t, N> cells(const Abreast<N>& points) const {
+        std::array<std::uint32_t, N> node;
+        node.fill(1);
+        for (int level = 0; level < depth_; ++level)
+            for (std::size_t i = 0; i < N; ++i)
+                node[i] = 2 * node[i] + !cut_[node[i]].is_after(points[i]);
+        for (std::uint32_t& n : node) n -= static_cast<std::uint32_t>(cells());
+        return node;
+    }
+
+ private:
+    // A point, and the place of the coordinate that counts first.
+    struct Cut {
+        double first = 0, second = 0;
+        std::size_t place = 0;
+
+        Cut() = default;
+        Cut(Axis axis, Point p)
+            : first(axis == Axis::x ? p.x : p.y),
+              second(axis == Axis::x ? p.y : p.x),
+              place(axis == Axis::x ? 0 : 1) {}
+        bool is_after(const Coordinates& p) const {
+            const double u = p[place], v = p[1 - place];
+            return (u < first) | ((u == first) & (v < second));
+        }
+    };
+    // Finds the cut of a node among its part of the sample, and puts it in the middle of that part.
+    Point* cut(std::size_t node, Point* first, Point* last);
+    void learn(std::size_t node, int level, Point* first, Point* last);
+
+    int depth_;
+    std::vector<Cut> cut_;  // of each node
+};
+
+}  // namespace liftmesh

@@ -1,0 +1,100 @@
+#include "sorting/distinct.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <numeric>
+
+namespace liftmesh {
+
+namespace {
+
+constexpr std::uint32_t nothing = ~std::uint32_t{0};
+
+// The top bits of a sum of products depend on every bit of both coordinates: the bits in which the
+// points of a lattice differ are few, and mostly the highest.
+std::uint64_t hash(Point p) {
+    return std::bit_cast<std::uint64_t>(p.x) * 0x9e3779b97f4a7c15u +
+           std::bit_cast<std::uint64_t>(p.y) * 0xd1b54a32d192ed03u;
+}
+
+// Where collisions are more than chance explains, the answer is left to sorting: no input makes
+// this quadratic.
+class Table {
+ public:
+    explicit Table(std::size_t count)
+        : mask_(std::bit_ceil(2 * count) - 1),
+          shift_(64 - static_cast<int>(std::bit_width(mask_))),
+          patience_(16 * count) {
+        if (mask_ >= on_stack) large_.resize(mask_ + 1);
+        slots_ = mask_ >= on_stack ? large_.data() : small_;
+        std::fill_n(slots_, mask_ + 1, nothing);
+    }
+
+    // The slot that holds the position, or the empty one where it belongs.
+    std::uint32_t& find(Point p, const Site* kept) {
+        std::size_t slot = hash(p) >> shift_;
+        while (slots_[slot] != nothing && !(kept[slots_[slot]].point == p)) {
+            slot = (slot + 1) & mask_;
+            --patience_;
+        }
+        return slots_[slot];
+    }
+    bool is_clogged() const { return patience_ < 0; }
+
+ private:
+    static constexpr std::size_t on_stack = 1024;
+
+    std::size_t mask_;
+    int shift_;
+    std::ptrdiff_t patience_;
+    std::uint32_t small_[on_stack];
+    std::vector<std::uint32_t> large_;
+    std::uint32_t* slots_;
+};
+
+std::size_t by_sorting(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates) {
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+        const Point p = sites[i].point, q = sites[j].point;
+        return p == q ? i < j : before_xy(p, q);
+    });
+    std::vector<bool> repeated(count);
+    for (std::size_t i = 1, first = 0; i < count; ++i) {
+        if (!(sites[order[i]].point == sites[order[first]].point)) {
+            first = i;
+            continue;
+        }
+        repeated[order[i]] = true;
+        duplicates.push_back({sites[order[i]].row, sites[order[first]].row});
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        if (!repeated[i]) sites[kept++] = sites[i];
+    return kept;
+}
+
+}  // namespace
+
+// A table that lives for one cell; positions are looked up among the sites already kept.
+std::size_t keep_distinct(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates) {
+    Table table(count);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::uint32_t& slot = table.find(sites[i].point, sites);
+        if (slot == nothing) {
+            slot = static_cast<std::uint32_t>(kept);
+            sites[kept++] = sites[i];
+        } else {
+            duplicates.push_back({sites[i].row, sites[slot].row});
+        }
+        if (table.is_clogged()) {
+            std::copy(sites + i + 1, sites + count, sites + kept);
+            return by_sorting(sites, kept + count - i - 1, duplicates);
+        }
+    }
+    return kept;
+}
+
+}  // namespace liftmesh

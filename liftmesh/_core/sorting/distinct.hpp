@@ -1,0 +1,20 @@
+// Exact duplicates: of rows at one position the lowest is kept.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/site.hpp"
+
+namespace liftmesh {
+
+struct Duplicate {
+    Row row, kept;
+};
+
+// Moves the first of each position to the front, in order, and returns how many there are; the
+// others are appended to `duplicates`. Rows must ascend among equal points, as they do when sites
+// come in the order of their rows.
+std::size_t keep_distinct(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates);
+
+}  // namespace liftmesh

@@ -1,0 +1,21 @@
+// Cuts inside a cell: a few points are halved by their ranks, more of them near their middle, in
+// one pass without jumps, by a pivot taken from nine of them.
+#pragma once
+
+#include <cstddef>
+
+#include "base/site.hpp"
+
+namespace liftmesh {
+
+struct Halving {
+    Axis axis;
+    std::size_t middle;
+};
+
+// Reorders `count` >= 4 sites of distinct positions: every site before the middle precedes across
+// the axis every site from it on. At least two stand on each side. The axis is the one along which
+// they spread more, as nine of them tell.
+Halving halve(Site* sites, std::size_t count);
+
+}  // namespace liftmesh

@@ -1,0 +1,241 @@
+// A sample of the rows gives the cuts of a kd tree. One pass over the rows finds the cell of each,
+// the range of the coordinates, and what is not finite; a second drops every point into its cell: a
+// counting sort, which is stable however the rows are shared out, as each share counts for itself
+// and the shares of a cell follow one another. Then each cell, which fits the cache, is freed of
+// duplicates.
+
+#include "sorting/order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+#include "parallel/blocks.hpp"
+#include "sorting/sample.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+constexpr std::size_t cell_population = 96;
+constexpr int deepest = 13;
+constexpr std::size_t sample_per_cell = 4;
+constexpr std::size_t abreast = 8;
+constexpr std::uint16_t no_cell = 0xffff;
+
+// What one share of the rows comes to.
+struct Share {
+    std::size_t first, last;
+    Range range;
+    std::vector<Row> skipped;
+    std::vector<std::uint32_t> population;  // of each cell; then where its next point goes
+};
+
+class Arrangement {
+ public:
+    Arrangement(const Input& input, Team& team, Order& order)
+        : input_(input), team_(team), order_(order) {
+        order.cuts = learn_cuts();
+    }
+
+    OrderResult run(bool skip_non_finite) {
+        divide();
+        if (!find_cells()) return {Status::interrupted, 0};
+        if (!order_.skipped.empty() && !skip_non_finite)
+            return {Status::non_finite, order_.skipped.front()};
+        place_cells();
+        const bool done = scatter() && keep_distinct_in_cells();
+        return {done ? Status::ok : Status::interrupted, 0};
+    }
+
+ private:
+    // Where few rows are finite the sample stays small, and so does the tree.
+    Cuts learn_cuts() {
+        const int depth = std::clamp(
+            static_cast<int>(std::bit_width(input_.rows / cell_population)) - 1, 0, deepest);
+        const std::size_t wanted = depth == 0 ? 0 : sample_per_cell << depth;
+        std::vector<Point> sample;
+        sample.reserve(wanted);
+        for (std::size_t tries = 0; sample.size() < wanted && tries < 4 * wanted; ++tries) {
+            const Point p = input_[sample_place(tries, input_.rows)];
+            if (is_finite(p)) sample.push_back(p);
+        }
+        const auto found = static_cast<int>(std::bit_width(sample.size() / sample_per_cell));
+        return Cuts(std::move(sample), std::clamp(found - 1, 0, depth), team_);
+    }
+
+    void divide() {
+        constexpr std::size_t worth_sharing = std::size_t{1} << 15;
+        const std::size_t most = team_.size() == 1 ? 1 : 4 * team_.size();
+        const std::size_t count = std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
+        for (std::size_t i = 0; i < count; ++i)
+            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}, {}, {}});
+    }
+
+    bool find_cells() {
+        cell_of_ = allocate<std::uint16_t>(input_.rows);
+        if (!team_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i]); }))
+            return false;
+        Range range;
+        for (const Share& share : shares_) {
+            range.add(share.range);
+            order_.skipped.insert(order_.skipped.end(), share.skipped.begin(), share.skipped.end());
+        }
+        order_.scale = Scale(range);
+        return true;
+    }
+
+    void find_cells(Share& share) {
+        share.population.assign(order_.cuts.cells(), 0);
+        team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        const std::size_t groups = (share.last - share.first + abreast - 1) / abreast;
+        for_each_in_blocks(groups, team_.interrupt(), [&](std::size_t group) {
+            const std::size_t first = share.first + group * abreast;
+            const std::size_t count = std::min(abreast, share.last - first);
+            Abreast<abreast> points{};
+            for (std::size_t i = 0; i < count; ++i) {
+                const Point p = input_[first + i];
+                points[i] = {p.x, p.y};
+            }
+            const auto cells = order_.cuts.cells(points);
+            for (std::size_t i = 0; i < count; ++i) {
+                const Point p{points[i][0], points[i][1]};
+                if (is_finite(p)) {
+                    share.range.add(p);
+                    ++share.population[cells[i]];
+                    cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
+                } else {
+                    share.skipped.push_back(static_cast<Row>(first + i));
+                    cell_of_[first + i] = no_cell;
+                }
+            }
+        });
+    }
+
+    void place_cells() {
+        order_.cell_starts.assign(order_.cuts.cells() + 1, 0);
+        std::size_t next = 0;
+        for (std::size_t cell = 0; cell < order_.cuts.cells(); ++cell) {
+            order_.cell_starts[cell] = next;
+            for (Share& share : shares_) {
+                const std::size_t count = share.population[cell];
+                share.population[cell] = static_cast<std::uint32_t>(next);
+                next += count;
+            }
+        }
+        order_.cell_starts.back() = order_.room = order_.count = next;
+    }
+
+    bool scatter() {
+        order_.sites = allocate<Site>(order_.count);
+        const bool done = touch_sites() && team_.run(shares_.size(), [&](std::size_t i) {
+            if (order_.scale.moves) {
+                scatter(shares_[i], [&](std::size_t row) { return order_.scale(input_[row]); });
+            } else {
+                scatter(shares_[i], [&](std::size_t row) { return input_[row]; });
+            }
+        });
+        cell_of_.reset();
+        return done;
+    }
+
+    // The first points to be scattered would touch all of the memory, and no interrupt is heard
+    // while the system looks for that much: it is asked for it piece by piece.
+    bool touch_sites() {
+        constexpr std::size_t piece = (std::size_t{1} << 21) / sizeof(Site);
+        constexpr std::size_t page = (std::size_t{1} << 12) / sizeof(Site);
+        const std::size_t count = order_.count;
+        return team_.run((count + piece - 1) / piece,
+                         [&, sites = order_.sites.get()](std::size_t i) {
+                             const std::size_t end = std::min(count, (i + 1) * piece);
+                             for (std::size_t site = i * piece; site < end; site += page)
+                                 sites[site] = {};
+                         });
+    }
+
+    // A row that is not finite any more, as somebody writes to it meanwhile, must not leave the
+    // order that all else rests on: it becomes the origin.
+    template <class Read>
+    void scatter(Share& share, Read read) {
+        Site* sites = order_.sites.get();
+        team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        for_each_in_blocks(share.last - share.first, team_.interrupt(), [&](std::size_t i) {
+            const std::size_t row = share.first + i;
+            if (cell_of_[row] == no_cell) return;
+            const Point p = read(row);
+            sites[share.population[cell_of_[row]]++] = {is_finite(p) ? p : Point{0, 0},
+                                                        static_cast<Row>(row)};
+        });
+    }
+
+    // Cells are shared out in runs; a cell that lost sites is closed up afterwards.
+    bool keep_distinct_in_cells() {
+        const std::size_t cells = order_.cuts.cells();
+        const std::size_t runs = std::min<std::size_t>(cells, 64);
+        std::vector<std::vector<Duplicate>> found(runs);
+        std::vector<std::size_t> distinct(cells);
+        const bool done = team_.run(runs, [&](std::size_t run) {
+            for (std::size_t c = cells * run / runs; c < cells * (run + 1) / runs; ++c) {
+                if (team_.interrupt().requested()) return;
+                const std::size_t start = order_.cell_starts[c];
+                distinct[c] = keep_distinct(&order_.sites[start], order_.cell_starts[c + 1] - start,
+                                            found[run]);
+            }
+        });
+        if (!done) return false;
+        for (const std::vector<Duplicate>& pairs : found)
+            order_.duplicates.insert(order_.duplicates.end(), pairs.begin(), pairs.end());
+        if (order_.duplicates.empty()) return true;
+        return close_up(distinct) && sort_duplicates();
+    }
+
+    bool close_up(const std::vector<std::size_t>& distinct) {
+        Site* sites = order_.sites.get();
+        std::size_t kept = 0;
+        for (std::size_t cell = 0; cell < distinct.size(); ++cell) {
+            if (team_.interrupt().requested()) return false;
+            const std::size_t start = std::exchange(order_.cell_starts[cell], kept);
+            if (kept != start) std::copy_n(sites + start, distinct[cell], sites + kept);
+            kept += distinct[cell];
+        }
+        order_.cell_starts.back() = order_.count = kept;
+        return true;
+    }
+
+    // By row: each goes to the place of its row, and the places are read in turn.
+    bool sort_duplicates() {
+        constexpr Row none = ~Row{0};
+        std::vector<Row> kept(input_.rows, none);
+        const auto place = [&](std::size_t i) {
+            kept[order_.duplicates[i].row] = order_.duplicates[i].kept;
+        };
+        if (!for_each_in_blocks(order_.duplicates.size(), team_.interrupt(), place)) return false;
+        order_.duplicates.clear();
+        return for_each_in_blocks(kept.size(), team_.interrupt(), [&](std::size_t row) {
+            if (kept[row] != none) order_.duplicates.push_back({static_cast<Row>(row), kept[row]});
+        });
+    }
+
+    const Input& input_;
+    Team& team_;
+    Order& order_;
+    std::vector<Share> shares_;
+    Buffer<std::uint16_t> cell_of_;
+};
+
+}  // namespace
+
+OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order& order) {
+    return Arrangement(input, team, order).run(skip_non_finite);
+}
+
+void sort_by_row(Order& order) {
+    std::sort(order.sites.get(), order.sites.get() + order.count,
+              [](const Site& a, const Site& b) { return a.row < b.row; });
+    order.cuts = Cuts({}, 0);
+    order.cell_starts = {0, order.count};
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,42 @@
+// The points in kd order: neighbours in the plane become neighbours in memory.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/buffer.hpp"
+#include "base/input.hpp"
+#include "base/site.hpp"
+#include "base/status.hpp"
+#include "parallel/team.hpp"
+#include "predicates/scale.hpp"
+#include "sorting/cuts.hpp"
+#include "sorting/distinct.hpp"
+
+namespace liftmesh {
+
+// The distinct points, cell by cell of a sampled kd tree. Inside a cell they keep the order of
+// their rows; the engine refines a cell when it comes to it.
+struct Order {
+    Buffer<Site> sites;
+    std::size_t room = 0;   // of the buffer
+    std::size_t count = 0;  // of the sites
+    Cuts cuts = Cuts({}, 0);
+    std::vector<std::size_t> cell_starts;  // and the end of the last
+    std::vector<Duplicate> duplicates;     // by ascending row
+    std::vector<Row> skipped;              // non-finite rows, ascending
+    Scale scale{Range{}};                  // of the points, against the caller's rows
+};
+
+struct OrderResult {
+    Status status;
+    std::size_t row;  // of the first non-finite point, where that is the status
+};
+
+// Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
+OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order& order);
+
+// Puts the sites in the order of their rows instead: cells mean nothing from then on.
+void sort_by_row(Order& order);
+
+}  // namespace liftmesh
