@@ -8,9 +8,9 @@
 
 namespace liftmesh {
 
-Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order) {
+Delaunay start(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order) {
     Delaunay outcome;
-    const OrderResult arranged = arrange(input, skip_non_finite, team, order);
+    const OrderResult arranged = arrange(input, skip_non_finite, pool, order);
     outcome.status = arranged.status;
     outcome.row = arranged.row;
     if (outcome.status != Status::ok) return outcome;
@@ -23,23 +23,23 @@ Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& orde
 
 Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt,
                Order& order) {
-    Team team(threads.for_rows(input.rows), interrupt);
-    return start(input, skip_non_finite, team, order);
+    ThreadPool pool(threads.for_rows(input.rows), interrupt);
+    return start(input, skip_non_finite, pool, order);
 }
 
 Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    Team team(threads.for_rows(input.rows), interrupt);
+    ThreadPool pool(threads.for_rows(input.rows), interrupt);
     interrupt.expect(input.rows * (work::arranging + work::triangulating + work::emitting));
     Order order;
-    Delaunay outcome = start(input, skip_non_finite, team, order);
+    Delaunay outcome = start(input, skip_non_finite, pool, order);
     if (outcome.status != Status::ok) return outcome;
     Construction construction;
-    outcome.status = divide_and_conquer(order, team, construction);
+    outcome.status = divide_and_conquer(order, pool, construction);
     if (outcome.status != Status::ok) return outcome;
     static_assert(sizeof(Site) == 2 * 3 * sizeof(std::int32_t), "two triangles for each point");
     Memory sites{reuse<std::int32_t>(std::move(order.sites)), 6 * order.room};
-    outcome.status = emit(construction, team, std::move(sites), outcome.result);
+    outcome.status = emit(construction, pool, std::move(sites), outcome.result);
     return outcome;
 }
 

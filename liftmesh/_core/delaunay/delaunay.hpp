@@ -7,7 +7,7 @@
 #include "base/result.hpp"
 #include "base/status.hpp"
 #include "delaunay/mesh.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "sorting/distinct.hpp"
 #include "sorting/order.hpp"
 
@@ -27,7 +27,7 @@ struct Delaunay {
 
 // What every engine begins with: the distinct points are arranged, and what is known of them by
 // then is in the outcome. There is work left where its status is ok.
-Delaunay start(const Input& input, bool skip_non_finite, Team& team, Order& order);
+Delaunay start(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 
 // The same for engines that need one thread from then on.
 Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt,

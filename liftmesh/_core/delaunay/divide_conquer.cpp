@@ -26,10 +26,10 @@ namespace {
 
 class Engine {
  public:
-    Engine(Order& order, Team& team, Construction& result)
+    Engine(Order& order, ThreadPool& pool, Construction& result)
         : order_(order),
-          team_(team),
-          interrupt_(team.interrupt()),
+          pool_(pool),
+          interrupt_(pool.interrupt()),
           points_(result.points.get()),
           rows_(result.rows.get()),
           mesh_(points_, result.triangles.get()),
@@ -38,14 +38,14 @@ class Engine {
     // Gives a ghost of the whole.
     TriangleId run() {
         const int shared =
-            team_.size() == 1 ? 0 : static_cast<int>(std::bit_width(8 * team_.size()));
+            pool_.size() == 1 ? 0 : static_cast<int>(std::bit_width(8 * pool_.size()));
         parts_.resize(std::size_t{2} << shared);
         joins_.resize(static_cast<std::size_t>(shared));
         share_out(1, shared);
-        team_.run(subtrees_.size(), [&](Index i) { parts_[subtrees_[i]] = node(subtrees_[i]); });
+        pool_.run(subtrees_.size(), [&](Index i) { parts_[subtrees_[i]] = node(subtrees_[i]); });
         for (; !joins_.empty(); joins_.pop_back()) {
             const std::vector<Index>& level = joins_.back();
-            team_.run(level.size(), [&](Index i) { parts_[level[i]] = join_children(level[i]); });
+            pool_.run(level.size(), [&](Index i) { parts_[level[i]] = join_children(level[i]); });
         }
         return parts_[1].lower;
     }
@@ -192,7 +192,7 @@ class Engine {
     static TriangleId slot(Index position) { return triangle_in(2 * position); }
 
     Order& order_;
-    Team& team_;
+    ThreadPool& pool_;
     Interrupt& interrupt_;
     Point* points_;
     Row* rows_;
@@ -205,13 +205,13 @@ class Engine {
 
 }  // namespace
 
-Status divide_and_conquer(Order& order, Team& team, Construction& result) {
+Status divide_and_conquer(Order& order, ThreadPool& pool, Construction& result) {
     result.count = order.count;
     result.points = allocate<Point>(order.count);
     result.rows = allocate<Row>(order.count);
     result.triangles = allocate<Word>(words_per_triangle * (2 * order.count - 2));
-    result.some_ghost = Engine(order, team, result).run();
-    return team.interrupt().requested() ? Status::interrupted : Status::ok;
+    result.some_ghost = Engine(order, pool, result).run();
+    return pool.interrupt().requested() ? Status::interrupted : Status::ok;
 }
 
 }  // namespace liftmesh

@@ -3,7 +3,7 @@
 
 #include "base/buffer.hpp"
 #include "delaunay/merge.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "sorting/order.hpp"
 
 namespace liftmesh {
@@ -18,6 +18,6 @@ struct Construction {
 };
 
 // Triangulates the distinct points of `order` (two at least), whose sites are of no use afterwards.
-Status divide_and_conquer(Order& order, Team& team, Construction& result);
+Status divide_and_conquer(Order& order, ThreadPool& pool, Construction& result);
 
 }  // namespace liftmesh

@@ -96,7 +96,7 @@ class Emission {
 
 }  // namespace
 
-Status emit(const Construction& from, Team& team, Memory left, Result& result) {
+Status emit(const Construction& from, ThreadPool& pool, Memory left, Result& result) {
     constexpr std::size_t block = std::size_t{1} << 16;
     const Mesh mesh(from.points.get(), from.triangles.get());
     const std::size_t slots = 2 * from.count - 2;
@@ -109,9 +109,9 @@ Status emit(const Construction& from, Team& team, Memory left, Result& result) {
         return static_cast<std::int32_t>(from.rows[mesh.tail(g)]);
     });
     const Emission emission(from, ranks, result);
-    const bool done = team.run((slots + block - 1) / block, [&](std::size_t i) {
+    const bool done = pool.run((slots + block - 1) / block, [&](std::size_t i) {
         emission.slots(i * block, std::min(slots, (i + 1) * block));
-        team.interrupt().advance(work::emitting * block / 2);
+        pool.interrupt().advance(work::emitting * block / 2);
     });
     if (!done) return Status::interrupted;
     return result.triangle_count == 0 ? Status::collinear : Status::ok;

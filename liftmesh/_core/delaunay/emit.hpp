@@ -4,11 +4,11 @@
 #include "base/result.hpp"
 #include "base/status.hpp"
 #include "delaunay/divide_conquer.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace liftmesh {
 
 // `left` is memory that the result may take over.
-Status emit(const Construction& from, Team& team, Memory left, Result& result);
+Status emit(const Construction& from, ThreadPool& pool, Memory left, Result& result);
 
 }  // namespace liftmesh

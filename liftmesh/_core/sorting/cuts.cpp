@@ -22,7 +22,7 @@ Cuts::Cuts(std::vector<Point> sample, int depth) : depth_(depth), cut_(cells()) 
 }
 
 // The cuts near the root one after the other, then each subtree by whoever is free.
-Cuts::Cuts(std::vector<Point> sample, int depth, Team& team) : depth_(depth), cut_(cells()) {
+Cuts::Cuts(std::vector<Point> sample, int depth, ThreadPool& pool) : depth_(depth), cut_(cells()) {
     constexpr int shared_levels = 3;
     std::vector<Span> spans{{1, 0, sample.data(), sample.data() + sample.size()}};
     for (int level = 0; level < std::min(shared_levels, depth); ++level) {
@@ -34,7 +34,7 @@ Cuts::Cuts(std::vector<Point> sample, int depth, Team& team) : depth_(depth), cu
         }
         spans = std::move(below);
     }
-    team.run(spans.size(), [&](std::size_t i) {
+    pool.run(spans.size(), [&](std::size_t i) {
         learn(spans[i].node, spans[i].level, spans[i].first, spans[i].last);
     });
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/point.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace liftmesh {
 
@@ -23,7 +23,7 @@ class Cuts {
  public:
     // `sample` is reordered; it needs at least one point for each of the 2^depth cells.
     Cuts(std::vector<Point> sample, int depth);
-    Cuts(std::vector<Point> sample, int depth, Team& team);
+    Cuts(std::vector<Point> sample, int depth, ThreadPool& pool);
 
     int depth() const { return depth_; }
     std::size_t cells() const { return std::size_t{1} << depth_; }

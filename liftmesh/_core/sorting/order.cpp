@@ -35,8 +35,8 @@ struct Share {
 
 class Arrangement {
  public:
-    Arrangement(const Input& input, Team& team, Order& order)
-        : input_(input), team_(team), order_(order) {
+    Arrangement(const Input& input, ThreadPool& pool, Order& order)
+        : input_(input), pool_(pool), order_(order) {
         order.cuts = learn_cuts();
     }
 
@@ -63,12 +63,12 @@ class Arrangement {
             if (is_finite(p)) sample.push_back(p);
         }
         const auto found = static_cast<int>(std::bit_width(sample.size() / sample_per_cell));
-        return Cuts(std::move(sample), std::clamp(found - 1, 0, depth), team_);
+        return Cuts(std::move(sample), std::clamp(found - 1, 0, depth), pool_);
     }
 
     void divide() {
         constexpr std::size_t worth_sharing = std::size_t{1} << 15;
-        const std::size_t most = team_.size() == 1 ? 1 : 4 * team_.size();
+        const std::size_t most = pool_.size() == 1 ? 1 : 4 * pool_.size();
         const std::size_t count = std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
         for (std::size_t i = 0; i < count; ++i)
             shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}, {}, {}});
@@ -76,7 +76,7 @@ class Arrangement {
 
     bool find_cells() {
         cell_of_ = allocate<std::uint16_t>(input_.rows);
-        if (!team_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i]); }))
+        if (!pool_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i]); }))
             return false;
         Range range;
         for (const Share& share : shares_) {
@@ -89,9 +89,9 @@ class Arrangement {
 
     void find_cells(Share& share) {
         share.population.assign(order_.cuts.cells(), 0);
-        team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
         const std::size_t groups = (share.last - share.first + abreast - 1) / abreast;
-        for_each_in_blocks(groups, team_.interrupt(), [&](std::size_t group) {
+        for_each_in_blocks(groups, pool_.interrupt(), [&](std::size_t group) {
             const std::size_t first = share.first + group * abreast;
             const std::size_t count = std::min(abreast, share.last - first);
             Abreast<abreast> points{};
@@ -130,7 +130,7 @@ class Arrangement {
 
     bool scatter() {
         order_.sites = allocate<Site>(order_.count);
-        const bool done = touch_sites() && team_.run(shares_.size(), [&](std::size_t i) {
+        const bool done = touch_sites() && pool_.run(shares_.size(), [&](std::size_t i) {
             if (order_.scale.moves) {
                 scatter(shares_[i], [&](std::size_t row) { return order_.scale(input_[row]); });
             } else {
@@ -147,7 +147,7 @@ class Arrangement {
         constexpr std::size_t piece = (std::size_t{1} << 21) / sizeof(Site);
         constexpr std::size_t page = (std::size_t{1} << 12) / sizeof(Site);
         const std::size_t count = order_.count;
-        return team_.run((count + piece - 1) / piece,
+        return pool_.run((count + piece - 1) / piece,
                          [&, sites = order_.sites.get()](std::size_t i) {
                              const std::size_t end = std::min(count, (i + 1) * piece);
                              for (std::size_t site = i * piece; site < end; site += page)
@@ -160,8 +160,8 @@ class Arrangement {
     template <class Read>
     void scatter(Share& share, Read read) {
         Site* sites = order_.sites.get();
-        team_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
-        for_each_in_blocks(share.last - share.first, team_.interrupt(), [&](std::size_t i) {
+        pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        for_each_in_blocks(share.last - share.first, pool_.interrupt(), [&](std::size_t i) {
             const std::size_t row = share.first + i;
             if (cell_of_[row] == no_cell) return;
             const Point p = read(row);
@@ -176,9 +176,9 @@ class Arrangement {
         const std::size_t runs = std::min<std::size_t>(cells, 64);
         std::vector<std::vector<Duplicate>> found(runs);
         std::vector<std::size_t> distinct(cells);
-        const bool done = team_.run(runs, [&](std::size_t run) {
+        const bool done = pool_.run(runs, [&](std::size_t run) {
             for (std::size_t c = cells * run / runs; c < cells * (run + 1) / runs; ++c) {
-                if (team_.interrupt().requested()) return;
+                if (pool_.interrupt().requested()) return;
                 const std::size_t start = order_.cell_starts[c];
                 distinct[c] = keep_distinct(&order_.sites[start], order_.cell_starts[c + 1] - start,
                                             found[run]);
@@ -195,7 +195,7 @@ class Arrangement {
         Site* sites = order_.sites.get();
         std::size_t kept = 0;
         for (std::size_t cell = 0; cell < distinct.size(); ++cell) {
-            if (team_.interrupt().requested()) return false;
+            if (pool_.interrupt().requested()) return false;
             const std::size_t start = std::exchange(order_.cell_starts[cell], kept);
             if (kept != start) std::copy_n(sites + start, distinct[cell], sites + kept);
             kept += distinct[cell];
@@ -211,15 +211,15 @@ class Arrangement {
         const auto place = [&](std::size_t i) {
             kept[order_.duplicates[i].row] = order_.duplicates[i].kept;
         };
-        if (!for_each_in_blocks(order_.duplicates.size(), team_.interrupt(), place)) return false;
+        if (!for_each_in_blocks(order_.duplicates.size(), pool_.interrupt(), place)) return false;
         order_.duplicates.clear();
-        return for_each_in_blocks(kept.size(), team_.interrupt(), [&](std::size_t row) {
+        return for_each_in_blocks(kept.size(), pool_.interrupt(), [&](std::size_t row) {
             if (kept[row] != none) order_.duplicates.push_back({static_cast<Row>(row), kept[row]});
         });
     }
 
     const Input& input_;
-    Team& team_;
+    ThreadPool& pool_;
     Order& order_;
     std::vector<Share> shares_;
     Buffer<std::uint16_t> cell_of_;
@@ -227,8 +227,8 @@ class Arrangement {
 
 }  // namespace
 
-OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order& order) {
-    return Arrangement(input, team, order).run(skip_non_finite);
+OrderResult arrange(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order) {
+    return Arrangement(input, pool, order).run(skip_non_finite);
 }
 
 void sort_by_row(Order& order) {

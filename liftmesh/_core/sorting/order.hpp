@@ -8,7 +8,7 @@
 #include "base/input.hpp"
 #include "base/site.hpp"
 #include "base/status.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/cuts.hpp"
 #include "sorting/distinct.hpp"
@@ -34,7 +34,7 @@ struct OrderResult {
 };
 
 // Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
-OrderResult arrange(const Input& input, bool skip_non_finite, Team& team, Order& order);
+OrderResult arrange(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 
 // Puts the sites in the order of their rows instead: cells mean nothing from then on.
 void sort_by_row(Order& order);

@@ -13,8 +13,8 @@ namespace {
 
 class Border {
  public:
-    Border(const Subject& subject, const std::vector<Side>& border, Team& team)
-        : subject_(subject), border_(border), team_(team), next_(allocate<Row>(subject.rows)) {}
+    Border(const Subject& subject, const std::vector<Side>& border, ThreadPool& pool)
+        : subject_(subject), border_(border), pool_(pool), next_(allocate<Row>(subject.rows)) {}
 
     bool look(Flaws& flaws) {
         link(flaws);
@@ -45,7 +45,7 @@ class Border {
     bool look_at_turns(Flaws& flaws, std::size_t& rounds) const {
         std::vector<Flaws> found(blocks(border_.size()));
         std::vector<std::size_t> least(found.size());
-        const bool done = team_.run(found.size(), [&](std::size_t task) {
+        const bool done = pool_.run(found.size(), [&](std::size_t task) {
             const std::size_t last = std::min(border_.size(), (task + 1) * block);
             for (std::size_t i = task * block; i < last; ++i) {
                 __builtin_prefetch(&next_[border_[std::min(i + 2 * ahead, last - 1)].head]);
@@ -97,15 +97,15 @@ class Border {
 
     const Subject& subject_;
     const std::vector<Side>& border_;
-    Team& team_;
+    ThreadPool& pool_;
     Buffer<Row> next_;  // of each row that the border goes through
 };
 
 }  // namespace
 
-bool follow_border(const Subject& subject, const std::vector<Side>& border, Team& team,
+bool follow_border(const Subject& subject, const std::vector<Side>& border, ThreadPool& pool,
                    Flaws& flaws) {
-    return Border(subject, border, team).look(flaws);
+    return Border(subject, border, pool).look(flaws);
 }
 
 }  // namespace liftmesh

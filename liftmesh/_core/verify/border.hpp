@@ -3,14 +3,14 @@
 
 #include <vector>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "verify/flaws.hpp"
 #include "verify/subject.hpp"
 
 namespace liftmesh {
 
 // Adds what is wrong to `flaws`. False where the interrupt came first.
-bool follow_border(const Subject& subject, const std::vector<Side>& border, Team& team,
+bool follow_border(const Subject& subject, const std::vector<Side>& border, ThreadPool& pool,
                    Flaws& flaws);
 
 }  // namespace liftmesh

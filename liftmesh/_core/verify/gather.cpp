@@ -43,16 +43,16 @@ bool is_scattered(const Subject& subject) {
 
 class Gathering {
  public:
-    Gathering(const Subject& subject, Team& team)
+    Gathering(const Subject& subject, ThreadPool& pool)
         : subject_(subject),
-          team_(team),
+          pool_(pool),
           cuts_(learn_cuts()),
           row_cells_(allocate<std::uint16_t>(subject.rows)),
           cells_(allocate<std::uint16_t>(subject.count)) {}
 
     bool run(Gathered& gathered) {
         if (!find_cells()) return false;
-        const std::size_t shares = std::min(blocks(subject_.count), 4 * std::size_t{team_.size()});
+        const std::size_t shares = std::min(blocks(subject_.count), 4 * std::size_t{pool_.size()});
         std::vector<std::vector<std::uint32_t>> next(shares);  // where the next of a cell goes
         const bool counted = for_each_share(shares, [&](std::size_t i, auto first, auto last) {
             next[i].assign(cuts_.cells(), 0);
@@ -82,11 +82,11 @@ class Gathering {
             const Point p = subject_.points[sample_place(i, subject_.rows)];
             if (is_finite(p)) sample[i] = p;
         }
-        return Cuts(std::move(sample), depth, team_);
+        return Cuts(std::move(sample), depth, pool_);
     }
 
     bool find_cells() {
-        return team_.run(blocks(subject_.rows), [&](std::size_t task) {
+        return pool_.run(blocks(subject_.rows), [&](std::size_t task) {
             constexpr std::size_t abreast = 8;
             const std::size_t last = std::min(subject_.rows, (task + 1) * block);
             for (std::size_t row = task * block; row < last; row += abreast) {
@@ -110,13 +110,13 @@ class Gathering {
     // Calls work(share, first triangle, end).
     template <class Work>
     bool for_each_share(std::size_t shares, Work work) {
-        return team_.run(shares, [&](std::size_t i) {
+        return pool_.run(shares, [&](std::size_t i) {
             work(i, subject_.count * i / shares, subject_.count * (i + 1) / shares);
         });
     }
 
     const Subject& subject_;
-    Team& team_;
+    ThreadPool& pool_;
     Cuts cuts_;
     Buffer<std::uint16_t> row_cells_;
     Buffer<std::uint16_t> cells_;  // of the triangles
@@ -124,8 +124,8 @@ class Gathering {
 
 }  // namespace
 
-bool gather(const Subject& subject, Team& team, Gathered& gathered) {
-    return !is_scattered(subject) || Gathering(subject, team).run(gathered);
+bool gather(const Subject& subject, ThreadPool& pool, Gathered& gathered) {
+    return !is_scattered(subject) || Gathering(subject, pool).run(gathered);
 }
 
 }  // namespace liftmesh

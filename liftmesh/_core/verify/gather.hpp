@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "base/buffer.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "verify/subject.hpp"
 
 namespace liftmesh {
@@ -16,6 +16,6 @@ struct Gathered {
 
 // Leaves `gathered` empty where the triangles are in such an order already, or are few. All corners
 // must be rows. False where the interrupt came first.
-bool gather(const Subject& subject, Team& team, Gathered& gathered);
+bool gather(const Subject& subject, ThreadPool& pool, Gathered& gathered);
 
 }  // namespace liftmesh

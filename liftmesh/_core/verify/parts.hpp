@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/buffer.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace liftmesh {
 
@@ -22,19 +22,19 @@ template <class Item, class Hash>
 class Parts {
  public:
     // Of items that come in several shares. Not whole where the interrupt came first.
-    Parts(const std::vector<std::vector<Item>>& shares, Team& team) {
+    Parts(const std::vector<std::vector<Item>>& shares, ThreadPool& pool) {
         std::size_t count = 0;
         for (const auto& share : shares) count += share.size();
         bits_ = std::min(static_cast<int>(std::bit_width(count / population)), most_bits);
         std::vector<std::vector<std::uint32_t>> next(shares.size());
-        whole_ = team.run(shares.size(), [&](std::size_t i) {
+        whole_ = pool.run(shares.size(), [&](std::size_t i) {
             next[i].assign(std::size_t{1} << bits_, 0);
             for (const Item& item : shares[i]) ++next[i][digit(item, 0, bits_)];
         });
         if (!whole_) return;
         find_places(next);
         items_ = allocate<Item>(count);
-        whole_ = team.run(shares.size(), [&](std::size_t i) {
+        whole_ = pool.run(shares.size(), [&](std::size_t i) {
             for (const Item& item : shares[i]) items_[next[i][digit(item, 0, bits_)]++] = item;
         });
     }

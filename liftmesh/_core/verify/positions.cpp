@@ -27,9 +27,9 @@ struct HashOfPosition {
     }
 };
 
-std::vector<std::vector<Placed>> finite_rows(const Subject& subject, Team& team) {
+std::vector<std::vector<Placed>> finite_rows(const Subject& subject, ThreadPool& pool) {
     std::vector<std::vector<Placed>> shares(blocks(subject.rows));
-    team.run(shares.size(), [&](std::size_t task) {
+    pool.run(shares.size(), [&](std::size_t task) {
         const std::size_t last = std::min(subject.rows, (task + 1) * block);
         shares[task].reserve(last - task * block);
         for (std::size_t row = task * block; row < last; ++row)
@@ -41,9 +41,9 @@ std::vector<std::vector<Placed>> finite_rows(const Subject& subject, Team& team)
 
 // Calls visit(rows) for the finite rows at each position, ascending; any thread may.
 template <class Visit>
-bool for_each_position(const Subject& subject, Team& team, Visit visit) {
-    const Parts<Placed, HashOfPosition> parts(finite_rows(subject, team), team);
-    return parts.whole() && team.run(parts.size(), [&](std::size_t part) {
+bool for_each_position(const Subject& subject, ThreadPool& pool, Visit visit) {
+    const Parts<Placed, HashOfPosition> parts(finite_rows(subject, pool), pool);
+    return parts.whole() && pool.run(parts.size(), [&](std::size_t part) {
         parts.for_each_handful(part, [&](std::span<Placed> some) {
             std::sort(some.begin(), some.end(), [](const Placed& p, const Placed& q) {
                 return before_xy(p.point, q.point) || (p.point == q.point && p.row < q.row);
@@ -61,9 +61,9 @@ bool for_each_position(const Subject& subject, Team& team, Visit visit) {
 
 }  // namespace
 
-bool find_missing(const Subject& subject, const Marks& vertices, Team& team, Flaws& flaws) {
+bool find_missing(const Subject& subject, const Marks& vertices, ThreadPool& pool, Flaws& flaws) {
     Marks missing(subject.rows);
-    const bool done = for_each_position(subject, team, [&](std::span<Placed> rows) {
+    const bool done = for_each_position(subject, pool, [&](std::span<Placed> rows) {
         const auto is_vertex = [&](const Placed& placed) { return vertices[placed.row] != 0; };
         if (std::any_of(rows.begin(), rows.end(), is_vertex)) return;
         for (const Placed& placed : rows) missing[placed.row] = 1;
@@ -73,10 +73,10 @@ bool find_missing(const Subject& subject, const Marks& vertices, Team& team, Fla
     return done;
 }
 
-bool find_lowest(const Subject& subject, Team& team, std::vector<Row>& lowest) {
+bool find_lowest(const Subject& subject, ThreadPool& pool, std::vector<Row>& lowest) {
     lowest.resize(subject.rows);
     std::iota(lowest.begin(), lowest.end(), Row{0});
-    return for_each_position(subject, team, [&](std::span<Placed> rows) {
+    return for_each_position(subject, pool, [&](std::span<Placed> rows) {
         for (const Placed& placed : rows) lowest[placed.row] = rows.front().row;
     });
 }

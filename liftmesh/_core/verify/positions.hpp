@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "verify/flaws.hpp"
 #include "verify/subject.hpp"
 
@@ -14,9 +14,9 @@ namespace liftmesh {
 using Marks = std::vector<std::uint8_t>;
 
 // Adds every finite row that has no vertex at its position. False where the interrupt came first.
-bool find_missing(const Subject& subject, const Marks& vertices, Team& team, Flaws& flaws);
+bool find_missing(const Subject& subject, const Marks& vertices, ThreadPool& pool, Flaws& flaws);
 
 // The lowest row at the position of each finite row. False where the interrupt came first.
-bool find_lowest(const Subject& subject, Team& team, std::vector<Row>& lowest);
+bool find_lowest(const Subject& subject, ThreadPool& pool, std::vector<Row>& lowest);
 
 }  // namespace liftmesh

@@ -184,10 +184,10 @@ void match(std::span<Side> sides, Finder& found) {
 
 // Adds up what tasks find, and hands on what they leave.
 template <class Work>
-bool in_tasks(const Subject& subject, std::size_t tasks, Team& team, Sides& sides,
+bool in_tasks(const Subject& subject, std::size_t tasks, ThreadPool& pool, Sides& sides,
               std::vector<std::vector<Side>>& left, Work work) {
     std::vector<Finder> found(tasks, Finder(subject));
-    const bool done = team.run(tasks, [&](std::size_t task) { work(task, found[task]); });
+    const bool done = pool.run(tasks, [&](std::size_t task) { work(task, found[task]); });
     left.clear();
     for (Finder& some : found) {
         sides.inner += some.inner;
@@ -198,11 +198,12 @@ bool in_tasks(const Subject& subject, std::size_t tasks, Team& team, Sides& side
     return done;
 }
 
-bool pair(const Subject& subject, Team& team, std::vector<std::vector<Side>>& left, Sides& sides) {
-    const Parts<Side, HashOfEdge> parts(left, team);
+bool pair(const Subject& subject, ThreadPool& pool, std::vector<std::vector<Side>>& left,
+          Sides& sides) {
+    const Parts<Side, HashOfEdge> parts(left, pool);
     if (!parts.whole()) return false;
     const bool done =
-        in_tasks(subject, parts.size(), team, sides, left, [&](std::size_t part, Finder& found) {
+        in_tasks(subject, parts.size(), pool, sides, left, [&](std::size_t part, Finder& found) {
             parts.for_each_handful(part, [&](std::span<Side> some) { match(some, found); });
             found.look_at_met();
         });
@@ -213,25 +214,25 @@ bool pair(const Subject& subject, Team& team, std::vector<std::vector<Side>>& le
 
 }  // namespace
 
-bool pass_triangles(const Subject& subject, Team& team, Sides& sides) {
+bool pass_triangles(const Subject& subject, ThreadPool& pool, Sides& sides) {
     std::vector<std::vector<Side>> left;
     const auto pass = [&](std::size_t task, Finder& found) {
         const std::size_t first = task * block, last = std::min(subject.count, first + block);
         Passing(subject, found).run(first, last);
-        team.interrupt().advance(3 * (last - first));
+        pool.interrupt().advance(3 * (last - first));
     };
-    return in_tasks(subject, blocks(subject.count), team, sides, left, pass) &&
-           pair(subject, team, left, sides);
+    return in_tasks(subject, blocks(subject.count), pool, sides, left, pass) &&
+           pair(subject, pool, left, sides);
 }
 
-bool sort_sides(const Subject& subject, Team& team, Sides& sides) {
+bool sort_sides(const Subject& subject, ThreadPool& pool, Sides& sides) {
     std::vector<std::vector<Side>> all(blocks(subject.count));
-    const bool done = team.run(all.size(), [&](std::size_t task) {
+    const bool done = pool.run(all.size(), [&](std::size_t task) {
         const std::size_t last = std::min(subject.count, (task + 1) * block);
         for (std::size_t t = task * block; t < last; ++t)
             for (int k = 0; k < 3; ++k) all[task].push_back(subject.side(t, k));
     });
-    return done && pair(subject, team, all, sides);
+    return done && pair(subject, pool, all, sides);
 }
 
 }  // namespace liftmesh

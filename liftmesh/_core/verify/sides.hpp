@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "verify/flaws.hpp"
 #include "verify/subject.hpp"
 
@@ -21,9 +21,9 @@ struct Sides {
 // Looks at each triangle, and pairs its sides with those of the triangles around it. All corners
 // must be rows; triangles with corners that are not finite are left out. False where the interrupt
 // came first.
-bool pass_triangles(const Subject& subject, Team& team, Sides& sides);
+bool pass_triangles(const Subject& subject, ThreadPool& pool, Sides& sides);
 
 // Pairs all sides by sorting them, which names what is doubled.
-bool sort_sides(const Subject& subject, Team& team, Sides& sides);
+bool sort_sides(const Subject& subject, ThreadPool& pool, Sides& sides);
 
 }  // namespace liftmesh

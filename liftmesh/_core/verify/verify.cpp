@@ -67,10 +67,11 @@ struct Finding {
 
 class Verification {
  public:
-    Verification(const Input& input, const std::int32_t* simplices, std::size_t count, Team& team)
+    Verification(const Input& input, const std::int32_t* simplices, std::size_t count,
+                 ThreadPool& pool)
         : input_(input),
           simplices_(simplices),
-          team_(team),
+          pool_(pool),
           points_(allocate<Point>(input.rows)),
           corners_(allocate<std::int32_t>(3 * count)),
           subject_{points_.get(), input.rows, corners_.get(), count, Guard::anywhere()},
@@ -125,22 +126,22 @@ class Verification {
         }
         if (found.holds_together()) return true;
         found = {};
-        return sort_sides(subject_, team_, found.sides) && follow_border(found);
+        return sort_sides(subject_, pool_, found.sides) && follow_border(found);
     }
 
     bool pass(Finding& found) {
         found = {};
-        return pass_triangles(subject_, team_, found.sides);
+        return pass_triangles(subject_, pool_, found.sides);
     }
 
     bool follow_border(Finding& found) {
-        return liftmesh::follow_border(subject_, found.sides.border, team_, found.border);
+        return liftmesh::follow_border(subject_, found.sides.border, pool_, found.border);
     }
 
     // In blocks: work(first, last, task).
     template <class Work>
     bool in_blocks(std::size_t count, Work work) {
-        return team_.run(blocks(count), [&](std::size_t task) {
+        return pool_.run(blocks(count), [&](std::size_t task) {
             work(task * block, std::min(count, (task + 1) * block), task);
         });
     }
@@ -149,7 +150,7 @@ class Verification {
         std::vector<Range> ranges(blocks(input_.rows));
         std::vector<Skipped> skipped(ranges.size());
         const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
-            team_.interrupt().advance(last - first);
+            pool_.interrupt().advance(last - first);
             for (std::size_t row = first; row < last; ++row) {
                 const Point p = points_[row] = input_[row];
                 if (is_finite(p)) {
@@ -220,7 +221,7 @@ class Verification {
 
     bool gather_triangles() {
         Gathered gathered;
-        if (!gather(subject_, team_, gathered)) return false;
+        if (!gather(subject_, pool_, gathered)) return false;
         if (gathered.order == nullptr) return true;
         corners_ = std::move(gathered.simplices);
         order_ = std::move(gathered.order);
@@ -248,7 +249,7 @@ class Verification {
     bool merge_positions() {
         merged_ = true;
         std::vector<Row> lowest;
-        if (!find_lowest(subject_, team_, lowest)) return false;
+        if (!find_lowest(subject_, pool_, lowest)) return false;
         Marks kept(subject_.rows);
         for (std::size_t row = 0; row < subject_.rows; ++row)
             if (is_corner_[row]) verdict_.merged += std::exchange(kept[lowest[row]], 1);
@@ -263,12 +264,12 @@ class Verification {
     bool count_vertices() {
         for (const std::uint8_t corner : is_corner_) verdict_.vertices += corner;
         return verdict_.vertices + verdict_.merged + verdict_.skipped == subject_.rows ||
-               find_missing(subject_, is_corner_, team_, verdict_.flaws);
+               find_missing(subject_, is_corner_, pool_, verdict_.flaws);
     }
 
     const Input& input_;
     const std::int32_t* simplices_;
-    Team& team_;
+    ThreadPool& pool_;
     Buffer<Point> points_;
     Buffer<std::int32_t> corners_;
     Buffer<std::uint32_t> order_;
@@ -283,9 +284,9 @@ class Verification {
 Verdict verify(const Input& input, const std::int32_t* simplices, std::size_t count,
                bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    Team team(threads.for_rows(std::max(input.rows, count)), interrupt);
+    ThreadPool pool(threads.for_rows(std::max(input.rows, count)), interrupt);
     interrupt.expect(input.rows + 3 * count);
-    return Verification(input, simplices, count, team).run(skip_non_finite);
+    return Verification(input, simplices, count, pool).run(skip_non_finite);
 }
 
 }  // namespace liftmesh

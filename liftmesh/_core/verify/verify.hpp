@@ -6,7 +6,7 @@
 
 #include "base/input.hpp"
 #include "base/status.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "verify/flaws.hpp"
 
 namespace liftmesh {

@@ -14,7 +14,7 @@
 #include "base/input.hpp"
 #include "base/point.hpp"
 #include "bytes.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 #include "predicates/orient3d.hpp"
 
 namespace fuzzing {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace fuzzing {
 

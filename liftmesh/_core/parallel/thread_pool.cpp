@@ -1,4 +1,4 @@
-#include "parallel/team.hpp"
+#include "parallel/thread_pool.hpp"
 
 #include <pthread.h>
 
@@ -13,11 +13,11 @@ namespace liftmesh {
 
 namespace {
 
-std::atomic<unsigned> busy = 0;   // threads at work in all teams of the process
-std::atomic<unsigned> forks = 0;  // that lead from the first process to this one
+std::atomic<unsigned> busy = 0;   // threads of all pools of the process
+std::atomic<unsigned> forks = 0;  // between the first process and this one
 
-// The child of a fork has none of the threads but the one that forked.
-[[maybe_unused]] const int forgotten = pthread_atfork(nullptr, nullptr, [] {
+// Of its parent's threads the child of a fork has only the one that forked.
+[[maybe_unused]] const int fork_handler = pthread_atfork(nullptr, nullptr, [] {
     busy = 0;
     ++forks;
 });
@@ -33,69 +33,70 @@ unsigned claim(Threads threads) {
 
 }  // namespace
 
-Team::Team(Threads threads, Interrupt& interrupt)
-    : heard_(interrupt),
+ThreadPool::ThreadPool(Threads threads, Interrupt& interrupt)
+    : interrupt_(interrupt),
       workers_(std::make_unique<Workers>()),
       size_(claim(threads)),
       forks_(forks) {}
 
-// In a child that was forked amid the run nobody is left to be joined, and who waited at the time
-// of the fork would be waited for: the workers are forgotten as they are.
-Team::~Team() {
+// In a child that was forked during the run no worker is left to join, and destroying a condition
+// variable would wait for threads that waited on it at the time of the fork: the workers are
+// leaked.
+ThreadPool::~ThreadPool() {
     if (forked()) {
         static_cast<void>(workers_.release());
         return;
     }
     {
         const std::lock_guard lock(mutex_);
-        dismissed_ = true;
+        stopping_ = true;
     }
     workers_->begin.notify_all();
     for (std::thread& worker : workers_->threads) worker.join();
     busy -= size_;
 }
 
-bool Team::forked() const {
+bool ThreadPool::forked() const {
     return forks != forks_;
 }
 
-bool Team::Heard::requested() {
+bool ThreadPool::RelayedInterrupt::requested() {
     if (!requested_ && std::this_thread::get_id() == caller_ && source_.requested())
         requested_ = true;
     return requested_;
 }
 
-// A system that has no thread left for us gets the same result from fewer.
-void Team::hire() {
-    std::vector<std::thread>& hired = workers_->threads;
+// Where the system grants no further thread, fewer give the same result.
+void ThreadPool::start_workers() {
+    std::vector<std::thread>& started = workers_->threads;
     try {
-        while (hired.size() + 1 < size_) hired.emplace_back([this] { serve(); });
+        while (started.size() + 1 < size_) started.emplace_back([this] { run_worker(); });
     } catch (const std::system_error&) {
-        busy -= size_ - static_cast<unsigned>(hired.size()) - 1;
-        size_ = static_cast<unsigned>(hired.size()) + 1;
+        busy -= size_ - static_cast<unsigned>(started.size()) - 1;
+        size_ = static_cast<unsigned>(started.size()) + 1;
     }
 }
 
-void Team::serve() {
+void ThreadPool::run_worker() {
     const IeeeArithmetic ieee;
     std::size_t round = 0;
     for (;;) {
         {
             std::unique_lock lock(mutex_);
-            workers_->begin.wait(lock, [&] { return dismissed_ || round_ != round; });
-            if (dismissed_) return;
+            workers_->begin.wait(lock, [&] { return stopping_ || round_ != round; });
+            if (stopping_) return;
             round = round_;
         }
-        take_tasks();
+        run_tasks();
         const std::lock_guard lock(mutex_);
         if (--working_ == 0) workers_->end.notify_one();
     }
 }
 
-void Team::take_tasks() {
+void ThreadPool::run_tasks() {
     try {
         for (std::size_t task; (task = next_.fetch_add(1)) < tasks_;) {
-            if (heard_.requested()) return;
+            if (interrupt_.requested()) return;
             (*work_)(task);
         }
     } catch (...) {
@@ -105,9 +106,9 @@ void Team::take_tasks() {
     }
 }
 
-bool Team::run(std::size_t tasks, const std::function<void(std::size_t)>& work) {
+bool ThreadPool::run(std::size_t tasks, const std::function<void(std::size_t)>& work) {
     if (forked()) return false;
-    if (tasks > 1 && size_ > 1 && workers_->threads.empty()) hire();
+    if (tasks > 1 && size_ > 1 && workers_->threads.empty()) start_workers();
     work_ = &work;
     tasks_ = tasks;
     next_ = 0;
@@ -120,18 +121,18 @@ bool Team::run(std::size_t tasks, const std::function<void(std::size_t)>& work) 
         }
         workers_->begin.notify_all();
     }
-    take_tasks();
+    run_tasks();
     if (!alone && !forked()) wait();
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-    return !heard_.requested();
+    return !interrupt_.requested();
 }
 
-void Team::wait() {
-    constexpr std::chrono::milliseconds now_and_then(20);
+void ThreadPool::wait() {
+    constexpr std::chrono::milliseconds poll_interval(20);
     std::unique_lock lock(mutex_);
-    while (!workers_->end.wait_for(lock, now_and_then, [&] { return working_ == 0; })) {
+    while (!workers_->end.wait_for(lock, poll_interval, [&] { return working_ == 0; })) {
         lock.unlock();
-        heard_.requested();
+        interrupt_.requested();
         if (forked()) return;
         lock.lock();
     }

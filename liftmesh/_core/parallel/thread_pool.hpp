@@ -1,7 +1,7 @@
-// Threads that work off a list of tasks together, the caller's thread among them.
+// A pool of threads that runs a list of tasks; the caller's thread is one of them.
 //
-// What a task computes never depends on who runs it or when, so neither does any result. Only the
-// caller's thread asks whether the run is to end; the others see its answer.
+// What a task computes never depends on which thread runs it, or when, so no result does. Only the
+// caller's thread polls the interrupt; the others read its answer.
 #pragma once
 
 #include <algorithm>
@@ -19,41 +19,41 @@
 
 namespace liftmesh {
 
-// A thread for fewer would cost more than it saves.
+// With fewer rows a further thread costs more than it saves.
 inline constexpr std::size_t rows_per_thread = std::size_t{1} << 12;
 
-// How many threads a run may take. Runs that share do not exceed the limit together: each takes
-// what the others of the process leave, and its caller's thread at least.
+// How many threads a run may take. Runs with `shared` set stay within the limit together: each
+// takes what the others of the process leave, and its caller's thread at least.
 struct Threads {
     unsigned limit = 1;
     bool shared = false;
 
-    // No more than so many rows are worth.
+    // At most as many as that many rows can occupy.
     Threads for_rows(std::size_t rows) const {
         return {static_cast<unsigned>(std::clamp<std::size_t>(rows / rows_per_thread, 1, limit)),
                 shared};
     }
 };
 
-class Team {
+class ThreadPool {
  public:
-    Team(Threads threads, Interrupt& interrupt);
-    ~Team();
-    Team(const Team&) = delete;
-    Team& operator=(const Team&) = delete;
+    ThreadPool(Threads threads, Interrupt& interrupt);
+    ~ThreadPool();
+    ThreadPool(const ThreadPool&) = delete;
+    ThreadPool& operator=(const ThreadPool&) = delete;
 
     unsigned size() const { return size_; }
-    Interrupt& interrupt() { return heard_; }
+    Interrupt& interrupt() { return interrupt_; }
 
-    // work(task) for every task below `tasks`. False where the interrupt ended it early. Rethrows
-    // the first exception of a task.
+    // Calls work(task) for every task below `tasks`. False if the interrupt ended it early.
+    // Rethrows the first exception of a task.
     bool run(std::size_t tasks, const std::function<void(std::size_t)>& work);
 
  private:
-    // Asked by any thread, passed on by the caller's alone.
-    class Heard final : public Interrupt {
+    // Any thread may ask; only the caller's thread passes the question on.
+    class RelayedInterrupt final : public Interrupt {
      public:
-        explicit Heard(Interrupt& source) : source_(source) {}
+        explicit RelayedInterrupt(Interrupt& source) : source_(source) {}
         bool requested() override;
         void expect(std::size_t work) override { source_.expect(work); }
         void advance(std::size_t work) override { source_.advance(work); }
@@ -70,20 +70,20 @@ class Team {
     };
 
     bool forked() const;
-    void hire();
-    void serve();
-    void take_tasks();
+    void start_workers();
+    void run_worker();
+    void run_tasks();
     void wait();
 
-    Heard heard_;
+    RelayedInterrupt interrupt_;
     std::unique_ptr<Workers> workers_;
     unsigned size_;
     unsigned forks_;
 
     std::mutex mutex_;
-    std::size_t round_ = 0;    // counts the lists; guarded by the mutex, as the next three
-    std::size_t working_ = 0;  // workers not yet through with the list
-    bool dismissed_ = false;
+    std::size_t round_ = 0;    // number of the current list; the mutex guards it and the next three
+    std::size_t working_ = 0;  // workers that have not finished the list
+    bool stopping_ = false;
     std::exception_ptr error_;
 
     const std::function<void(std::size_t)>* work_ = nullptr;
