@@ -34,7 +34,7 @@ from liftmesh import _kernel
 
 CORE = Path(__file__).resolve().parent.parent / "liftmesh" / "_core"
 PROGRAMS = Path(__file__).parent / "contraction"
-PREDICATES = [CORE / f"predicates/{name}.cpp" for name in ("orient2d", "incircle", "ties")]
+PREDICATES = [CORE / f"predicates/{name}.cpp" for name in ("orient2d", "incircle", "perturbation")]
 FUSING = "-ffp-contract=fast"
 FUSED = re.compile(r"\s(?:vfn?m(?:add|sub)\w+|fn?m(?:add|sub)|fml[as])\s")
 

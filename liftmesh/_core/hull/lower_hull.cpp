@@ -6,7 +6,7 @@
 
 #include "base/facets.hpp"
 #include "base/floating_point.hpp"
-#include "hull/hull3.hpp"
+#include "hull/incremental_hull.hpp"
 #include "paper/algorithm2.hpp"
 #include "paper/lf.hpp"
 #include "paper/points.hpp"
@@ -77,7 +77,7 @@ Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Inte
     std::vector<Facet> facets;
     outcome.status = method == HullMethod::lf
                          ? wrap({std::move(points), z.guard}, interrupt, facets, counts)
-                         : lower_hull(points, z.guard, interrupt, facets);
+                         : incremental_hull(points, z.guard, interrupt, facets);
     if (outcome.status != Status::ok) return outcome;
     outcome.status = emit(facets, {order.sites.get(), order.count}, outcome.result);
     return outcome;

@@ -57,12 +57,12 @@ class FirstEdgeSearch {
     // lifted most, and decides unless the other two have one y; then the next largest does.
     bool is_to_the_right(Vertex u, Vertex v, Vertex w) const {
         int sign = p_.turn_in_oyz(u, v, w);
-        if (sign == 0) sign = turn_of_tie(u, v, w);
+        if (sign == 0) sign = perturbed_turn(u, v, w);
         return sign > 0;
     }
 
     // Lifting w turns u, v, w counter-clockwise where v is at larger y than u; and so on around.
-    int turn_of_tie(Vertex u, Vertex v, Vertex w) const {
+    int perturbed_turn(Vertex u, Vertex v, Vertex w) const {
         Vertex turned[3] = {u, v, w};
         for (int rest = 3; rest > 0; --rest) {
             int largest = 0;

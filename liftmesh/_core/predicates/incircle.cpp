@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "predicates/lattice.hpp"
-#include "predicates/ties.hpp"
+#include "predicates/perturbation.hpp"
 #include "predicates/volume.hpp"
 
 namespace liftmesh {
@@ -88,7 +88,7 @@ int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
 
 int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard) {
     const int sign = incircle_exact(a, b, c, d, guard);
-    return sign != 0 ? sign : sign_of_tie(a, b, c, d);
+    return sign != 0 ? sign : perturbed_sign(a, b, c, d);
 }
 
 }  // namespace liftmesh

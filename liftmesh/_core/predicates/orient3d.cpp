@@ -1,7 +1,7 @@
 #include "predicates/orient3d.hpp"
 
 #include "predicates/lattice.hpp"
-#include "predicates/ties.hpp"
+#include "predicates/perturbation.hpp"
 #include "predicates/volume.hpp"
 
 namespace liftmesh {
@@ -36,7 +36,7 @@ int orient3d_exact(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d) {
 
 int orient3d_canonical_exact(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d) {
     const int sign = orient3d_exact(a, b, c, d);
-    return sign != 0 ? sign : sign_of_tie(a.planar(), b.planar(), c.planar(), d.planar());
+    return sign != 0 ? sign : perturbed_sign(a.planar(), b.planar(), c.planar(), d.planar());
 }
 
 }  // namespace liftmesh

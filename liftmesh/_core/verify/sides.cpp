@@ -13,7 +13,7 @@
 
 #include "base/input.hpp"
 #include "predicates/orient2d.hpp"
-#include "predicates/ties.hpp"
+#include "predicates/perturbation.hpp"
 #include "verify/open_sides.hpp"
 #include "verify/parts.hpp"
 
@@ -89,7 +89,7 @@ class Finder {
         const double error = filter.error + subject_.guard.margin();
         if (-filter.det > error) return;
         const int side = filter.det > error ? 1 : incircle_exact(a, b, c, d, subject_.guard);
-        if (side < 0 || (side == 0 && sign_of_tie(a, b, c, d) <= 0)) return;
+        if (side < 0 || (side == 0 && perturbed_sign(a, b, c, d) <= 0)) return;
         if (!turns_left(first) || !turns_left(other - other % 3)) return;  // and has no inside
         const Place place = in_order(one, other);
         if (side > 0) edges.add(Flaw::delaunay, place);

@@ -1,4 +1,4 @@
-#include "predicates/ties.hpp"
+#include "predicates/perturbation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 
 namespace liftmesh {
 
-// Among the four points the lexicographically largest is lifted most. If that is d, it leaves the
-// circle; otherwise d takes its place in the triangle, and the turn of what results tells the side.
-// Where that is no triangle, the next largest decides. Points that coincide or lie on one line have
-// no side; a clockwise triangle has the opposite one.
-int sign_of_tie(Point a, Point b, Point c, Point d) {
+// The lexicographically largest of the four points is lifted most. If it is d, d leaves the circle;
+// otherwise d replaces it in the triangle, and the orientation of the new triangle is the sign.
+// Where that is degenerate, the next largest point decides. The sign is 0 if a, b, c are collinear
+// or d coincides with one of them; reversing the triangle reverses it.
+int perturbed_sign(Point a, Point b, Point c, Point d) {
     const int turn = orient2d(a, b, c);
     if (turn == 0 || d == a || d == b || d == c) return 0;
     const Point triangle[3] = {a, b, c};

@@ -21,7 +21,7 @@ namespace liftmesh {
 
 // `points` have distinct planar positions, and are best in an order that keeps neighbours together.
 // There are no facets where the positions are on one line.
-Status lower_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
-                  std::vector<Facet>& facets);
+Status incremental_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
+                        std::vector<Facet>& facets);
 
 }  // namespace liftmesh

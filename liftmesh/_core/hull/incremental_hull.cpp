@@ -1,4 +1,4 @@
-#include "hull/hull3.hpp"
+#include "hull/incremental_hull.hpp"
 
 #include <algorithm>
 #include <array>
@@ -83,11 +83,11 @@ class LowerHullBuilder {
     static constexpr TriangleId nowhere = ~TriangleId{0};
 
     // An edge of the rim, as seen from the cavity: what lies outside, and the edge's ends.
-    struct Side {
+    struct RimEdge {
         Edge outside;
         Vertex tail, head;
     };
-    Side side(TriangleId t, unsigned k) const {
+    RimEdge rim_edge(TriangleId t, unsigned k) const {
         return {twin(edge(t, k)), corners(t)[(k + 1) % 3], corners(t)[(k + 2) % 3]};
     }
 
@@ -200,7 +200,7 @@ class LowerHullBuilder {
                     conflict_[slot_of(t)] = true;
                     cavity_.push_back(t);
                 } else {
-                    rim_.push_back(side(cavity_[i], k));
+                    rim_.push_back(rim_edge(cavity_[i], k));
                 }
             }
         }
@@ -224,11 +224,11 @@ class LowerHullBuilder {
             free_.push_back(t);
         }
         fresh_.clear();
-        for (const Side& side : rim_) {
-            const TriangleId t = allocate(ghost_last({side.tail, side.head, v}));
+        for (const RimEdge& rim : rim_) {
+            const TriangleId t = allocate(ghost_last({rim.tail, rim.head, v}));
             fresh_.push_back(t);
-            join(facing(t, v), side.outside);
-            spoke_[index(side.tail)] = facing(t, side.head);
+            join(facing(t, v), rim.outside);
+            spoke_[index(rim.tail)] = facing(t, rim.head);
         }
         for (std::size_t i = 0; i < rim_.size(); ++i)
             join(facing(fresh_[i], rim_[i].tail), spoke_[index(rim_[i].head)]);
@@ -316,14 +316,14 @@ class LowerHullBuilder {
     std::vector<char> conflict_;
     std::vector<TriangleId> cavity_, fresh_, fan_;
     std::vector<Point> spokes_;
-    std::vector<Side> rim_;
+    std::vector<RimEdge> rim_;
     std::vector<Vertex> moving_;
 };
 
 }  // namespace
 
-Status lower_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
-                  std::vector<Facet>& facets) {
+Status incremental_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
+                        std::vector<Facet>& facets) {
     LowerHullBuilder builder(points, guard, interrupt);
     const Status status = builder.build();
     if (status == Status::ok) facets = builder.facets();
