@@ -243,7 +243,8 @@ nb::tuple verify(const PlanarRows& rows, const Triples& simplices, bool skip_non
     }
     if (verdict.status == liftmesh::Status::interrupted) throw nb::python_error();
     return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
-                          verdict.merged, verdict.inner, verdict.border, tell(verdict.flaws));
+                          verdict.merged, verdict.interior_edges, verdict.boundary_edges,
+                          tell(verdict.flaws));
 }
 
 // Keeps the arrays it reads alive.

@@ -94,8 +94,9 @@ void verified(const Cloud& cloud, const std::vector<std::int32_t>& corners, std:
     const liftmesh::Verdict alone = verdict(1, ~std::size_t{0}), many = verdict(4, ~std::size_t{0});
     demand(many.status == Status::ok && many.vertices == vertices && !many.flaws.any(), cloud,
            "the verifier finds other vertices, or flaws");
-    demand(many.inner == alone.inner && many.border == alone.border, cloud,
-           "threads change the verdict");
+    demand(
+        many.interior_edges == alone.interior_edges && many.boundary_edges == alone.boundary_edges,
+        cloud, "threads change the verdict");
     for (const std::size_t patience : {1u, 3u, 8u}) verdict(3, patience);
 }
 

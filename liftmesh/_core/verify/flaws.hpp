@@ -1,4 +1,4 @@
-// What is wrong with a triangulation: how often, and where first.
+// What is wrong with a triangulation: the count and the first places of each kind of flaw.
 #pragma once
 
 #include <algorithm>
@@ -11,29 +11,29 @@
 namespace liftmesh {
 
 enum class Flaw : std::uint8_t {
-    index,       // a corner that is no row
-    non_finite,  // a corner on a row that is not finite
-    clockwise,
-    flat,
-    doubled,    // a side along which another triangle lies on the same side
-    pinched,    // a row through which the border goes more than once
-    pieces,     // a closed curve of the border, where there are several
-    winding,    // the border goes round more than once
-    hull,       // a row at which the border turns inward
-    missing,    // a row without a vertex at its position
-    delaunay,   // a side whose other apex lies inside the circle
-    canonical,  // a side that the rule for ties would have exchanged
+    invalid_index,          // a corner that is not a row
+    non_finite,             // a corner on a row that is not finite
+    clockwise,              // a triangle that turns clockwise
+    degenerate,             // a triangle whose corners are collinear
+    non_manifold_edges,     // a half-edge with another triangle on the same side
+    non_manifold_vertices,  // a row that the boundary visits more than once
+    boundary_loops,         // a closed curve of the boundary, where there are several
+    boundary_winding,       // the boundary winds around more than once
+    not_convex,             // a row at which the boundary turns right or back
+    missing_vertices,       // a row without a vertex at its position
+    not_delaunay,           // an edge whose opposite apex lies inside the circumcircle
+    not_canonical,          // an edge that the symbolic perturbation would flip
     kinds
 };
 
-// Where a flaw is. What the two numbers mean is the flaw's to say: a row, a triangle, a place among
-// the corners (side k of triangle t faces corner 3 t + k), or two of these.
+// Where a flaw is. The meaning of the two numbers depends on the flaw: a row, a triangle, a place
+// among the corners (edge k of triangle t is opposite corner 3 t + k), or two of these.
 struct Place {
     std::uint64_t at, other;
     auto operator<=>(const Place&) const = default;
 };
 
-// The number of places, and the least few of them.
+// A count of places, and the smallest few of them.
 class Places {
  public:
     static constexpr std::size_t kept = 16;

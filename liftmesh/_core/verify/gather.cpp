@@ -1,6 +1,6 @@
-// A kd tree learnt from a sample of the points sends each triangle to the cell of one of its
-// corners: a counting sort, which is stable however the triangles are shared out. Whether that is
-// worth the while, a few stretches of the list tell.
+// A kd tree built from a sample of the points assigns each triangle to the cell of one of its
+// corners. A counting sort, stable for any number of threads, orders the triangles by cell. A few
+// stretches of the list decide whether that is worthwhile.
 
 #include "verify/gather.hpp"
 
@@ -12,48 +12,49 @@
 #include "base/input.hpp"
 #include "sorting/cuts.hpp"
 #include "sorting/sample.hpp"
-#include "verify/open_sides.hpp"
+#include "verify/pairing_table.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// The sides of so many points' triangles fit the table of those that wait.
+// The half-edges of the triangles of that many points fit the pairing table.
 constexpr std::size_t cell_population = 1024;
 constexpr int deepest = 13;
 constexpr std::size_t sample_per_cell = 8;
 
-// Do too few sides find a partner in the stretches?
-bool is_scattered(const Subject& subject) {
+// Whether too few half-edges find their twin within the stretches.
+bool is_scattered(const MeshView& mesh) {
     constexpr std::size_t stretches = 8, length = std::size_t{1} << 12;
-    if (subject.count < 2 * stretches * length) return false;
+    if (mesh.count < 2 * stretches * length) return false;
     std::size_t paired = 0;
     for (std::size_t i = 0; i < stretches; ++i) {
-        OpenSides open;
-        const std::size_t first = sample_place(i, subject.count - length);
+        PairingTable table;
+        const std::size_t first = sample_place(i, mesh.count - length);
         for (std::size_t t = first; t < first + length; ++t) {
             for (int k = 0; k < 3; ++k) {
-                std::uint32_t partner = 0;
-                paired += 2 * open.meet(subject.side(t, k), partner, [](const Side&) {});
+                std::uint32_t twin = 0;
+                paired += 2 * table.pair(mesh.half_edge(t, k), twin, [](const HalfEdge&) {});
             }
         }
     }
-    return 100 * paired < 65 * 3 * stretches * length;  // of those on a circle, two thirds do
+    return 100 * paired < 65 * 3 * stretches * length;  // of points on a circle, two thirds do
 }
 
 class Gathering {
  public:
-    Gathering(const Subject& subject, ThreadPool& pool)
-        : subject_(subject),
+    Gathering(const MeshView& mesh, ThreadPool& pool)
+        : mesh_(mesh),
           pool_(pool),
           cuts_(learn_cuts()),
-          row_cells_(allocate<std::uint16_t>(subject.rows)),
-          cells_(allocate<std::uint16_t>(subject.count)) {}
+          row_cells_(allocate<std::uint16_t>(mesh.rows)),
+          cells_(allocate<std::uint16_t>(mesh.count)) {}
 
     bool run(Gathered& gathered) {
         if (!find_cells()) return false;
-        const std::size_t shares = std::min(blocks(subject_.count), 4 * std::size_t{pool_.size()});
-        std::vector<std::vector<std::uint32_t>> next(shares);  // where the next of a cell goes
+        const std::size_t shares = std::min(blocks(mesh_.count), 4 * std::size_t{pool_.size()});
+        std::vector<std::vector<std::uint32_t>> next(
+            shares);  // where the next triangle of a cell goes
         const bool counted = for_each_share(shares, [&](std::size_t i, auto first, auto last) {
             next[i].assign(cuts_.cells(), 0);
             for (std::size_t t = first; t < last; ++t) ++next[i][cells_[t] = cell_of(t)];
@@ -62,12 +63,12 @@ class Gathering {
         std::uint32_t at = 0;
         for (std::size_t cell = 0; cell < cuts_.cells(); ++cell)
             for (auto& share : next) at += std::exchange(share[cell], at);
-        gathered.simplices = allocate<std::int32_t>(3 * subject_.count);
-        gathered.order = allocate<std::uint32_t>(subject_.count);
+        gathered.simplices = allocate<std::int32_t>(3 * mesh_.count);
+        gathered.order = allocate<std::uint32_t>(mesh_.count);
         return for_each_share(shares, [&](std::size_t i, auto first, auto last) {
             for (std::size_t t = first; t < last; ++t) {
                 const std::size_t to = next[i][cells_[t]]++;
-                std::copy_n(subject_.simplices + 3 * t, 3, &gathered.simplices[3 * to]);
+                std::copy_n(mesh_.simplices + 3 * t, 3, &gathered.simplices[3 * to]);
                 gathered.order[to] = static_cast<std::uint32_t>(t);
             }
         });
@@ -75,25 +76,25 @@ class Gathering {
 
  private:
     Cuts learn_cuts() {
-        const int depth = std::clamp(
-            static_cast<int>(std::bit_width(subject_.rows / cell_population)), 0, deepest);
+        const int depth =
+            std::clamp(static_cast<int>(std::bit_width(mesh_.rows / cell_population)), 0, deepest);
         std::vector<Point> sample(sample_per_cell << depth);
         for (std::size_t i = 0; i < sample.size(); ++i) {
-            const Point p = subject_.points[sample_place(i, subject_.rows)];
+            const Point p = mesh_.points[sample_place(i, mesh_.rows)];
             if (is_finite(p)) sample[i] = p;
         }
         return Cuts(std::move(sample), depth, pool_);
     }
 
     bool find_cells() {
-        return pool_.run(blocks(subject_.rows), [&](std::size_t task) {
+        return pool_.run(blocks(mesh_.rows), [&](std::size_t task) {
             constexpr std::size_t abreast = 8;
-            const std::size_t last = std::min(subject_.rows, (task + 1) * block);
+            const std::size_t last = std::min(mesh_.rows, (task + 1) * block);
             for (std::size_t row = task * block; row < last; row += abreast) {
                 Abreast<abreast> points{};
                 const std::size_t count = std::min(abreast, last - row);
                 for (std::size_t i = 0; i < count; ++i)
-                    points[i] = {subject_.points[row + i].x, subject_.points[row + i].y};
+                    points[i] = {mesh_.points[row + i].x, mesh_.points[row + i].y};
                 const auto cells = cuts_.cells(points);
                 for (std::size_t i = 0; i < count; ++i)
                     row_cells_[row + i] = static_cast<std::uint16_t>(cells[i]);
@@ -101,9 +102,10 @@ class Gathering {
         });
     }
 
-    // Triangles that share a side share two of three corners, and mostly the cell that comes last.
+    // Triangles that share an edge share two of three corners, and mostly the cell with the highest
+    // number.
     std::uint16_t cell_of(std::size_t triangle) const {
-        const auto cell = [&](std::size_t place) { return row_cells_[subject_.corner(place)]; };
+        const auto cell = [&](std::size_t place) { return row_cells_[mesh_.corner(place)]; };
         return std::max({cell(3 * triangle), cell(3 * triangle + 1), cell(3 * triangle + 2)});
     }
 
@@ -111,11 +113,11 @@ class Gathering {
     template <class Work>
     bool for_each_share(std::size_t shares, Work work) {
         return pool_.run(shares, [&](std::size_t i) {
-            work(i, subject_.count * i / shares, subject_.count * (i + 1) / shares);
+            work(i, mesh_.count * i / shares, mesh_.count * (i + 1) / shares);
         });
     }
 
-    const Subject& subject_;
+    const MeshView& mesh_;
     ThreadPool& pool_;
     Cuts cuts_;
     Buffer<std::uint16_t> row_cells_;
@@ -124,8 +126,8 @@ class Gathering {
 
 }  // namespace
 
-bool gather(const Subject& subject, ThreadPool& pool, Gathered& gathered) {
-    return !is_scattered(subject) || Gathering(subject, pool).run(gathered);
+bool gather(const MeshView& mesh, ThreadPool& pool, Gathered& gathered) {
+    return !is_scattered(mesh) || Gathering(mesh, pool).run(gathered);
 }
 
 }  // namespace liftmesh

@@ -1,21 +1,21 @@
-// An order of the triangles in which those that lie near one another stand near one another.
+// Reorders triangles so that neighbours in the plane are close in memory.
 #pragma once
 
 #include <cstdint>
 
 #include "base/buffer.hpp"
 #include "parallel/thread_pool.hpp"
-#include "verify/subject.hpp"
+#include "verify/mesh_view.hpp"
 
 namespace liftmesh {
 
 struct Gathered {
     Buffer<std::int32_t> simplices;  // count x 3
-    Buffer<std::uint32_t> order;     // their numbers among those of the subject
+    Buffer<std::uint32_t> order;     // the number of each in the mesh
 };
 
-// Leaves `gathered` empty where the triangles are in such an order already, or are few. All corners
-// must be rows. False where the interrupt came first.
-bool gather(const Subject& subject, ThreadPool& pool, Gathered& gathered);
+// Leaves `gathered` empty if the triangles are few, or in such an order already. All corners must
+// be rows. False if the interrupt came first.
+bool gather(const MeshView& mesh, ThreadPool& pool, Gathered& gathered);
 
 }  // namespace liftmesh

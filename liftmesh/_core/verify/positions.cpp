@@ -1,5 +1,5 @@
-// Rows at one position meet in one handful, where sorting tells them apart: O(n log n) whatever the
-// rows.
+// Rows at one position fall into one bucket of a hash partition, and sorting the bucket separates
+// the positions: O(n log n) on every input.
 
 #include "verify/positions.hpp"
 
@@ -9,47 +9,47 @@
 #include <span>
 
 #include "base/input.hpp"
-#include "verify/parts.hpp"
+#include "verify/hash_partition.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-struct Placed {
+struct PlacedRow {
     Point point;
     Row row;
 };
 
-struct HashOfPosition {
-    std::uint64_t operator()(const Placed& placed) const {
+struct PositionHash {
+    std::uint64_t operator()(const PlacedRow& placed) const {
         return std::bit_cast<std::uint64_t>(placed.point.x) * 0x9e3779b97f4a7c15u +
                std::bit_cast<std::uint64_t>(placed.point.y) * 0xd1b54a32d192ed03u;
     }
 };
 
-std::vector<std::vector<Placed>> finite_rows(const Subject& subject, ThreadPool& pool) {
-    std::vector<std::vector<Placed>> shares(blocks(subject.rows));
+std::vector<std::vector<PlacedRow>> finite_rows(const MeshView& mesh, ThreadPool& pool) {
+    std::vector<std::vector<PlacedRow>> shares(blocks(mesh.rows));
     pool.run(shares.size(), [&](std::size_t task) {
-        const std::size_t last = std::min(subject.rows, (task + 1) * block);
+        const std::size_t last = std::min(mesh.rows, (task + 1) * block);
         shares[task].reserve(last - task * block);
         for (std::size_t row = task * block; row < last; ++row)
-            if (const Point p = subject.points[row]; is_finite(p))
+            if (const Point p = mesh.points[row]; is_finite(p))
                 shares[task].push_back({p, static_cast<Row>(row)});
     });
     return shares;
 }
 
-// Calls visit(rows) for the finite rows at each position, ascending; any thread may.
+// Calls visit(rows), on any thread, for the finite rows at each position in ascending order.
 template <class Visit>
-bool for_each_position(const Subject& subject, ThreadPool& pool, Visit visit) {
-    const Parts<Placed, HashOfPosition> parts(finite_rows(subject, pool), pool);
-    return parts.whole() && pool.run(parts.size(), [&](std::size_t part) {
-        parts.for_each_handful(part, [&](std::span<Placed> some) {
-            std::sort(some.begin(), some.end(), [](const Placed& p, const Placed& q) {
+bool for_each_position(const MeshView& mesh, ThreadPool& pool, Visit visit) {
+    const HashPartition<PlacedRow, PositionHash> parts(finite_rows(mesh, pool), pool);
+    return parts.complete() && pool.run(parts.size(), [&](std::size_t part) {
+        parts.for_each_bucket(part, [&](std::span<PlacedRow> bucket) {
+            std::sort(bucket.begin(), bucket.end(), [](const PlacedRow& p, const PlacedRow& q) {
                 return before_xy(p.point, q.point) || (p.point == q.point && p.row < q.row);
             });
-            for (auto first = some.begin(); first != some.end();) {
-                const auto last = std::find_if(first, some.end(), [&](const Placed& placed) {
+            for (auto first = bucket.begin(); first != bucket.end();) {
+                const auto last = std::find_if(first, bucket.end(), [&](const PlacedRow& placed) {
                     return !(placed.point == first->point);
                 });
                 visit(std::span(first, last));
@@ -61,23 +61,23 @@ bool for_each_position(const Subject& subject, ThreadPool& pool, Visit visit) {
 
 }  // namespace
 
-bool find_missing(const Subject& subject, const Marks& vertices, ThreadPool& pool, Flaws& flaws) {
-    Marks missing(subject.rows);
-    const bool done = for_each_position(subject, pool, [&](std::span<Placed> rows) {
-        const auto is_vertex = [&](const Placed& placed) { return vertices[placed.row] != 0; };
+bool find_missing(const MeshView& mesh, const Marks& vertices, ThreadPool& pool, Flaws& flaws) {
+    Marks missing(mesh.rows);
+    const bool done = for_each_position(mesh, pool, [&](std::span<PlacedRow> rows) {
+        const auto is_vertex = [&](const PlacedRow& placed) { return vertices[placed.row] != 0; };
         if (std::any_of(rows.begin(), rows.end(), is_vertex)) return;
-        for (const Placed& placed : rows) missing[placed.row] = 1;
+        for (const PlacedRow& placed : rows) missing[placed.row] = 1;
     });
-    for (std::size_t row = 0; row < subject.rows; ++row)
-        if (missing[row]) flaws.add(Flaw::missing, {row, 0});
+    for (std::size_t row = 0; row < mesh.rows; ++row)
+        if (missing[row]) flaws.add(Flaw::missing_vertices, {row, 0});
     return done;
 }
 
-bool find_lowest(const Subject& subject, ThreadPool& pool, std::vector<Row>& lowest) {
-    lowest.resize(subject.rows);
+bool find_lowest(const MeshView& mesh, ThreadPool& pool, std::vector<Row>& lowest) {
+    lowest.resize(mesh.rows);
     std::iota(lowest.begin(), lowest.end(), Row{0});
-    return for_each_position(subject, pool, [&](std::span<Placed> rows) {
-        for (const Placed& placed : rows) lowest[placed.row] = rows.front().row;
+    return for_each_position(mesh, pool, [&](std::span<PlacedRow> rows) {
+        for (const PlacedRow& placed : rows) lowest[placed.row] = rows.front().row;
     });
 }
 

@@ -1,4 +1,4 @@
-// Rows at one position.
+// Rows that share a position.
 #pragma once
 
 #include <cstdint>
@@ -6,17 +6,17 @@
 
 #include "parallel/thread_pool.hpp"
 #include "verify/flaws.hpp"
-#include "verify/subject.hpp"
+#include "verify/mesh_view.hpp"
 
 namespace liftmesh {
 
-// Whether a row is a corner: a byte for each.
+// One byte for each row: whether it is a corner.
 using Marks = std::vector<std::uint8_t>;
 
-// Adds every finite row that has no vertex at its position. False where the interrupt came first.
-bool find_missing(const Subject& subject, const Marks& vertices, ThreadPool& pool, Flaws& flaws);
+// Adds every finite row that has no vertex at its position. False if the interrupt came first.
+bool find_missing(const MeshView& mesh, const Marks& vertices, ThreadPool& pool, Flaws& flaws);
 
-// The lowest row at the position of each finite row. False where the interrupt came first.
-bool find_lowest(const Subject& subject, ThreadPool& pool, std::vector<Row>& lowest);
+// The lowest row at the position of each finite row. False if the interrupt came first.
+bool find_lowest(const MeshView& mesh, ThreadPool& pool, std::vector<Row>& lowest);
 
 }  // namespace liftmesh

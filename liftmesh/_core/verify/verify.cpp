@@ -1,33 +1,34 @@
-// What is looked at, and why that is enough:
+// What is checked, and why that suffices:
 //
 // - every triangle turns counter-clockwise;
-// - the sides fall into pairs that run along one another in opposite directions, and a border;
-// - the border is one closed curve that never turns inward and goes round once.
+// - the half-edges are pairs with opposite directions, or belong to the boundary;
+// - the boundary is one closed curve that never turns right and winds around once.
 //
-// Walk across the plane and count the triangles that lie over you. The number changes only where
-// you cross a side, and crossing a pair of sides changes nothing: so it is the number of times that
-// the border goes round you, which is 1 inside and 0 outside. Each triangle counts 1 and none less:
-// so they cover the inside of a convex polygon, and no two overlap.
+// Move a point across the plane and count the triangles that cover it. The count changes only where
+// the point crosses an edge, and crossing a pair of half-edges does not change it: so it is the
+// winding number of the boundary about the point, which is 1 inside and 0 outside. Each triangle
+// counts as 1, none as less: so the triangles cover the inside of a convex polygon, and no two
+// overlap.
 //
 // - every row has a vertex at its position: so the polygon is the convex hull of the points;
-// - across every inner edge, the apex of one triangle is not inside the circle of the other: so no
-//   point is inside the circle of any triangle (Delaunay, 1934).
+// - for every interior edge, the apex of one triangle is not inside the circumcircle of the other:
+//   so no point is inside the circumcircle of any triangle (Delaunay, 1934).
 //
-// The rule for ties is the same test after the lift of each point was moved by an infinitesimal of
-// its own, so what passes it across every inner edge is the lower hull of the lifts that were
-// moved, of which there is one: it is canonical.
+// The canonical test is the same test on lifts that are each perturbed by an infinitesimal. If
+// every interior edge passes it, the triangles are the lower hull of the perturbed lifts, which is
+// unique: the triangulation is canonical.
 //
-// Where triangles turn clockwise or are flat none of this follows: then all sides are sorted, which
-// names what is doubled, and circles are asked only across other sides, of triangles that have an
-// inside. A list that turns clockwise as a whole is judged as if each triangle were named in the
-// other order.
+// If any triangle is clockwise or degenerate, none of this follows. Then all half-edges are paired
+// by a hash partition, which finds the non-manifold edges, and in-circle tests skip those edges and
+// the edges of clockwise or degenerate triangles. A list in which every triangle is clockwise is
+// judged as if the corners of each were given in the other order.
 //
-// Corners at one position may be several rows, as in meshes whose triangles share no vertices:
-// where triangles do not hold together as they are, corners are named by the lowest row of their
-// position instead.
+// Several rows may be corners at one position, as in meshes whose triangles share no vertices: if
+// the triangles are not connected by their rows, each corner is renamed to the lowest row of its
+// position.
 //
-// Nothing that decides is shared with the engines but the predicates with their guards, and the
-// scaling, which is checked on the way back.
+// Of what decides, only the predicates with their guards and the scaling, whose inverse is checked,
+// are shared with the engines.
 
 #include "verify/verify.hpp"
 
@@ -41,10 +42,10 @@
 #include "base/floating_point.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/scale.hpp"
-#include "verify/border.hpp"
+#include "verify/boundary.hpp"
+#include "verify/edge_pairing.hpp"
 #include "verify/gather.hpp"
 #include "verify/positions.hpp"
-#include "verify/sides.hpp"
 
 namespace liftmesh {
 
@@ -55,13 +56,13 @@ struct Skipped {
     std::size_t count = 0, first = 0;
 };
 
-// What the sides come to, by the names that corners have.
-struct Finding {
-    Sides sides;
-    Flaws border;
+// What pairing the edges finds under the current names of the corners.
+struct Findings {
+    EdgePairing pairing;
+    Flaws boundary;
 
-    bool holds_together() const {
-        return !sides.triangles.any() && !sides.border.empty() && !border.any();
+    bool are_consistent() const {
+        return !pairing.triangles.any() && !pairing.boundary.empty() && !boundary.any();
     }
 };
 
@@ -74,7 +75,7 @@ class Verification {
           pool_(pool),
           points_(allocate<Point>(input.rows)),
           corners_(allocate<std::int32_t>(3 * count)),
-          subject_{points_.get(), input.rows, corners_.get(), count, Guard::anywhere()},
+          mesh_{points_.get(), input.rows, corners_.get(), count, Guard::anywhere()},
           is_corner_(input.rows) {}
 
     Verdict run(bool skip_non_finite) {
@@ -83,7 +84,7 @@ class Verification {
             verdict_.status = Status::non_finite;
             return std::move(verdict_);
         }
-        return look() ? std::move(verdict_) : interrupted();
+        return check() ? std::move(verdict_) : interrupted();
     }
 
  private:
@@ -93,52 +94,52 @@ class Verification {
         return verdict;
     }
 
-    bool look() {
+    bool check() {
         if (!read_corners()) return false;
-        if (verdict_.flaws.any(Flaw::index)) return true;
-        if (are_apart() && !merge_positions()) return false;
+        if (verdict_.flaws.any(Flaw::invalid_index)) return true;
+        if (has_too_many_corners() && !merge_positions()) return false;
         if (!gather_triangles()) return false;
-        Finding found;
-        if (!look_at_triangles(found)) return false;
+        Findings found;
+        if (!check_triangles(found)) return false;
         if (verdict_.flaws.any(Flaw::non_finite)) return true;
-        if (!look_at_sides(found)) return false;
-        verdict_.flaws.add(found.sides.edges);
-        verdict_.flaws.add(found.border);
-        verdict_.inner = found.sides.inner;
-        verdict_.border = found.sides.border.size();
+        if (!check_edges(found)) return false;
+        verdict_.flaws.add(found.pairing.edges);
+        verdict_.flaws.add(found.boundary);
+        verdict_.interior_edges = found.pairing.interior_edges;
+        verdict_.boundary_edges = found.pairing.boundary.size();
         return count_vertices();
     }
 
-    bool look_at_triangles(Finding& found) {
-        if (!pass(found)) return false;
-        verdict_.flaws.add(found.sides.triangles);
-        return !all_turn_clockwise() || (turn_triangles() && pass(found));
+    bool check_triangles(Findings& found) {
+        if (!pair_edges(found)) return false;
+        verdict_.flaws.add(found.pairing.triangles);
+        return !all_are_clockwise() || (reverse_triangles() && pair_edges(found));
     }
 
-    // By the names that corners have, by position where that does not do, and where nothing does by
-    // sorting, so that what is told depends on no order.
-    bool look_at_sides(Finding& found) {
-        if (!follow_border(found)) return false;
-        if (!found.holds_together() && !merged_) {
+    // First by the corners as given, then by position, and if neither is consistent by a hash
+    // partition of all half-edges, so that what is found does not depend on the order of triangles.
+    bool check_edges(Findings& found) {
+        if (!check_boundary(found)) return false;
+        if (!found.are_consistent() && !merged_) {
             found = {};
             if (!merge_positions()) return false;
-            if (verdict_.merged > 0 && !(pass(found) && follow_border(found))) return false;
+            if (verdict_.merged > 0 && !(pair_edges(found) && check_boundary(found))) return false;
         }
-        if (found.holds_together()) return true;
+        if (found.are_consistent()) return true;
         found = {};
-        return sort_sides(subject_, pool_, found.sides) && follow_border(found);
+        return pair_edges_by_hash(mesh_, pool_, found.pairing) && check_boundary(found);
     }
 
-    bool pass(Finding& found) {
+    bool pair_edges(Findings& found) {
         found = {};
-        return pass_triangles(subject_, pool_, found.sides);
+        return liftmesh::pair_edges(mesh_, pool_, found.pairing);
     }
 
-    bool follow_border(Finding& found) {
-        return liftmesh::follow_border(subject_, found.sides.border, pool_, found.border);
+    bool check_boundary(Findings& found) {
+        return liftmesh::check_boundary(mesh_, found.pairing.boundary, pool_, found.boundary);
     }
 
-    // In blocks: work(first, last, task).
+    // Calls work(first, last, task) for each block.
     template <class Work>
     bool in_blocks(std::size_t count, Work work) {
         return pool_.run(blocks(count), [&](std::size_t task) {
@@ -162,18 +163,18 @@ class Verification {
         };
         if (!in_blocks(input_.rows, read)) return false;
         Range range;
-        for (const Range& some : ranges) range.add(some);
+        for (const Range& part : ranges) range.add(part);
         for (const Skipped& rows : skipped) {
             if (verdict_.skipped == 0) verdict_.row = rows.first;
             verdict_.skipped += rows.count;
         }
         const Scale scale(range);
-        subject_.guard = scale.guard;
-        return !scale.moves || move(scale);
+        mesh_.guard = scale.guard;
+        return !scale.moves || apply(scale);
     }
 
-    // Believes no scale that the way back does not lead from.
-    bool move(const Scale& scale) {
+    // Scales the points, and checks that scaling back restores each of them.
+    bool apply(const Scale& scale) {
         std::atomic<bool> lossless = true;
         const bool done = in_blocks(input_.rows, [&](std::size_t first, std::size_t last, auto) {
             for (std::size_t row = first; row < last; ++row) {
@@ -188,83 +189,84 @@ class Verification {
         return done;
     }
 
-    // From here on corners are our own: no one can change them meanwhile.
+    // Copies the corners: from here on no other thread can change them.
     bool read_corners() {
-        std::vector<Flaws> found(blocks(subject_.count));
+        std::vector<Flaws> found(blocks(mesh_.count));
         const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
             for (std::size_t place = 3 * first; place < 3 * last; ++place) {
                 corners_[place] = simplices_[place];
-                if (const Row row = subject_.corner(place); row < subject_.rows) {
+                if (const Row row = mesh_.corner(place); row < mesh_.rows) {
                     mark(is_corner_[row]);
                 } else {
-                    found[task].add(Flaw::index, {place, 0});
+                    found[task].add(Flaw::invalid_index, {place, 0});
                 }
             }
         };
-        const bool done = in_blocks(subject_.count, read);
-        for (const Flaws& some : found) verdict_.flaws.add(some);
+        const bool done = in_blocks(mesh_.count, read);
+        for (const Flaws& part : found) verdict_.flaws.add(part);
         return done;
     }
 
-    // Several threads may meet here. Most marks are there already.
+    // Safe for several threads. Most bytes are set already, and are only read.
     static void mark(std::uint8_t& byte) {
         const std::atomic_ref<std::uint8_t> shared(byte);
         if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
     }
 
-    // Triangles that hold together, without a hole, have at most two more corners than they are: as
-    // they are named, these do not.
-    bool are_apart() const {
+    // Connected triangles without a hole have at most two vertices more than there are triangles.
+    // Under the given names these have more.
+    bool has_too_many_corners() const {
         const auto corners = std::count(is_corner_.begin(), is_corner_.end(), 1);
-        return static_cast<std::size_t>(corners) > subject_.count + 2;
+        return static_cast<std::size_t>(corners) > mesh_.count + 2;
     }
 
     bool gather_triangles() {
         Gathered gathered;
-        if (!gather(subject_, pool_, gathered)) return false;
+        if (!gather(mesh_, pool_, gathered)) return false;
         if (gathered.order == nullptr) return true;
         corners_ = std::move(gathered.simplices);
         order_ = std::move(gathered.order);
-        subject_.simplices = corners_.get();
-        subject_.order = order_.get();
+        mesh_.simplices = corners_.get();
+        mesh_.order = order_.get();
         return true;
     }
 
-    // A whole mesh that was made to be seen from below is one mistake: what else is wrong is looked
-    // for after it was put right.
-    bool all_turn_clockwise() const {
-        const std::size_t turned = verdict_.flaws[Flaw::clockwise].count();
-        return turned > 0 && turned + verdict_.flaws[Flaw::flat].count() == subject_.count;
+    // A mesh oriented to be seen from below is a single mistake: other flaws are looked for after
+    // reversing it.
+    bool all_are_clockwise() const {
+        const std::size_t clockwise = verdict_.flaws[Flaw::clockwise].count();
+        const std::size_t degenerate = verdict_.flaws[Flaw::degenerate].count();
+        return clockwise > 0 && clockwise + degenerate == mesh_.count;
     }
 
-    bool turn_triangles() {
-        subject_.turned = true;
-        return in_blocks(subject_.count, [&](std::size_t first, std::size_t last, auto) {
+    bool reverse_triangles() {
+        mesh_.reversed = true;
+        return in_blocks(mesh_.count, [&](std::size_t first, std::size_t last, auto) {
             for (std::size_t t = first; t < last; ++t)
                 std::swap(corners_[3 * t + 1], corners_[3 * t + 2]);
         });
     }
 
-    // Names each corner by the lowest row of its position.
+    // Renames each corner to the lowest row of its position.
     bool merge_positions() {
         merged_ = true;
         std::vector<Row> lowest;
-        if (!find_lowest(subject_, pool_, lowest)) return false;
-        Marks kept(subject_.rows);
-        for (std::size_t row = 0; row < subject_.rows; ++row)
+        if (!find_lowest(mesh_, pool_, lowest)) return false;
+        Marks kept(mesh_.rows);
+        for (std::size_t row = 0; row < mesh_.rows; ++row)
             if (is_corner_[row]) verdict_.merged += std::exchange(kept[lowest[row]], 1);
         if (verdict_.merged == 0) return true;
         is_corner_ = std::move(kept);
-        return in_blocks(subject_.count, [&](std::size_t first, std::size_t last, auto) {
+        return in_blocks(mesh_.count, [&](std::size_t first, std::size_t last, auto) {
             for (std::size_t place = 3 * first; place < 3 * last; ++place)
-                corners_[place] = static_cast<std::int32_t>(lowest[subject_.corner(place)]);
+                corners_[place] = static_cast<std::int32_t>(lowest[mesh_.corner(place)]);
         });
     }
 
     bool count_vertices() {
         for (const std::uint8_t corner : is_corner_) verdict_.vertices += corner;
-        return verdict_.vertices + verdict_.merged + verdict_.skipped == subject_.rows ||
-               find_missing(subject_, is_corner_, pool_, verdict_.flaws);
+        return verdict_.vertices + verdict_.merged + verdict_.skipped == mesh_.rows ||
+               find_missing(mesh_, is_corner_, pool_, verdict_.flaws);
     }
 
     const Input& input_;
@@ -273,9 +275,9 @@ class Verification {
     Buffer<Point> points_;
     Buffer<std::int32_t> corners_;
     Buffer<std::uint32_t> order_;
-    Subject subject_;
+    MeshView mesh_;
     Marks is_corner_;
-    bool merged_ = false;  // corners are named by the lowest row of their position
+    bool merged_ = false;  // each corner is the lowest row of its position
     Verdict verdict_;
 };
 

@@ -1,4 +1,4 @@
-// Is it the Delaunay triangulation? Asked of anybody's triangles.
+// Whether triangles from any source are the Delaunay triangulation of the points.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +13,16 @@ namespace liftmesh {
 
 struct Verdict {
     Status status = Status::ok;
-    std::size_t row = 0;       // the first non-finite row, where that is the status
-    std::size_t skipped = 0;   // rows that are not finite
-    std::size_t vertices = 0;  // positions that are corners
-    std::size_t merged = 0;    // rows that are corners, beyond one for each position
-    std::size_t inner = 0;     // edges between two triangles
-    std::size_t border = 0;    // sides of one triangle only
-    Flaws flaws;               // of sides only where all corners are rows, and finite
+    std::size_t row = 0;             // the first non-finite row, if that is the status
+    std::size_t skipped = 0;         // rows that are not finite
+    std::size_t vertices = 0;        // distinct positions of corners
+    std::size_t merged = 0;          // rows that are corners, beyond one for each position
+    std::size_t interior_edges = 0;  // between two triangles
+    std::size_t boundary_edges = 0;  // of one triangle only
+    Flaws flaws;                     // those of edges only if all corners are finite rows
 };
 
-// Of count x 3 corners.
+// `simplices` are count x 3 corners.
 Verdict verify(const Input& input, const std::int32_t* simplices, std::size_t count,
                bool skip_non_finite, Threads threads, Interrupt& interrupt);
 

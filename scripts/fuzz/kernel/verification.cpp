@@ -38,8 +38,8 @@ Told told(const Verdict& verdict) {
 }
 
 bool same(const Verdict& a, const Verdict& b) {
-    return told(a) == told(b) && a.inner == b.inner && a.border == b.border &&
-           a.vertices == b.vertices;
+    return told(a) == told(b) && a.interior_edges == b.interior_edges &&
+           a.boundary_edges == b.boundary_edges && a.vertices == b.vertices;
 }
 
 void check_in_disorder(Case& c, Corners corners, const Verdict& expected) {
@@ -68,7 +68,7 @@ void check_from_below(const Case& c, Corners corners, const Verdict& expected) {
         std::swap(corners[first], corners[first + 1]);
     Told wanted = told(expected);
     wanted[static_cast<std::size_t>(Flaw::clockwise)] =
-        corners.size() / 3 - expected.flaws[Flaw::flat].count();
+        corners.size() / 3 - expected.flaws[Flaw::degenerate].count();
     demand(told(verdict(c, c.input, corners)) == wanted, "from below something else is wrong");
 }
 
@@ -127,7 +127,7 @@ void check_verification(Case& c, const liftmesh::Delaunay& found) {
     demand(whole.status == liftmesh::Status::ok, "the verifier comes to another status");
     demand(!whole.flaws.any(), "the verifier refuses the triangulation");
     demand(whole.vertices == found.distinct, "the verifier counts other vertices");
-    demand(whole.border == result.hull_count, "the verifier counts other edges of the border");
+    demand(whole.boundary_edges == result.hull_count, "the verifier counts other boundary edges");
     check_seen_otherwise(c, corners, whole);
     for (int round = 0; round < 4; ++round) {
         Corners damaged = corners;

@@ -1,6 +1,5 @@
-// What may belong together is brought together: things are dealt out by a hash, first into parts
-// that fit the cache, then, part by part, into handfuls. Counting sorts, stable for whatever
-// threads.
+// Brings equal items together: a hash distributes them, first into parts that fit the cache, then
+// each part into buckets. Both steps are counting sorts, stable for any number of threads.
 #pragma once
 
 #include <algorithm>
@@ -16,35 +15,34 @@
 
 namespace liftmesh {
 
-// `Hash` says by `operator()(item)` what is dealt out by; the top bits should depend on all that
-// tells items apart.
+// The top bits of `Hash()(item)` should depend on everything that distinguishes items.
 template <class Item, class Hash>
-class Parts {
+class HashPartition {
  public:
-    // Of items that come in several shares. Not whole where the interrupt came first.
-    Parts(const std::vector<std::vector<Item>>& shares, ThreadPool& pool) {
+    // The items come in several shares. Incomplete if the interrupt came first.
+    HashPartition(const std::vector<std::vector<Item>>& shares, ThreadPool& pool) {
         std::size_t count = 0;
         for (const auto& share : shares) count += share.size();
         bits_ = std::min(static_cast<int>(std::bit_width(count / population)), most_bits);
         std::vector<std::vector<std::uint32_t>> next(shares.size());
-        whole_ = pool.run(shares.size(), [&](std::size_t i) {
+        complete_ = pool.run(shares.size(), [&](std::size_t i) {
             next[i].assign(std::size_t{1} << bits_, 0);
             for (const Item& item : shares[i]) ++next[i][digit(item, 0, bits_)];
         });
-        if (!whole_) return;
+        if (!complete_) return;
         find_places(next);
         items_ = allocate<Item>(count);
-        whole_ = pool.run(shares.size(), [&](std::size_t i) {
+        complete_ = pool.run(shares.size(), [&](std::size_t i) {
             for (const Item& item : shares[i]) items_[next[i][digit(item, 0, bits_)]++] = item;
         });
     }
 
-    bool whole() const { return whole_; }
+    bool complete() const { return complete_; }
     std::size_t size() const { return starts_.empty() ? 0 : starts_.size() - 1; }
 
-    // Calls visit(handful) for all items of a part. Equal items are in one handful.
+    // Calls visit(bucket) for the buckets of a part. Equal items are in one bucket.
     template <class Visit>
-    void for_each_handful(std::size_t part, Visit visit) const {
+    void for_each_bucket(std::size_t part, Visit visit) const {
         const std::span<const Item> items(items_.get() + starts_[part],
                                           items_.get() + starts_[part + 1]);
         const int bits = std::min(static_cast<int>(std::bit_width(items.size())), most_bits);
@@ -52,19 +50,19 @@ class Parts {
         for (const Item& item : items) ++end[digit(item, bits_, bits)];
         std::uint32_t at = 0;
         for (std::uint32_t& count : end) at += std::exchange(count, at);
-        std::vector<Item> dealt(items.size());
-        for (const Item& item : items) dealt[end[digit(item, bits_, bits)]++] = item;
+        std::vector<Item> sorted(items.size());
+        for (const Item& item : items) sorted[end[digit(item, bits_, bits)]++] = item;
         std::size_t first = 0;
         for (const std::uint32_t last : end)
             if (const std::size_t from = std::exchange(first, last); from != last)
-                visit(std::span(dealt).subspan(from, last - from));
+                visit(std::span(sorted).subspan(from, last - from));
     }
 
  private:
     static constexpr std::size_t population = 2048;
     static constexpr int most_bits = 13;
 
-    // So many bits of the hash, after those that come first.
+    // `bits` bits of the hash, after its first `after`.
     static std::size_t digit(const Item& item, int after, int bits) {
         return bits == 0 ? 0 : Hash()(item) << after >> (64 - bits);
     }
@@ -81,7 +79,7 @@ class Parts {
     Buffer<Item> items_;
     std::vector<std::size_t> starts_;
     int bits_ = 0;
-    bool whole_ = true;
+    bool complete_ = true;
 };
 
 }  // namespace liftmesh

@@ -1,0 +1,112 @@
+#include "verify/boundary.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "base/buffer.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+class BoundaryCheck {
+ public:
+    BoundaryCheck(const MeshView& mesh, const std::vector<HalfEdge>& boundary, ThreadPool& pool)
+        : mesh_(mesh), boundary_(boundary), pool_(pool), next_(allocate<Row>(mesh.rows)) {}
+
+    bool run(Flaws& flaws) {
+        link(flaws);
+        if (flaws.any(Flaw::non_manifold_vertices) || boundary_.empty()) return true;
+        Flaws turns;
+        std::size_t windings = 0;
+        if (!check_turns(turns, windings)) return false;
+        if (windings == 1 && !turns.any()) return true;
+        if (find_loops(flaws)) return true;
+        flaws.add(turns);
+        if (!turns.any()) flaws.add(Flaw::boundary_winding, {boundary_.front().tail, windings});
+        return true;
+    }
+
+ private:
+    void link(Flaws& flaws) {
+        std::fill_n(next_.get(), mesh_.rows, none);
+        std::vector<Row> repeated;
+        for (const HalfEdge& edge : boundary_)
+            if (std::exchange(next_[edge.tail], edge.head) != none) repeated.push_back(edge.tail);
+        std::sort(repeated.begin(), repeated.end());
+        repeated.erase(std::unique(repeated.begin(), repeated.end()), repeated.end());
+        for (const Row row : repeated) flaws.add(Flaw::non_manifold_vertices, {row, 0});
+    }
+
+    // A closed curve that only turns left has one local minimum, a row that precedes both its
+    // neighbours by x, then y, in each winding. So one minimum in all means one curve that winds
+    // around once.
+    bool check_turns(Flaws& flaws, std::size_t& windings) const {
+        std::vector<Flaws> found(blocks(boundary_.size()));
+        std::vector<std::size_t> minima(found.size());
+        const bool done = pool_.run(found.size(), [&](std::size_t task) {
+            const std::size_t last = std::min(boundary_.size(), (task + 1) * block);
+            for (std::size_t i = task * block; i < last; ++i) {
+                __builtin_prefetch(&next_[boundary_[std::min(i + 2 * ahead, last - 1)].head]);
+                prefetch(boundary_[std::min(i + ahead, last - 1)]);
+                minima[task] += check_turn(boundary_[i], found[task]);
+            }
+        });
+        for (const Flaws& part : found) flaws.add(part);
+        windings = std::accumulate(minima.begin(), minima.end(), std::size_t{0});
+        return done;
+    }
+
+    void prefetch(const HalfEdge& edge) const {
+        for (const Row row : {edge.tail, edge.head, next_[edge.head]})
+            __builtin_prefetch(&mesh_.points[row]);
+    }
+
+    // Checks the turn of the boundary at the head of an edge. Whether the head is a local minimum.
+    bool check_turn(const HalfEdge& edge, Flaws& flaws) const {
+        const Row after = next_[edge.head];
+        const Point a = mesh_.points[edge.tail], b = mesh_.points[edge.head];
+        const Point c = mesh_.points[after];
+        const int sign = orient2d(a, b, c);
+        if (sign < 0 || (sign == 0 && !continues(a, b, c)))
+            flaws.add(Flaw::not_convex, {edge.head, std::uint64_t{edge.tail} << 32 | after});
+        return before_xy(b, a) && before_xy(b, c);
+    }
+
+    // Whether collinear a, b, c advance in one direction, rather than stop or turn back.
+    static bool continues(Point a, Point b, Point c) {
+        return (before_xy(a, b) && before_xy(b, c)) || (before_xy(c, b) && before_xy(b, a));
+    }
+
+    // Traces the closed curves of the boundary. If there are several, each is a flaw.
+    bool find_loops(Flaws& flaws) {
+        std::vector<Row> starts;
+        for (const HalfEdge& edge : boundary_) {
+            if (next_[edge.tail] == none) continue;
+            starts.push_back(edge.tail);
+            for (Row at = edge.tail; at != none;) at = std::exchange(next_[at], none);
+        }
+        if (starts.size() == 1) return false;
+        for (const Row start : starts) flaws.add(Flaw::boundary_loops, {start, 0});
+        return true;
+    }
+
+    static constexpr std::size_t ahead = 16;
+    static constexpr Row none = ~Row{0};
+
+    const MeshView& mesh_;
+    const std::vector<HalfEdge>& boundary_;
+    ThreadPool& pool_;
+    Buffer<Row> next_;  // for each row on the boundary, the row after it
+};
+
+}  // namespace
+
+bool check_boundary(const MeshView& mesh, const std::vector<HalfEdge>& boundary, ThreadPool& pool,
+                    Flaws& flaws) {
+    return BoundaryCheck(mesh, boundary, pool).run(flaws);
+}
+
+}  // namespace liftmesh
