@@ -1,4 +1,4 @@
-// The one place where the kernel meets Python: arrays in, arrays out, the GIL released in between.
+// The Python bindings: arrays in, arrays out, with the GIL released in between.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -46,9 +46,9 @@ Input read(const PlanarRows& rows) {
             rows.stride(1) * size, single};
 }
 
-// Looks for a pending signal some twenty times a second, and tells how far the run has come. Python
-// hands signals to its main thread only; in any other it is an exception of `progress` that ends a
-// run, or nothing.
+// Checks for pending signals and reports progress, about twenty times a second. Python delivers
+// signals to its main thread only; on any other thread only an exception from `progress` ends a
+// run.
 class PythonInterrupt final : public liftmesh::Interrupt {
  public:
     explicit PythonInterrupt(nb::handle progress = nb::none()) : progress_(progress) {}
@@ -58,7 +58,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         if (requested_ || now < due_) return requested_;
         due_ = now + std::chrono::milliseconds(50);
         const nb::gil_scoped_acquire gil;
-        requested_ = PyErr_CheckSignals() != 0 || !told() || forked();
+        requested_ = PyErr_CheckSignals() != 0 || !report_progress() || forked();
         return requested_;
     }
     void expect(std::size_t work) override { expected_ = work; }
@@ -67,7 +67,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
  private:
     using Clock = std::chrono::steady_clock;
 
-    bool told() const {
+    bool report_progress() const {
         if (progress_.is_none() || done_ >= expected_) return true;
         try {
             progress_(static_cast<double>(done_) / static_cast<double>(expected_));
@@ -80,8 +80,8 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         return false;
     }
 
-    // Nor can the child of a fork made by a signal's handler, or by `progress`, go on: it has none
-    // of the threads of the run.
+    // The child of a fork made by a signal handler, or by `progress`, cannot continue: it has none
+    // of the run's threads.
     bool forked() const {
         if (getpid() == process_) return false;
         PyErr_SetString(PyExc_RuntimeError,
@@ -106,8 +106,8 @@ nb::object adopt(liftmesh::Buffer<T> values, std::size_t rows, std::size_t colum
     return nb::cast(nb::ndarray<nb::numpy, const T>(data, columns == 1 ? 1 : 2, shape, owner));
 }
 
-// Most input leaves no rows out: one array without rows, read-only as all are, serves for that.
-// (Two threads that meet here make one each; either will do.)
+// Most results have no skipped rows or duplicates: they share one empty array, read-only as all
+// are. (Two threads that race here make one each; either is valid.)
 nb::object nothing(std::size_t columns) {
     static PyObject* none[2] = {};
     PyObject*& shared = none[columns - 1];
@@ -151,7 +151,7 @@ const char* name(liftmesh::Status status) {
     return "";
 }
 
-nb::tuple hand_over(liftmesh::Delaunay& outcome) {
+nb::tuple as_tuple(liftmesh::Delaunay& outcome) {
     if (outcome.status == liftmesh::Status::interrupted) throw nb::python_error();
     liftmesh::Result& result = outcome.result;
     return nb::make_tuple(name(outcome.status), outcome.row, outcome.distinct,
@@ -170,11 +170,11 @@ nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned thread
         const nb::gil_scoped_release unlocked;
         outcome = liftmesh::delaunay(input, skip_non_finite, {threads, shared}, interrupt);
     }
-    return hand_over(outcome);
+    return as_tuple(outcome);
 }
 
-// As liftmesh.counters names them.
-nb::tuple tell(const liftmesh::paper::Counts& counts) {
+// In the order of `Counters` in liftmesh.planar.counters.
+nb::tuple as_tuple(const liftmesh::paper::Counts& counts) {
     const auto& [i, ii, iii, iv, v, below] = counts.rejected;
     return nb::make_tuple(counts.calls, counts.candidate_planes, counts.evaluations,
                           nb::make_tuple(i, ii, iii, iv, v, below), counts.undecided);
@@ -199,7 +199,7 @@ nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, unsigned threa
         outcome = liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy},
                                           {threads, shared}, interrupt, counts);
     }
-    return nb::make_tuple(hand_over(outcome), tell(counts));
+    return nb::make_tuple(as_tuple(outcome), as_tuple(counts));
 }
 
 nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
@@ -214,12 +214,11 @@ nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
         const nb::gil_scoped_release unlocked;
         outcome = liftmesh::lower_hull(input, engine, {}, interrupt, counts);
     }
-    return nb::make_tuple(hand_over(outcome), tell(counts));
+    return nb::make_tuple(as_tuple(outcome), as_tuple(counts));
 }
 
-// How often each flaw was found, and the first few places: a pair for each kind, as
-// liftmesh.certificate names them.
-nb::list tell(const liftmesh::Flaws& flaws) {
+// The count and the first places of each kind of flaw, in the order of the enumeration.
+nb::list as_list(const liftmesh::Flaws& flaws) {
     nb::list kinds;
     for (std::size_t kind = 0; kind < static_cast<std::size_t>(liftmesh::Flaw::kinds); ++kind) {
         const liftmesh::Places& places = flaws[static_cast<liftmesh::Flaw>(kind)];
@@ -244,7 +243,7 @@ nb::tuple verify(const PlanarRows& rows, const Triples& simplices, bool skip_non
     if (verdict.status == liftmesh::Status::interrupted) throw nb::python_error();
     return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
                           verdict.merged, verdict.interior_edges, verdict.boundary_edges,
-                          tell(verdict.flaws));
+                          as_list(verdict.flaws));
 }
 
 // Keeps the arrays it reads alive.
@@ -317,9 +316,9 @@ void orient2d(const Pairs& a, const Pairs& b, const Pairs& c, const Signs& signs
 
 void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, const Signs& signs,
               bool canonical) {
-    const auto side = canonical ? liftmesh::incircle_canonical_exact : liftmesh::incircle_exact;
+    const auto test = canonical ? liftmesh::incircle_canonical_exact : liftmesh::incircle_exact;
     fill(signs, [&](std::size_t i) {
-        return side(point(a, i), point(b, i), point(c, i), point(d, i),
+        return test(point(a, i), point(b, i), point(c, i), point(d, i),
                     liftmesh::Guard::anywhere());
     });
 }

@@ -1,5 +1,5 @@
-// Large arrays, uninitialised. On Linux they ask for huge pages: a fresh page costs the system as
-// much time as triangulating a few points, and random access misses fewer entries of the TLB.
+// Large uninitialised arrays. On Linux they request huge pages: a page fault takes as long as
+// triangulating a few points, and random access causes fewer TLB misses.
 #pragma once
 
 #include <algorithm>
@@ -34,14 +34,14 @@ Buffer<T> allocate(std::size_t count) {
     void* memory = nullptr;
     if (posix_memalign(&memory, large ? huge_page : line, bytes) != 0) throw std::bad_alloc();
 #ifdef __linux__
-    // Whole pages only, so that nothing is resident beyond what is used. Advice may be declined.
+    // Whole pages only, so that nothing beyond the array becomes resident. The system may decline.
     if (large) madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);
 #endif
     return Buffer<T>(static_cast<T*>(memory));
 }
 
-// The memory of a buffer that is done, for as many other objects as fit: what is resident already
-// costs no page fault.
+// Reuses the memory of a buffer for as many other objects as fit: resident memory costs no page
+// fault.
 template <class T, class Old>
 Buffer<T> reuse(Buffer<Old> old) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignof(Old));

@@ -15,7 +15,7 @@ std::vector<Vertex> ends_of_line(std::span<const Site> sites) {
     return {static_cast<Vertex>(first - sites.begin()), static_cast<Vertex>(last - sites.begin())};
 }
 
-// The bound-edges, one after the other, counter-clockwise from the lexicographically least vertex.
+// The vertices of the boundary, counter-clockwise from the lexicographically least.
 std::vector<Vertex> hull_of(const std::vector<Facet>& facets, std::span<const Site> sites) {
     std::vector<Vertex> successor(sites.size(), no_vertex), hull;
     Vertex start = no_vertex;

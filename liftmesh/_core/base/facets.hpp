@@ -1,4 +1,4 @@
-// Facets in a list, each with its neighbours: what the engines make that know no static slots.
+// A list of facets, each with its neighbours: the output of the engines without static slots.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace liftmesh {
 
-// Counter-clockwise as seen from above. Edge k faces vertex k, and runs from vertex k + 1 to vertex
-// k + 2.
+// Counter-clockwise seen from above. Edge k is opposite vertex k, and runs from vertex k + 1 to
+// vertex k + 2.
 struct Facet {
     static constexpr std::uint32_t unknown = ~std::uint32_t{0};
     static constexpr std::uint32_t none = unknown - 1;
@@ -26,8 +26,8 @@ struct Facet {
     Vertex head(unsigned k) const { return vertex[k == 0 ? 2 : k - 1]; }
 };
 
-// `sites` tells the position and the row of each vertex. Without facets all points are on one line,
-// and the hull is its two ends.
+// `sites` holds the position and the row of each vertex. Without facets all points are collinear,
+// and the hull is the two ends of their line.
 Status emit(const std::vector<Facet>& facets, std::span<const Site> sites, Result& result);
 
 }  // namespace liftmesh

@@ -1,7 +1,7 @@
-// The arithmetic the kernel relies on: round to nearest, with denormal numbers, and after every
-// operation. Libraries built with -ffast-math switch denormals off for a whole thread;
-// `IeeeArithmetic` switches them on for a scope. A compiler that may fuse a product and a sum
-// ("contraction") rounds them once where the source says twice; `contracts` tells whether it did.
+// The arithmetic that the kernel relies on: every operation rounds to nearest, denormal numbers
+// included. Libraries built with -ffast-math disable denormals for a whole thread; `IeeeArithmetic`
+// enables them for a scope. A compiler that fuses a product and a sum ("contraction") rounds once
+// where the source rounds twice; `contracts` detects it.
 #pragma once
 
 #include <cfenv>
@@ -30,17 +30,17 @@ class IeeeArithmetic {
     std::fenv_t saved_;
 };
 
-// Whether this translation unit was compiled with contraction: the product is 1 + 2^-29 + 2^-60,
-// of which a rounding keeps no 2^-60. Reading volatile variables keeps the answer for run time, and
-// `static` gives each unit an answer of its own.
+// Whether this translation unit was compiled with contraction: the exact product is
+// 1 + 2^-29 + 2^-60, and rounding drops 2^-60. Volatile variables defer the computation to run
+// time; `static` gives each translation unit its own copy.
 static inline bool contracts() {
     const volatile double factor = 1 + 0x1p-30, rounded = 1 + 0x1p-29;
     return factor * factor - rounded != 0;
 }
 
-// Throws where the caller, who hands in what `contracts` tells it, or the kernel's own sources were
-// compiled with contraction: what is computed would depend on the compiler and the processor, and
-// the bounds of the filters are proved for the roundings as written.
+// Throws if the caller, which passes its own `contracts()`, or the kernel was compiled with
+// contraction: the arithmetic would depend on the compiler and the processor, and the error bounds
+// of the filters are proved for the roundings as written.
 void refuse_contraction(bool caller_contracts);
 
 }  // namespace liftmesh

@@ -1,4 +1,4 @@
-// A planar point, and the two lexicographic orders in which the plane is cut.
+// A planar point, and the two lexicographic orders by which the plane is cut.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr Axis other(Axis axis) {
     return axis == Axis::x ? Axis::y : Axis::x;
 }
 
-// Bitwise operators keep these free of branches: the outcome is a coin toss for a predictor.
+// Bitwise operators avoid branches, which would be unpredictable.
 inline bool before_xy(Point a, Point b) {
     return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y));
 }

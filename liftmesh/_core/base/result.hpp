@@ -1,4 +1,4 @@
-// The arrays that the caller gets: triangles over rows of the input.
+// The output arrays: triangles over rows of the input.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace liftmesh {
 
-// What another stage has left, with room for so many numbers.
+// Memory left by an earlier stage, with room for `room` numbers.
 struct Memory {
     Buffer<std::int32_t> numbers;
     std::size_t room = 0;
@@ -21,7 +21,7 @@ struct Result {
     std::size_t triangle_count = 0;
     std::size_t hull_count = 0;
 
-    // The simplices move into `left`, unless much of it would be kept for nothing.
+    // The simplices take over `left`, unless more than an eighth of it would be wasted.
     void make_room(std::size_t triangles, std::size_t hull_vertices, Memory left = {}) {
         triangle_count = triangles;
         hull_count = hull_vertices;

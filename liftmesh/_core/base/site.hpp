@@ -1,4 +1,4 @@
-// A distinct point of the input and the row that stands for it.
+// A distinct point of the input and the row that represents it.
 #pragma once
 
 #include "base/point.hpp"

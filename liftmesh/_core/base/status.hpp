@@ -1,4 +1,4 @@
-// What a run of the kernel came to, and how a caller can stop it.
+// The outcome of a run of the kernel, and how a caller can stop it.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@ namespace liftmesh {
 
 enum class Status : std::uint8_t { ok, non_finite, too_few, collinear, interrupted };
 
-// Asked now and then from long runs. Once the answer is true it stays so, and the run ends with
-// Status::interrupted. Who wants to know how far a run has come is told as well, by any thread.
+// Polled by long runs. Once `requested` returns true it must do so from then on, and the run ends
+// with Status::interrupted. `expect` and `advance` report progress, from any thread.
 class Interrupt {
  public:
     virtual ~Interrupt() = default;
@@ -18,17 +18,17 @@ class Interrupt {
     virtual void advance(std::size_t /*work, since the last call*/) {}
 };
 
-// What the stages of a run take for each point, about, in the unit of `Interrupt::advance`.
+// The approximate work of each stage for one point, in units of `Interrupt::advance`.
 namespace work {
 inline constexpr std::size_t arranging = 4, triangulating = 15, emitting = 1;
 }
 
-// Asks once in a while, for loops whose steps are quick and whose number is not known.
+// Polls an interrupt at intervals, for loops of short steps whose number is unknown.
 class Patience {
  public:
     explicit Patience(Interrupt& interrupt) : interrupt_(interrupt) {}
 
-    // Counts steps; true where the run is to end.
+    // Counts steps; true if the run should end.
     bool ends(std::size_t steps = 1) {
         constexpr std::size_t asking_every = std::size_t{1} << 14;
         steps_ += steps;

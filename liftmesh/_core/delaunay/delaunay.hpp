@@ -1,4 +1,4 @@
-// The whole way from the caller's rows to the caller's arrays.
+// From the caller's rows to the output arrays.
 #pragma once
 
 #include <vector>
@@ -25,11 +25,11 @@ struct Delaunay {
     Result result;
 };
 
-// What every engine begins with: the distinct points are arranged, and what is known of them by
-// then is in the outcome. There is work left where its status is ok.
+// The first stage of every engine: arranges the distinct points, and fills in the outcome as far as
+// it is known. The engine continues if the status is ok.
 Delaunay start(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 
-// The same for engines that need one thread from then on.
+// The same for engines that need only one thread afterwards.
 Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt,
                Order& order);
 

@@ -4,9 +4,9 @@
 // ordering; below a cell the points are halved where they lie, down to two or three, which move to
 // their final places.
 //
-// Subtrees are shared out among the threads, and then the joins above them, level by level. A
-// subtree owns its points and its triangle slots, so nothing needs a lock, and nothing that is
-// written depends on who writes it.
+// The thread pool runs the subtrees, and then the joins above them, level by level. A subtree owns
+// its points and its triangle slots, so nothing needs a lock, and no output depends on which thread
+// writes it.
 
 #include "delaunay/divide_conquer.hpp"
 
@@ -35,7 +35,7 @@ class Engine {
           mesh_(points_, result.triangles.get()),
           seam_{mesh_, order.scale.guard, interrupt_} {}
 
-    // Gives a ghost of the whole.
+    // Returns a ghost of the whole triangulation.
     TriangleId run() {
         const int shared =
             pool_.size() == 1 ? 0 : static_cast<int>(std::bit_width(8 * pool_.size()));
@@ -66,7 +66,7 @@ class Engine {
         const Index* start = &order_.cell_starts[(h - (Index{1} << level_of(h))) * span];
         return {start[0], start[span / 2], start[span]};
     }
-    // A node with a child too small to stand alone is treated as one cell.
+    // A node with a child of fewer than two points is treated as one cell.
     bool is_cell(Index h) const {
         if (level_of(h) == order_.cuts.depth()) return true;
         const Extent at = extent(h);
@@ -124,8 +124,8 @@ class Engine {
                           : three(vertex(first), slot(first));
     }
 
-    // Asked of parts that are large, so only those are ever left unfinished. As an interrupt stays,
-    // no join touches them: what they are parts of is larger.
+    // Only large parts poll the interrupt, so only they are ever left unfinished. An interrupt is
+    // permanent and the parent of an unfinished part is larger, so no join touches such a part.
     bool is_to_end(Index count) {
         constexpr Index worth_asking = 4096;
         return count >= worth_asking && interrupt_.requested();
@@ -168,7 +168,7 @@ class Engine {
         return {pq, pq};
     }
 
-    // Three points on a line: a hull of two sides, with a ghost on either side of each edge.
+    // Three collinear points: a hull of two edges, with a ghost on either side of each.
     Part chain_of_three(Vertex p, Vertex q, Vertex r, TriangleId at) {
         Vertex line[3] = {p, q, r};
         std::sort(line, line + 3,
@@ -198,9 +198,9 @@ class Engine {
     Row* rows_;
     Mesh mesh_;
     Seam seam_;
-    std::vector<Index> subtrees_;            // shared out, and
+    std::vector<Index> subtrees_;            // nodes that are one task each
     std::vector<std::vector<Index>> joins_;  // the nodes above them, by level
-    std::vector<Part> parts_;                // of both
+    std::vector<Part> parts_;                // of both, by node
 };
 
 }  // namespace

@@ -8,7 +8,8 @@
 
 namespace liftmesh {
 
-// A triangulation under way or complete: the points in their final order, and the triangles' slots.
+// A triangulation in progress or complete: the points in their final order, and the slots of the
+// triangles.
 struct Construction {
     Buffer<Point> points;
     Buffer<Row> rows;
@@ -17,7 +18,8 @@ struct Construction {
     TriangleId some_ghost = 0;
 };
 
-// Triangulates the distinct points of `order` (two at least), whose sites are of no use afterwards.
+// Triangulates the distinct points of `order` (at least two), whose sites must not be used
+// afterwards.
 Status divide_and_conquer(Order& order, ThreadPool& pool, Construction& result);
 
 }  // namespace liftmesh

@@ -1,6 +1,6 @@
 // A triangle's row in the output is its rank among the slots that hold no ghost. The ghosts are
-// found along the hull. A bit for each other slot, with a running count for each 64 of them,
-// answers in two loads; most words have no ghost at all, and then nothing needs counting.
+// found along the hull. A bit for each slot, clear for ghosts, with a running count for each word
+// of 64, answers in two loads; most words have no ghost at all, and then no bits are counted.
 
 #include "delaunay/emit.hpp"
 

@@ -1,4 +1,4 @@
-// From slots to the caller's arrays: ghosts dropped, vertices named by their rows.
+// From slots to the output arrays: ghosts are dropped, vertices become rows.
 #pragma once
 
 #include "base/result.hpp"
@@ -8,7 +8,7 @@
 
 namespace liftmesh {
 
-// `left` is memory that the result may take over.
+// The result may take over the memory `left`.
 Status emit(const Construction& from, ThreadPool& pool, Memory left, Result& result);
 
 }  // namespace liftmesh

@@ -1,7 +1,7 @@
-// A kd tree over a sample of the triangles leads to one near the query; from there a visibility
-// walk crosses, one after the other, edges that have the query on their far side. In a Delaunay
-// triangulation such a walk never returns to a triangle (Edelsbrunner 1990), and with exact
-// orientations it ends where it should.
+// A kd tree over a sample of the triangles leads to one near the query. From there a visibility
+// walk crosses edges that separate the triangle from the query. In a Delaunay triangulation such a
+// walk never returns to a triangle (Edelsbrunner 1990), and with exact orientations it ends at the
+// right one.
 
 #include "delaunay/locate.hpp"
 
@@ -42,7 +42,7 @@ Locator::Locator(const Triangulated& triangulated)
         const auto id = static_cast<std::int32_t>(simplex);
         start_[cuts_.cell(corner(id, 0))] = id;
     }
-    // An empty cell starts where the one before it does: in kd order they are neighbours.
+    // An empty cell starts where its predecessor does: in kd order they are neighbours.
     std::int32_t last = 0;
     for (std::int32_t& start : start_) last = start = start < 0 ? last : start;
 }
@@ -69,7 +69,7 @@ std::int32_t Locator::find(Point p, Patience& patience) const {
 Locator::Found Locator::walk(Point p, Patience& patience) const {
     Found found{start_[cuts_.cell(p)], {}};
     std::int32_t from = -1;
-    // A walk that visits more triangles than there are is in arrays that were changed meanwhile.
+    // A walk that visits more triangles than there are means that the arrays were modified.
     for (std::size_t visited = 0; found.simplex >= 0; ++visited) {
         if (patience.ends() || visited > triangulated_.count) return {-1, {}};
         const Point corners[3] = {corner(found.simplex, 0), corner(found.simplex, 1),
@@ -87,8 +87,8 @@ Locator::Found Locator::walk(Point p, Patience& patience) const {
     return found;
 }
 
-// The star of a vertex, counter-clockwise and, where the hull interrupts it, clockwise from the
-// start again.
+// Visits the star of a vertex counter-clockwise and, if that reaches the hull, clockwise from the
+// start.
 std::int32_t Locator::smallest_around(std::int32_t simplex, int k, Patience& patience) const {
     const std::int32_t centre = vertex(simplex, k);
     std::int32_t smallest = simplex;

@@ -15,7 +15,7 @@ namespace liftmesh {
 struct Triangulated {
     Input points;
     const std::int32_t* simplices;  // count x 3, counter-clockwise
-    const std::int32_t* neighbors;  // count x 3; entry k faces vertex k; -1 outside
+    const std::int32_t* neighbors;  // count x 3; entry k is opposite vertex k; -1 outside
     std::size_t count;
 };
 
@@ -23,14 +23,14 @@ class Locator {
  public:
     explicit Locator(const Triangulated& triangulated);
 
-    // The smallest simplex whose closed triangle holds the point; -1 outside the hull, for points
-    // that are not finite, and where patience ends.
+    // The smallest simplex whose closed triangle contains the point; -1 outside the hull, for
+    // points that are not finite, and if patience ends.
     std::int32_t find(Point p, Patience& patience) const;
 
  private:
     struct Found {
-        std::int32_t simplex;  // -1 where the point is outside
-        int turn[3];           // the side of the point on each edge
+        std::int32_t simplex;  // -1 if the point is outside
+        int turn[3];           // the sign of orient2d for each edge and the point
     };
 
     std::int32_t vertex(std::int32_t simplex, int k) const {

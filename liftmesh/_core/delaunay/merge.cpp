@@ -1,11 +1,11 @@
-// The merge step of divide and conquer (Lee and Schachter 1980, Guibas and Stolfi 1985), told on
+// The merge step of divide and conquer (Lee and Schachter 1980, Guibas and Stolfi 1985), on
 // the lifted lower hull: the lower tangent is the first edge of the seam; then the plane through
 // the base edge turns upward until it touches the next lifted point, left or right, which closes a
-// triangle and gives the next base. Edges of either part whose two triangles are not lower facets
-// any more are opened on the way: the triangle inside and the ghost outside become two ghosts.
+// triangle and gives the next base. Edges of either part whose two triangles are no longer lower
+// facets are opened on the way: the triangle inside and the ghost outside become two ghosts.
 //
-// The code speaks of left, right, lower and upper as for a cut across the x axis. A cut across y is
-// the same picture turned by a right angle, and no predicate notices.
+// The names left, right, lower and upper are for a cut across the x axis. A cut across y is the
+// same configuration rotated by a right angle, which changes no predicate.
 
 #include "delaunay/merge.hpp"
 
@@ -16,9 +16,9 @@ namespace liftmesh {
 
 namespace {
 
-// The hull vertex that no other precedes, as the ghost that leaves it. Along the hull the order has
-// one maximum and one minimum, so climbing from anywhere reaches it; the better end of the last
-// seam is mostly near.
+// The ghost that leaves the hull vertex that is last in the order of `precedes`. Along the hull the
+// order has one maximum and one minimum, so climbing from anywhere reaches it; the better end of
+// the last seam is usually close.
 template <class Precedes>
 TriangleId climb(const Mesh& mesh, Part part, Precedes precedes) {
     const auto at = [&](TriangleId t) { return mesh.point(mesh.tail(t)); };
@@ -37,8 +37,8 @@ TriangleId climb(const Mesh& mesh, Part part, Precedes precedes) {
     return g;
 }
 
-// The left part and the right one, as seen from the gap between them. What is said of one holds for
-// the other with clockwise and counter-clockwise exchanged; the code says it once, for both.
+// The left part and the right one. The steps on one side mirror those on the other, with clockwise
+// and counter-clockwise exchanged, so that both share the same code.
 using Side = unsigned;
 constexpr Side left = 0, right = 1;
 
@@ -80,7 +80,7 @@ class Merge {
         point_[side] = at(v);
     }
 
-    // From here on the walls are the ghosts of the two hull edges that meet the base from above:
+    // Afterwards the walls are the ghosts of the two hull edges that meet the base from above:
     // the one that leaves its left end, and the one that arrives at its right end.
     void find_lower_tangent(TriangleId from_left, TriangleId from_right) {
         wall_[left] = from_left;
@@ -149,7 +149,7 @@ class Merge {
     }
 
     // While the next point inward is below the plane of the base and the candidate, the hull edge
-    // to the candidate goes: a ghost each for the two other edges of the triangle behind it.
+    // to the candidate is removed: the two other edges of the triangle behind it get a ghost each.
     template <Side side>
     void open(const Base& base, Candidate& c) {
         const TriangleId wall = wall_[side];
@@ -160,16 +160,16 @@ class Merge {
             const Candidate d = candidate(base, apex);
             if (!is_below(c, d)) return;
             const TriangleId far = triangle_of(inner);
-            const Edge near_side = mesh_.twin(side == left ? previous(inner) : next(inner));
-            const Edge far_side = mesh_.twin(side == left ? next(inner) : previous(inner));
+            const Edge near_edge = mesh_.twin(side == left ? previous(inner) : next(inner));
+            const Edge far_edge = mesh_.twin(side == left ? next(inner) : previous(inner));
             mesh_.vertex(far, side) = c.vertex;
             mesh_.vertex(far, opposite(side)) = d.vertex;
             mesh_.vertex(far, 2) = ghost;
             mesh_.join(edge(far, opposite(side)), mesh_.twin(edge(wall, opposite(side))));
-            mesh_.join(mesh_.hull_edge(far), far_side);
+            mesh_.join(mesh_.hull_edge(far), far_edge);
             mesh_.vertex(wall, side) = d.vertex;
             mesh_.join(edge(wall, opposite(side)), edge(far, side));
-            mesh_.join(mesh_.hull_edge(wall), near_side);
+            mesh_.join(mesh_.hull_edge(wall), near_edge);
             c = d;
         }
     }

@@ -1,4 +1,4 @@
-// Two triangulations side by side become one: the seam of divide and conquer.
+// Merges two adjacent triangulations along their seam: the core of divide and conquer.
 #pragma once
 
 #include "base/status.hpp"
@@ -19,7 +19,7 @@ struct Seam {
 };
 
 // Merges parts that a cut across `axis` separates (all of `left` before all of `right`), using the
-// slot of the triangle `slot` and the one behind it.
+// triangle slot `slot` and the one after it.
 Part merge(const Seam& seam, Part left, Part right, Axis axis, TriangleId slot);
 
 }  // namespace liftmesh

@@ -4,12 +4,12 @@
 // exactly 2k - 2 triangles, collinear sets included. A merge of l and r points adds two, and
 // (2l - 2) + (2r - 2) + 2 = 2(l + r) - 2: so points [first, last) own the slots from 2 first to
 // 2 last - 2, and the two that follow those of its left part belong to the merge. There is no
-// allocator, and the layout does not depend on who builds which part when.
+// allocator, and the layout does not depend on which thread builds which part.
 //
 // A slot is six words: three vertices and three edge names. A triangle is named by the number of
-// its first word, t; its edge k, which faces vertex k and runs from vertex k + 1 to vertex k + 2
-// (counted modulo 3), by t + k. So the word at the name of an edge is the vertex it faces, and
-// three words on stands its twin: the name of the same edge in the triangle across. A ghost
+// its first word, t; its edge k, which is opposite vertex k and runs from vertex k + 1 to vertex k
+// + 2 (counted modulo 3), by t + k. So the word at the name of an edge is the opposite vertex, and
+// three words later is its twin: the name of the same edge in the triangle across. A ghost
 // triangle has the vertex `ghost` at place 2; for the hull edge tail -> head, taken
 // counter-clockwise, it is {head, tail, ghost}.
 #pragma once

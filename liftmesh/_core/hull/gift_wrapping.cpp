@@ -20,8 +20,8 @@ namespace liftmesh {
 
 namespace {
 
-// q as seen from the points' scale. One that leaves the range of doubles stays on its brink: every
-// vertex of the paraboloid gives the same facets.
+// q in the scale of the points. Overflow is clamped to the largest double: any vertex of the
+// paraboloid gives the same facets.
 Point scaled(Point q, const Scale& scale) {
     const auto limited = [](double value) {
         constexpr double most = std::numeric_limits<double>::max();
@@ -41,7 +41,7 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
     if (outcome.status != Status::ok) return outcome;
     const std::span<Site> sites(order.sites.get(), order.count);
     std::optional<paper::Grid> grid;
-    // The work of LF and LFRes depends on the order of P: it is that of the caller's rows.
+    // The work of LF and LFRes depends on the order of P, which is that of the caller's rows.
     if (procedure == Procedure::lfres_indexed) {
         grid.emplace(sites);
     } else {
@@ -66,7 +66,7 @@ Delaunay wrap_delaunay(const Input& input, bool skip_non_finite, Procedure proce
         wrap(scaled(q, order.scale),
              [&](const LiftedPoints& p) { return paper::LfRes(p, interrupt); });
     } else {
-        // Here q matters for the first edge alone: the best is one in sight of the points.
+        // Here q affects the first edge alone: best is one close to the points.
         wrap(points.front(), [&](const LiftedPoints& p) {
             return paper::LfResIndexed(*grid, points.data(), p.guard(), interrupt);
         });

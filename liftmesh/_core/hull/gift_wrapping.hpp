@@ -1,5 +1,4 @@
-// The paper's procedures as engines: planar points lifted, or points in space, wrapped facet by
-// facet.
+// The paper's procedures as engines: planar points are lifted and wrapped facet by facet.
 #pragma once
 
 #include "base/input.hpp"

@@ -13,7 +13,7 @@ namespace liftmesh {
 
 namespace {
 
-constexpr Vertex nobody = ~Vertex{0};
+constexpr Vertex no_vertex = ~Vertex{0};
 
 // The order of insertion. A point is in the last round with probability 1/2, in the one before with
 // 1/4, and so on, by the trailing zeros of a scrambled index (the finalizer of splitmix64).
@@ -39,7 +39,7 @@ class LowerHullBuilder {
         : p_(points),
           guard_(guard),
           patience_(interrupt),
-          next_waiting_(points.size(), nobody),
+          next_waiting_(points.size(), no_vertex),
           home_(points.size(), nowhere),
           spoke_(points.size() + 1) {}
 
@@ -82,7 +82,7 @@ class LowerHullBuilder {
  private:
     static constexpr TriangleId nowhere = ~TriangleId{0};
 
-    // An edge of the rim, as seen from the cavity: what lies outside, and the edge's ends.
+    // An edge of the rim, directed with the cavity on its left: its twin outside, and its ends.
     struct RimEdge {
         Edge outside;
         Vertex tail, head;
@@ -97,7 +97,7 @@ class LowerHullBuilder {
     bool is_ghost(TriangleId t) const { return corners(t)[2] == ghost; }
     bool is_live(TriangleId t) const { return corners(t)[0] != ghost; }
 
-    // The first three points of the order that are not on one line.
+    // The first two points of the order, and the first that is not collinear with them.
     std::optional<std::array<Vertex, 3>> find_seed(const std::vector<Vertex>& order) {
         for (std::size_t i = 2; i < order.size() && !patience_.ends(); ++i) {
             const int turn = orient2d(planar(order[0]), planar(order[1]), planar(order[i]));
@@ -123,7 +123,7 @@ class LowerHullBuilder {
         if (free_.empty()) {
             t = triangle_in(waiting_.size());
             words_.resize(words_.size() + words_per_triangle);
-            waiting_.push_back(nobody);
+            waiting_.push_back(no_vertex);
         } else {
             t = free_.back();
             free_.pop_back();
@@ -137,8 +137,8 @@ class LowerHullBuilder {
         words_[f + 3] = e;
     }
 
-    // Whether a point that is below the facet goes there: its position is in the triangle, or
-    // beyond the hull edge of a ghost.
+    // Whether the planar position is in the triangle of the facet, or beyond the hull edge of a
+    // ghost.
     bool holds(TriangleId t, Point p) const {
         const Vertex* v = corners(t);
         if (is_ghost(t)) return orient2d(planar(v[1]), planar(v[0]), p) < 0;
@@ -147,7 +147,7 @@ class LowerHullBuilder {
                orient2d(planar(v[2]), planar(v[0]), p) >= 0;
     }
 
-    // Lets a point wait at the facet that it belongs to, or leaves it out for good.
+    // Lets a point wait at the facet of its position, or discards it for good.
     void settle(Vertex v, TriangleId home) {
         home_[v] = nowhere;
         if (!is_in_conflict(home, v)) return;
@@ -156,7 +156,7 @@ class LowerHullBuilder {
         waiting_[slot_of(home)] = v;
     }
 
-    // Whether a facet goes when v comes.
+    // Whether inserting v removes the facet.
     bool is_in_conflict(TriangleId t, Vertex v) const {
         const Vertex* w = corners(t);
         if (!is_ghost(t)) return orient3d_canonical(p_[w[0]], p_[w[1]], p_[w[2]], p_[v], guard_);
@@ -164,8 +164,8 @@ class LowerHullBuilder {
         return turn != 0 ? turn < 0 : is_below_line(p_[w[1]], p_[w[0]], p_[v]);
     }
 
-    // The same for an edge of the planar hull and a point on its line. Of three points on a line in
-    // space the middle one is a vertex: it is below the line of the others.
+    // The same for an edge of the planar hull and a point on its line. Of three collinear points in
+    // space the middle one counts as below the line of the others, and becomes a vertex.
     static bool is_below_line(SpacePoint a, SpacePoint b, SpacePoint p) {
         const bool across = a.x != b.x;
         const auto upright = [&](SpacePoint s) { return Point{across ? s.x : s.y, s.z}; };
@@ -211,13 +211,13 @@ class LowerHullBuilder {
         home_[v] = nowhere;
         moving_.clear();
         for (TriangleId t : cavity_) {
-            for (Vertex w = waiting_[slot_of(t)]; w != nobody; w = next_waiting_[w])
+            for (Vertex w = waiting_[slot_of(t)]; w != no_vertex; w = next_waiting_[w])
                 if (w != v) moving_.push_back(w);
-            waiting_[slot_of(t)] = nobody;
+            waiting_[slot_of(t)] = no_vertex;
         }
     }
 
-    // A new facet on each edge of the rim; `spoke_` remembers the edge from v to each corner.
+    // Adds a facet for each edge of the rim; `spoke_` stores the edge from v to each corner.
     void fill_cavity(Vertex v) {
         for (TriangleId t : cavity_) {
             words_[t] = ghost;
@@ -235,8 +235,8 @@ class LowerHullBuilder {
     }
 
     // The facets around a vertex, counter-clockwise, each with the spoke at which it begins. Angles
-    // are compared exactly: by the half of the turn, counted from the first spoke, and inside a
-    // half by the turn from one to the other. Ghosts stand apart.
+    // are compared exactly: first by half-turn, counted from the first spoke, and within a
+    // half-turn by orientation. Ghosts are kept separately.
     class Fan {
      public:
         Fan(Point centre, std::vector<TriangleId>& facets, std::vector<Point>& spokes)
@@ -272,7 +272,7 @@ class LowerHullBuilder {
         std::vector<Point>& spokes_;
     };
 
-    // From facet to facet across the spokes, beginning behind a ghost where there is one.
+    // Walks from facet to facet across the spokes, starting after a ghost if there is one.
     Fan fan_around(Vertex v) {
         fan_.clear();
         spokes_.clear();
@@ -309,9 +309,9 @@ class LowerHullBuilder {
     Patience patience_;
     std::vector<Word> words_;  // of the facets, as in mesh.hpp
     std::vector<TriangleId> free_;
-    std::vector<Vertex> waiting_;       // of each facet, the first that waits there
-    std::vector<Vertex> next_waiting_;  // of each point, the next at the same facet
-    std::vector<TriangleId> home_;      // of each point that waits
+    std::vector<Vertex> waiting_;       // for each facet, the first point that waits there
+    std::vector<Vertex> next_waiting_;  // for each point, the next at the same facet
+    std::vector<TriangleId> home_;      // for each point that waits, its facet
     std::vector<Edge> spoke_;
     std::vector<char> conflict_;
     std::vector<TriangleId> cavity_, fresh_, fan_;

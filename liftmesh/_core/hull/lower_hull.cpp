@@ -17,7 +17,7 @@ namespace liftmesh {
 
 namespace {
 
-// Puts the lowest row of each planar position in place of the first.
+// Replaces the first row of each planar position by the lowest.
 void take_lowest(const Input& input, const std::vector<Duplicate>& duplicates, Order& order) {
     if (duplicates.empty()) return;
     std::vector<Row> lowest(input.rows);
@@ -32,7 +32,7 @@ struct Heights {
     Guard guard;
 };
 
-// Moved by a power of two of their own, which changes no side.
+// Scaled by a power of two of their own, which changes no sign.
 Heights heights_of(const Input& input, const Order& order) {
     Range range;
     Heights z{std::vector<double>(order.count), order.scale.guard};

@@ -10,8 +10,8 @@ namespace liftmesh {
 
 enum class HullMethod : std::uint8_t { incremental, lf };
 
-// Rows have three columns, all finite. Of rows at one planar position only the lowest can be on the
-// lower hull: it stands for them, the first where several are lowest. `counts` is of `lf`.
+// Rows have three columns, all finite. Of the rows at one planar position only the lowest can be on
+// the lower hull: it represents them, the first if several are lowest. `counts` is filled by `lf`.
 Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
                     paper::Counts& counts);
 

@@ -1,8 +1,8 @@
 // Algorithm 2: the lower convex hull, wrapped facet by facet.
 //
-// Facets are appended as they are found, and those before `front` are done: one array is the queue
-// Q' and the result Q. An edge is in E_L while its neighbour is `unknown`, and in E'_L from then
-// on.
+// Facets are appended as they are found, and those before `front` are finished: one array is both
+// the queue Q' and the result Q. An edge is in E_L while its neighbour is `unknown`, and in E'_L
+// from then on.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,8 @@ class LowerConvexHull {
         facets_.reserve(2 * points);
     }
 
-    // `a`, `b` is the first edge (line 1). The paper wraps it once, and settles it; where facets
-    // lie on both its sides, those of one side may then never be reached. Here it is wrapped from
-    // both.
+    // [a, b] is the first edge (line 1). The paper wraps it once, and settles it; if facets lie on
+    // both its sides, those of one side may then never be reached. Here it is wrapped from both.
     std::vector<Facet> wrap(Vertex a, Vertex b) {
         if (const std::optional<Vertex> p = facet_through_(a, b)) {  // line 2
             add(a, b, *p);
@@ -78,7 +77,7 @@ class LowerConvexHull {
     OpenEdges open_;
 };
 
-// All of it, from the first edge on. There are no facets where all points are on one line.
+// The whole algorithm, with the first edge. There are no facets if all points are collinear.
 template <class Points, class Procedure>
 Status lower_convex_hull(const Points& points, Procedure& facet_through, Interrupt& interrupt,
                          std::vector<Facet>& facets) {

@@ -1,4 +1,4 @@
-// What the procedures did.
+// Counts of the steps of the procedures.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ struct Counts {
     std::uint64_t candidate_planes = 0;  // planes (a, b, p_l) with n_z < 0
     std::uint64_t evaluations = 0;       // points held against a plane by a dot product
     std::uint64_t rejected[6] = {};      // by Propositions 4.3 (i)-(v), and 4.4
-    std::uint64_t undecided = 0;         // evaluations that rounding left to the exact predicate
+    std::uint64_t undecided = 0;         // evaluations that the exact predicate decided
 };
 
 }  // namespace liftmesh::paper

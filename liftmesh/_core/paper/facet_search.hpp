@@ -1,5 +1,5 @@
-// What Procedures 1 and 3 share: the points, the exact answer where doubles have none, and what is
-// counted.
+// What Procedures 1 and 3 share: the points, the exact predicate where doubles are inconclusive,
+// and the counts.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,8 @@ class FacetSearch {
     bool interrupted() { return patience_.ends(0); }
 
  protected:
-    // For evaluations that rounding leaves open; one takes up to a hundred times as long as a dot
-    // product. a, b and p_l are no candidates for p: they are on the plane, so they are met only
-    // here.
+    // For inconclusive evaluations; it takes up to a hundred times as long as a dot product. a, b
+    // and p_l are not candidates for p: they are on the plane, so only here need they be excluded.
     bool is_below(Vertex a, Vertex b, Vertex l, Vertex v) {
         if (v == a || v == b || v == l) return false;
         ++counts_.undecided;
@@ -29,7 +28,7 @@ class FacetSearch {
         return p_.is_below(a, b, l, v);
     }
 
-    // How many of a, b and p_l are among the first `count` points: they are in no P \ {a, b, p_l}.
+    // How many of a, b and p_l are among the first `count` points: P \ {a, b, p_l} excludes them.
     static std::uint64_t members_of_plane(Vertex a, Vertex b, Vertex l, Vertex count) {
         return std::uint64_t{a < count} + (b < count) + (l < count);
     }

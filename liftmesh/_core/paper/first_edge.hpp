@@ -23,7 +23,7 @@ class FirstEdgeSearch {
  public:
     FirstEdgeSearch(const Points& points, Patience& patience) : p_(points), patience_(patience) {}
 
-    // None where all points have one y: then CH_L(P) has no facet.
+    // None if all points have the same y: then CH_L(P) has no facet.
     std::optional<FirstEdge> find() {
         const auto n = static_cast<Vertex>(p_.size());
         Vertex v1 = 0;
@@ -35,33 +35,33 @@ class FirstEdgeSearch {
             if (v != v2 && is_to_the_right(v1, v2, v)) v2 = v;
             if (v != vn && is_to_the_right(v1, v, vn)) vn = v;
         }
-        // The three cases: as seen, smaller y is further right. A side is used where it is not
-        // vertical in Oyz; on vertical lines P' tells nothing about edges.
+        // The three cases: in this view smaller y is further right. An edge of P' is used if it is
+        // not vertical in Oyz; a vertical one says nothing about edges of CH_L(P).
         if (p_[v2].y < p_[v1].y) return FirstEdge{v1, v2, vn, v2};
         if (p_[v1].y < p_[vn].y) return FirstEdge{v1, v2, vn, vn};
         return std::nullopt;
     }
 
  private:
-    // A comparison weighs as much: where q is far it takes microseconds.
+    // The weight of a comparison, which takes microseconds if q is far away.
     static constexpr std::size_t step = 16;
 
-    // Of equally low points the lexicographically least is lifted least.
+    // Of equally low points the lexicographically least is lifted least by the perturbation.
     bool is_lower(Vertex u, Vertex v) const {
         const int sign = p_.compare_z(u, v);
         return sign != 0 ? sign < 0 : before_xy(p_.planar(u), p_.planar(v));
     }
 
-    // Whether w is strictly to the right of the line from u to v, as seen: with y to the right the
-    // three would turn counter-clockwise. Of points on one line the lexicographically largest is
-    // lifted most, and decides unless the other two have one y; then the next largest does.
+    // Whether w is strictly to the right of the line from u to v in this view: with y to the right
+    // the three turn counter-clockwise. Of collinear points the lexicographically largest is lifted
+    // most, and decides unless the other two have the same y; then the next largest does.
     bool is_to_the_right(Vertex u, Vertex v, Vertex w) const {
         int sign = p_.turn_in_oyz(u, v, w);
         if (sign == 0) sign = perturbed_turn(u, v, w);
         return sign > 0;
     }
 
-    // Lifting w turns u, v, w counter-clockwise where v is at larger y than u; and so on around.
+    // Lifting w makes u, v, w counter-clockwise if v has a larger y than u; and cyclically.
     int perturbed_turn(Vertex u, Vertex v, Vertex w) const {
         Vertex turned[3] = {u, v, w};
         for (int rest = 3; rest > 0; --rest) {

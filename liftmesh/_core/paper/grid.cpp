@@ -18,7 +18,7 @@ Box bounds_of(std::span<const Site> sites) {
     return box;
 }
 
-// Square cells, as far as the sides of the box allow.
+// Square cells, as far as the proportions of the box allow.
 std::size_t columns_for(const Box& box, double cells) {
     const double width = box.max_x - box.min_x, height = box.max_y - box.min_y;
     const double wanted = std::sqrt(cells) * std::sqrt(width / height);

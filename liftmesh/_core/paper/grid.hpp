@@ -1,7 +1,7 @@
 // A grid of equal cells, about one point to each: the spatial index of the restricted region.
 //
-// Cells are numbered row by row, and points are stored cell by cell, so the points in a box are one
-// run of memory for each row of cells that it crosses.
+// Cells are numbered row by row, and points are stored cell by cell, so the points of a box are one
+// run of memory for each row of cells that it meets.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,7 @@ class Cells {
 
 class Grid {
  public:
-    // Moves the sites into the order of the cells.
+    // Sorts the sites by cell.
     explicit Grid(std::span<Site> sites);
 
     const Cells& columns() const { return columns_; }

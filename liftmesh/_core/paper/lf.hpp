@@ -15,7 +15,7 @@ class Lf : public FacetSearch<Points> {
  public:
     Lf(const Points& points, Interrupt& interrupt) : FacetSearch<Points>(points, interrupt) {}
 
-    // The third vertex p_l of the facet (a, b, p_l). None where e is a bound-edge, where the paper
+    // The third vertex p_l of the facet (a, b, p_l). None if e is a bound-edge, for which the paper
     // returns e.
     std::optional<Vertex> operator()(Vertex a, Vertex b) {
         ++counts_.calls;
@@ -33,7 +33,7 @@ class Lf : public FacetSearch<Points> {
     }
 
  private:
-    // n . p > d says that p is below. Within the error of the dot product the exact predicate
+    // n . p > d means that p is below. Within the error of the dot product the exact predicate
     // decides.
     bool any_below(const Plane plane, double error, Vertex a, Vertex b, Vertex l) {
         const SpacePoint* const p = p_.data();

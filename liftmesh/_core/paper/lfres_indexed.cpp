@@ -23,15 +23,15 @@ bool covers(const Box& s, const Box& t) {
            (s.max_y >= t.max_y);
 }
 
-// How far a circle reaches to both sides of its centre c, between two coordinates on the other
-// axis. Rounding costs r^2 - d^2 no more than 8 u r^2, and moves c by no more than r was enlarged
+// Half the extent of a circle about its centre c along one axis, between two coordinates on the
+// other axis. Rounding changes r^2 - d^2 by at most 8 u r^2, and c by at most what r was enlarged
 // for.
 double half_chord(double low, double high, double c, double r) {
     const double d = std::max({low - c, c - high, 0.0}) * (1 - 4 * u);
     return std::sqrt(std::max(r * r * (1 + 8 * u) - d * d, 0.0)) * (1 + 4 * u);
 }
 
-// What a circle leaves of a box that cuts it: where points fill a strip, circles are far larger.
+// The part of a box that a circle can meet: if the points fill a strip, circles are far larger.
 Box around_circle(Box box, double cx, double cy, double r) {
     if (box.max_y - box.min_y < r) {
         const double half = half_chord(box.min_y, box.max_y, cy, r);
@@ -50,7 +50,7 @@ double farthest(double from, double low, double high) {
 
 }  // namespace
 
-// e = [a, b], as seen from a.
+// e = [a, b], relative to a.
 struct LfResIndexed::Edge {
     Vertex a, b;
     Point origin, end;
@@ -73,7 +73,7 @@ struct LfResIndexed::Plane {
     Vertex p;
     double nx, ny, nz;
 
-    // The vertical one: what is to the right of e is below it.
+    // The vertical plane: points to the right of e are below it.
     explicit Plane(const Edge& e) : p(vertical), nx(e.y), ny(-e.x), nz(0) {}
 
     // (a, b, p).
@@ -85,12 +85,12 @@ struct LfResIndexed::Plane {
         nz = e.x * py - e.y * px;
     }
 
-    // n . p - d for a point at (x, y) as seen from a.
+    // n . p - d for a point at (x, y) relative to a.
     double side(double x, double y) const { return nx * x + ny * y + nz * (x * x + y * y); }
 };
 
-// What bounds rounding for all planes (a, b, p) and all points with |x| and |y| below `width` and
-// `height` as seen from a. Differences are off by u and heights by 4 u, so the parts of a normal
+// Rounding error bounds for all planes (a, b, p) and all points with |x| and |y| below `width` and
+// `height` relative to a. Differences are off by u and heights by 4 u, so the parts of a normal
 // are off by 7 u, and a dot product by 14 u, of the magnitudes that enter them.
 struct LfResIndexed::Errors {
     double nxy, nz;          // of nx and ny together, and of nz
@@ -107,8 +107,8 @@ struct LfResIndexed::Errors {
     }
 };
 
-// Before there is a candidate: boxes of circles through a and b, to the right of e, whose
-// radius doubles.
+// The boxes that are searched before there is a candidate: of circles through a and b, to the right
+// of e, with doubling radius.
 class LfResIndexed::Growth {
  public:
     Growth(const Edge& e, const Grid& grid) : e_(e), grid_(grid), length_(std::sqrt(e.z)) {
@@ -116,7 +116,7 @@ class LfResIndexed::Growth {
         r_ = std::max(0.55 * length_, 0.9 * cell);
     }
 
-    // The next box; at last one that holds all points.
+    // The next box; the last one contains all points.
     Box next() {
         const Box& all = grid_.bounds();
         const double shift = std::sqrt(r_ * r_ - 0.25 * e_.z) / length_;
@@ -161,14 +161,14 @@ class LfResIndexed::Runs {
         }
     }
 
-    // From now on only what is in this box, too.
+    // Restricts the runs that follow to this box, too.
     void shrink(const Box& box) {
         min_x_ = box.min_x;
         max_x_ = box.max_x;
         last_line_ = grid_.lines().cell(box.max_y);
     }
 
-    // False where there is no further line; the run may be empty.
+    // False if there is no further line; the run may be empty.
     bool next(Grid::Run& run) {
         if (line_ > last_line_) return false;
         const double gained = static_cast<double>(line_) * gain_;
@@ -202,7 +202,7 @@ std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
             if (covers(scanned, grid_.bounds())) return std::nullopt;
             scanned = growth.next();
         } else if (plane.p == before) {
-            return plane.p;  // what was scanned was this plane's own region
+            return plane.p;  // the region of this very plane was scanned
         } else {
             const Box needed = region(e, plane, errors);
             if (covers(scanned, needed)) return plane.p;
@@ -245,8 +245,8 @@ Box LfResIndexed::region(const Edge& e, const Plane& plane, const Errors& errors
     return around_circle(common(box, grid_.bounds()), a.x + cx, a.y + cy, reach);
 }
 
-// Turns the plane about e until no point of the box is below it, passing over what the plane's
-// own region excludes by then. False where the run is to end.
+// Turns the plane about e until no point of the box is below it, skipping what the region of the
+// current plane excludes. False if the run should end.
 bool LfResIndexed::turn(const Edge& e, const Box& box, const Errors& errors, Plane& plane) {
     const bool tall = box.max_y - box.min_y > 8 * grid_.lines().width();
     Runs runs(grid_, e, box, guard_);
@@ -261,8 +261,8 @@ bool LfResIndexed::turn(const Edge& e, const Box& box, const Errors& errors, Pla
     return true;
 }
 
-// How many points of the run rounding leaves open: those that are certainly below are dealt with.
-// Open points are counted without a jump, as a and b would always take it.
+// Turns the plane onto points of the run that are certainly below it, and counts those for which
+// rounding is inconclusive. The count is branch-free, since a and b would always take the branch.
 std::uint64_t LfResIndexed::turn_by_doubles(const Edge& e, Grid::Run run, const Errors& errors,
                                             Plane& plane) {
     std::uint64_t open = 0;
@@ -281,7 +281,7 @@ std::uint64_t LfResIndexed::turn_by_doubles(const Edge& e, Grid::Run run, const 
     return open;
 }
 
-// An exact decision takes up to a hundred times as long as one in doubles.
+// An exact test takes up to a hundred times as long as one in doubles.
 bool LfResIndexed::turn_exactly(const Edge& e, Grid::Run run, Plane& plane) {
     for (Vertex v = run.first; v < run.last; ++v) {
         if (patience_.ends(64)) return false;

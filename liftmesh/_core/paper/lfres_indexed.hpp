@@ -1,17 +1,15 @@
-// LFRes with the restricted region taken at its word: what it excludes is not touched, but for the
-// cells at its edge.
+// LFRes with the restricted region as a range query: of the points that the region excludes, only
+// those in cells at its edge are read.
 //
 // Only points inside the box of the circle (C), on the open side of e, can be below a plane through
-// e. So a grid hands out the points of the cells that meet that box. A point that is found below
+// e. So a grid enumerates the points of the cells that meet that box. A point that is found below
 // becomes the next candidate: the plane turns about e, and since the circles through a and b are
-// nested on the open side, the region shrinks with it and no point need be looked at twice. Nothing
-// is left below the last candidate. The plane is vertical at first, where all points to the right
-// of e are below it and the region has no bounds; it is looked through circle by circle of doubling
-// size.
+// nested on the open side, the region shrinks with it and no point need be read twice. No point is
+// below the last candidate. The plane is vertical at first: all points to the right of e are below
+// it and the region is unbounded; it is searched in circles of doubling size.
 //
-// Everything is computed as seen from a: on a paraboloid with its vertex q at a. That is the
-// paper's freedom of choice, and the best one: d = 0, gamma = 0, r = L_cq, and coordinates are
-// small.
+// All coordinates are relative to a, on a paraboloid with its vertex q at a. The paper leaves q
+// free, and this choice is the best: d = 0, gamma = 0, r = L_cq, and coordinates are small.
 #pragma once
 
 #include <cstdint>

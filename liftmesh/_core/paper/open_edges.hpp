@@ -1,7 +1,7 @@
 // E_L: the edges of which one facet is known, each with its place in that facet.
 //
-// A hash table with linear probing; taking an edge out closes the gap, so that it holds no more
-// than the front of the wrapping, which fits the cache.
+// A hash table with linear probing; removing an edge closes the gap, so that the table holds only
+// the front of the wrapping, which fits the cache.
 #pragma once
 
 #include <cstdint>

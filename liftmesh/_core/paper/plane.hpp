@@ -1,8 +1,8 @@
-// The plane (a, b, p_l) of line 4 of Procedures 1 and 3, in doubles, with a proven bound on what
-// rounding can do to its numbers.
+// The plane (a, b, p_l) of line 4 of Procedures 1 and 3, in doubles, with proven bounds on the
+// rounding errors.
 //
 // With u = 2^-53 and z off by at most `delta`: a difference of coordinates is off by u, one of
-// heights by 2 delta besides; each component of the normal is off by no more than
+// heights by 2 delta in addition; each component of the normal is off by no more than
 //     4.01 u A + 2.01 delta B,    A_x = |ab_y| |ap_z| + |ab_z| |ap_y|,   B_x = |ab_y| + |ap_y|,
 // and so on (B_z = 0), and a dot product with three products and two sums by 3.01 u more. For one
 // call of a procedure ab is fixed and ap is bounded by the spread of the points, so the bounds are
@@ -34,7 +34,7 @@ inline Plane plane_through(const SpacePoint& a, const SpacePoint& b, const Space
     return plane;
 }
 
-// How far the numbers of any plane through e = [a, b] can be off.
+// The error bounds of any plane through e = [a, b].
 struct PlaneErrors {
     double nx, ny, nz;
     double d;
@@ -51,7 +51,8 @@ struct PlaneErrors {
         const double ax = aby * spread.z + abz * spread.y;
         const double ay = abz * spread.x + abx * spread.z;
         const double az = abx * spread.y + aby * spread.x;
-        // Outside the window of the filters nothing is trusted; inside, a small z may underflow.
+        // Outside the window of the filters the margin is infinite; inside, a small z may
+        // underflow.
         const double least = points.guard().margin() + 1e-250;
         nx = 5 * u * ax + 3 * delta * (aby + spread.y) + least;
         ny = 5 * u * ay + 3 * delta * (abx + spread.x) + least;

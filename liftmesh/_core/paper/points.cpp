@@ -55,8 +55,8 @@ int LiftedPoints::compare_z(Vertex a, Vertex b) const {
     return compare_heights(planar(a), planar(b), q_);
 }
 
-// The differences are off by u, those of z by 2 error_of_z() besides; heights that overflow make
-// the comparison fail.
+// The differences are off by u, those of z by 2 error_of_z() in addition; heights that overflow
+// make the comparison fail.
 int LiftedPoints::turn_in_oyz(Vertex a, Vertex b, Vertex c) const {
     const double by = p_[b].y - p_[a].y, bz = p_[b].z - p_[a].z;
     const double cy = p_[c].y - p_[a].y, cz = p_[c].z - p_[a].z;

@@ -1,4 +1,4 @@
-// The paper's P: points p_1 ... p_n in space, and what is asked of them.
+// The paper's P: points p_1 ... p_n in space, and the predicates on them.
 //
 // The names of the paper, which the files of this folder keep:
 //   P, p_l       the points, and the candidate with which an edge spans a plane
@@ -11,8 +11,8 @@
 //   Q', Q        facets whose edges are still to be visited, and facets that are done
 //
 // The paper assumes that no four points are coplanar. Here any points of distinct planar positions
-// will do: ties are decided as if lexicographically larger points (by x, then y) were lifted
-// infinitely little more. So no point is ever on a plane of three others, and CH_L(P) is unique.
+// are allowed: a symbolic perturbation lifts lexicographically larger points (by x, then y) by an
+// infinitesimal more. So no point is ever on a plane of three others, and CH_L(P) is unique.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@
 
 namespace liftmesh::paper {
 
-// The greatest magnitudes among the points, and how far apart they are: what bounds rounding.
+// The greatest magnitudes of the coordinates, and their ranges: they bound the rounding errors.
 struct Extent {
     SpacePoint greatest{0, 0, 0};  // |x|, |y|, |z|
     SpacePoint spread{0, 0, 0};    // max - min, rounded up
@@ -41,7 +41,7 @@ class Points {
     const Extent& extent() const { return extent_; }
     // The most by which a z differs from the height it stands for.
     double error_of_z() const { return error_of_z_; }
-    // Whether floating-point filters hold here: infinite where nothing rounded may be trusted.
+    // Whether the filters hold here: its margin is infinite if no rounded value may be trusted.
     Guard guard() const { return guard_; }
 
  protected:

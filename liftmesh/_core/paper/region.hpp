@@ -1,10 +1,10 @@
 // The restricted region of Section 4: lines 6 and 7 of Procedure 3, rounded outwards.
 //
-// The printed formulas, each followed by what rounding can do to it: alpha = -n_x / n_z is off by
-// at most (E(n_x) + |alpha| E(n_z)) / (|n_z| - E(n_z)) for the errors E of a plane, and so on down
-// to r. Every bound is rounded away from the circle, so a point that Proposition 4.3 rejects is
-// above the plane, and one that Proposition 4.4 rejects is below it, whatever q is. A q so far away
-// that nothing is left of the digits gives a region without bounds, which rejects nothing.
+// The printed formulas, each followed by a bound on its rounding error: alpha = -n_x / n_z is off
+// by at most (E(n_x) + |alpha| E(n_z)) / (|n_z| - E(n_z)) for the errors E of a plane, and so on
+// down to r. Every bound is rounded away from the circle, so a point that Proposition 4.3 rejects
+// is above the plane, and one that Proposition 4.4 rejects is below it, whatever q is. A q so far
+// away that no digits are left gives an unbounded region, which rejects nothing.
 #pragma once
 
 #include <algorithm>
@@ -61,9 +61,9 @@ struct Region {
     }
 };
 
-// The first point from `k` on that Propositions 4.3 and 4.4 leave open, or that 4.4 finds below the
-// plane; `count` where there is none. What is rejected is counted for the first proposition, in the
-// printed order, that does so.
+// The first point from `k` on that Propositions 4.3 and 4.4 do not decide, or that 4.4 finds below
+// the plane; `count` if there is none. A rejected point counts for the first proposition, in the
+// printed order, that rejects it.
 inline Vertex next_in_region(const SpacePoint* p, Vertex k, Vertex count, const Region& region,
                              std::uint64_t (&rejected)[6]) {
     const Region bounds = region;

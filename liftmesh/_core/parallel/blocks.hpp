@@ -1,4 +1,4 @@
-// A long loop in blocks, so that it can be stopped between two of them.
+// A long loop that can be interrupted between blocks.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace liftmesh {
 
-// Calls visit(i) for every i below count. False where the interrupt ended it early.
+// Calls visit(i) for every i below count. False if the interrupt ended it early.
 template <class Visit>
 bool for_each_in_blocks(std::size_t count, Interrupt& interrupt, Visit visit) {
     constexpr std::size_t block = std::size_t{1} << 14;

@@ -6,8 +6,8 @@ namespace liftmesh {
 
 namespace {
 
-// Point i of the lattice, lifted over the last one, q. Differences are below 2^(64N - 2), so
-// heights are below 2^(128N - 3).
+// Point i of the lattice, lifted with the last one, q, as vertex. Differences are below 2^(64N -
+// 2), so heights are below 2^(128N - 3).
 template <int N, int K>
 Wide<2 * N> height(const PlanarLattice<K>& lattice, int i) {
     const Wide<N> x = lattice.template x<N>(i) - lattice.template x<N>(K - 1);

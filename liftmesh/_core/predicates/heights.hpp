@@ -1,6 +1,6 @@
 // Exact comparisons of heights on the paraboloid z = |p - q|^2, whose vertex q is any finite point.
 //
-// Only the first edge of the paper needs them: everywhere else q cancels.
+// Only the paper's first edge needs them: everywhere else q cancels.
 #pragma once
 
 #include "base/point.hpp"

@@ -57,18 +57,18 @@ bool is_rectangle(Point a, Point b, Point c, Point d) {
            corner(a, c, b, d) || corner(c, b, d, a);
 }
 
-// The filter away from the window: the coordinates are moved by a power of two so that the largest
-// difference is near 1, where an underflow costs no more than a few times 2^-1074.
+// The filter outside the window: the differences are scaled by a power of two so that the largest
+// is near 1, where an underflow costs at most a few times 2^-1074.
 int sign_by_scaled_filter(Point a, Point b, Point c, Point d) {
     double largest = 0;
     for (Point p : {a, b, c})
         largest = std::max({largest, std::fabs(p.x - d.x), std::fabs(p.y - d.y)});
     if (!std::isfinite(largest) || largest < 0x1p-960) return 0;
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
-    const auto moved = [&](Point p) { return Point{(p.x - d.x) * scale, (p.y - d.y) * scale}; };
-    const InCircleFilter filter = incircle_filter(moved(a), moved(b), moved(c), {0, 0});
-    // Each difference was rounded once more than the bound counts when it was scaled into the
-    // denormal range only, which the constant covers.
+    const auto scaled = [&](Point p) { return Point{(p.x - d.x) * scale, (p.y - d.y) * scale}; };
+    const InCircleFilter filter = incircle_filter(scaled(a), scaled(b), scaled(c), {0, 0});
+    // Scaling rounds a difference, which the bound does not count, only if it becomes denormal: the
+    // constant covers that.
     const double error = filter.error + 1e-290;
     return (filter.det > error) - (-filter.det > error);
 }

@@ -15,7 +15,7 @@
 namespace liftmesh {
 
 // Whether every non-zero coordinate lies in [2^-140, 2^200]. Then differences are zero or at least
-// 2^-192, what is computed of two of them zero or at least 2^-436, terms of degree four zero or in
+// 2^-192, values computed from two of them zero or at least 2^-436, terms of degree four zero or in
 // [2^-872, 2^810], and the filters need no further care; elsewhere they certify nothing and the
 // exact ladder decides.
 class Guard {
@@ -33,7 +33,7 @@ class Guard {
     double margin_;
 };
 
-// Both are exact for all finite doubles; called where the filter below leaves the sign open.
+// Both are exact for all finite doubles; called where the filter below is inconclusive.
 int incircle_exact(Point a, Point b, Point c, Point d, Guard guard);
 int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard);
 

@@ -53,7 +53,7 @@ class Lattice {
         width_ = high > low ? high - low : 0;
     }
 
-    // Whether differences fit Wide<N> with two bits to spare, which is what the polynomials need.
+    // Whether differences fit Wide<N> with two bits to spare, as the polynomials require.
     template <int N>
     bool fits() const {
         return width_ + 1 <= 64 * N - 2;

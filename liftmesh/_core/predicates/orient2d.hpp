@@ -3,7 +3,7 @@
 // The filter is Shewchuk's ("Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates", 1997): |error| <= (3 + 16e) e (|left| + |right|) with e = 2^-53. An underflow in
 // either product adds at most 2^-1074, which the constant 1e-300 covers; an overflow makes every
-// comparison fail. What the filter leaves open is decided in exact integers.
+// comparison fail. Where the filter is inconclusive exact integers decide.
 #pragma once
 
 #include <cmath>

@@ -22,8 +22,8 @@ int sign_of_side(const PlanarLattice<4>& planar, const Lattice<4>& heights) {
 
 }  // namespace
 
-// Heights have a lattice of their own, twice as wide: whatever the units of z, they seldom decide
-// the width of the arithmetic.
+// Heights have a lattice of their own, twice as wide, so the units of z seldom determine the width
+// of the arithmetic.
 int orient3d_exact(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d) {
     if ((a.z == d.z) & (b.z == d.z) & (c.z == d.z)) return 0;
     const PlanarLattice<4> planar({a.planar(), b.planar(), c.planar(), d.planar()});

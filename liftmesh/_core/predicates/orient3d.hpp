@@ -1,12 +1,12 @@
 // The side test of a point against a plane in space.
 //
-// orient3d(a, b, c, d) for a, b, c that turn counter-clockwise seen from above: +1 where d lies
+// orient3d(a, b, c, d) for a, b, c counter-clockwise seen from above: +1 where d lies
 // below their plane, -1 above, 0 on it. The lift of incircle's d is below the plane exactly where d
 // is inside the circle.
 //
 // The filter is Shewchuk's: |error| <= (7 + 56e) e permanent. It holds where no intermediate
-// underflows or overflows, which `Guard` vouches for: planar coordinates and heights, each moved by
-// a power of two of its own, are zero or within [2^-140, 2^200].
+// underflows or overflows, which `Guard` vouches for: planar coordinates and heights, each scaled
+// by a power of two of its own, are zero or within [2^-140, 2^200].
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ struct SpacePoint {
     Point planar() const { return {x, y}; }
 };
 
-// Both are exact for all finite doubles; called where the filter below leaves the sign open.
+// Both are exact for all finite doubles; called where the filter below is inconclusive.
 int orient3d_exact(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d);
 int orient3d_canonical_exact(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d);
 

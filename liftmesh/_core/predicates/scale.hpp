@@ -1,8 +1,8 @@
-// The power of two by which coordinates are moved into the window of the in-circle filter.
+// The power of two that scales coordinates into the window of the in-circle filter.
 //
 // Multiplying by a power of two changes no sign, and within the window it loses no bit: a set of
 // denormals is triangulated as fast as any other. Only sets that span more than 339 binary orders
-// of magnitude stay as they are, and their in-circle tests take the guarded way.
+// of magnitude are left unscaled, and their in-circle tests take the guarded path.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,8 @@ class Range {
     double greatest() const { return std::bit_cast<double>(greatest_); }
 
  private:
-    // Magnitudes compare as their bits do; less one, zero becomes the greatest of all.
+    // Magnitudes compare like their bits. Subtracting one makes zero the greatest, so that the
+    // least ignores it.
     void add(double value) {
         const std::uint64_t bits = std::bit_cast<std::uint64_t>(value) & ~(std::uint64_t{1} << 63);
         least_ = std::min(least_, bits - 1);
@@ -42,7 +43,7 @@ class Range {
 
 struct Scale {
     bool moves = false;
-    double first = 1, second = 1;  // two factors, as 2^1273 is no double
+    double first = 1, second = 1;  // two factors: 2^1273 overflows
     Guard guard = Guard::in_window();
 
     explicit Scale(const Range& range) {

@@ -1,7 +1,7 @@
 // Signed integers of a fixed number of 64-bit limbs (two's complement, lowest limb first).
 //
-// They are all the exact arithmetic of the kernel: coordinates are integers on a common power of
-// two, so each predicate is one integer polynomial, evaluated at a width that provably holds it.
+// They are the kernel's only exact arithmetic: coordinates are integer multiples of a common power
+// of two, so each predicate is an integer polynomial, evaluated at a width that provably holds it.
 #pragma once
 
 #include <array>
@@ -75,7 +75,7 @@ Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
     return a.negative() != b.negative() ? Wide<2 * N>{} - result : result;
 }
 
-// value * 2^shift; the caller knows that it fits.
+// value * 2^shift, which must fit.
 template <int N>
 Wide<N> shifted(std::int64_t value, int shift) {
     const bool negative = value < 0;

@@ -1,4 +1,4 @@
-// The box of some points.
+// The bounding box of points.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct Bounds {
         low = {std::min(low.x, p.x), std::min(low.y, p.y)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
-    // The axis along which a cut leaves the rounder parts. Their seam is the shorter for it.
+    // The axis across which a cut leaves rounder parts, with a shorter seam.
     Axis longer() const { return high.x - low.x >= high.y - low.y ? Axis::x : Axis::y; }
 };
 

@@ -21,7 +21,7 @@ Cuts::Cuts(std::vector<Point> sample, int depth) : depth_(depth), cut_(cells()) 
     learn(1, 0, sample.data(), sample.data() + sample.size());
 }
 
-// The cuts near the root one after the other, then each subtree by whoever is free.
+// The cuts near the root in sequence, then the subtrees on any thread.
 Cuts::Cuts(std::vector<Point> sample, int depth, ThreadPool& pool) : depth_(depth), cut_(cells()) {
     constexpr int shared_levels = 3;
     std::vector<Span> spans{{1, 0, sample.data(), sample.data() + sample.size()}};

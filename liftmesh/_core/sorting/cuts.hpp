@@ -1,7 +1,6 @@
-// A kd tree of cuts learnt from a sample: it sends any point to one of 2^depth cells of about equal
+// A kd tree of cuts, built from a sample: it maps any point to one of 2^depth cells of about equal
 // population. A cut goes across the axis along which its part of the sample spreads more, and
-// compares both coordinates, so that points with equal x are told apart by y, and equal points
-// always share a cell.
+// compares both coordinates: points with equal x are separated by y, and equal points share a cell.
 #pragma once
 
 #include <array>
@@ -14,7 +13,7 @@
 
 namespace liftmesh {
 
-// Which coordinate counts is the tree's to say: they are taken by their place, which needs no jump.
+// Indexed by axis, so that comparing across either axis takes no branch.
 using Coordinates = std::array<double, 2>;
 template <std::size_t N>
 using Abreast = std::array<Coordinates, N>;
@@ -33,7 +32,7 @@ class Cuts {
 
     std::size_t cell(Point p) const { return cells(Abreast<1>{{{p.x, p.y}}})[0]; }
 
-    // Several points go down the tree abreast: none waits for another.
+    // Several points descend the tree in lockstep, which hides latency.
     template <std::size_t N>
     std::array<std::uint32_t, N> cells(const Abreast<N>& points) const {
         std::array<std::uint32_t, N> node;
@@ -46,7 +45,7 @@ class Cuts {
     }
 
  private:
-    // A point, and the place of the coordinate that counts first.
+    // A point, and the index of the coordinate that is compared first.
     struct Cut {
         double first = 0, second = 0;
         std::size_t place = 0;
@@ -61,7 +60,7 @@ class Cuts {
             return (u < first) | ((u == first) & (v < second));
         }
     };
-    // Finds the cut of a node among its part of the sample, and puts it in the middle of that part.
+    // Finds the cut of a node in its part of the sample, and moves it to the middle of that part.
     Point* cut(std::size_t node, Point* first, Point* last);
     void learn(std::size_t node, int level, Point* first, Point* last);
 

@@ -11,15 +11,14 @@ namespace {
 
 constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
-// The top bits of a sum of products depend on every bit of both coordinates: the bits in which the
-// points of a lattice differ are few, and mostly the highest.
+// The top bits of a sum of products depend on every bit of both coordinates: lattice points differ
+// in few bits, mostly the highest.
 std::uint64_t hash(Point p) {
     return std::bit_cast<std::uint64_t>(p.x) * 0x9e3779b97f4a7c15u +
            std::bit_cast<std::uint64_t>(p.y) * 0xd1b54a32d192ed03u;
 }
 
-// Where collisions are more than chance explains, the answer is left to sorting: no input makes
-// this quadratic.
+// With more collisions than chance explains, `by_sorting` takes over: no input is quadratic.
 class Table {
  public:
     explicit Table(std::size_t count)
@@ -77,7 +76,7 @@ std::size_t by_sorting(Site* sites, std::size_t count, std::vector<Duplicate>& d
 
 }  // namespace
 
-// A table that lives for one cell; positions are looked up among the sites already kept.
+// The table serves one cell; its entries index the sites already kept.
 std::size_t keep_distinct(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates) {
     Table table(count);
     std::size_t kept = 0;

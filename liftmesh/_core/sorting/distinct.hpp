@@ -1,4 +1,4 @@
-// Exact duplicates: of rows at one position the lowest is kept.
+// Exact duplicates: of the rows at one position the lowest is kept.
 #pragma once
 
 #include <cstddef>

@@ -36,8 +36,8 @@ Point median(Point p, Point q, Point r) {
     return greatest(least(p, q), least(greatest(p, q), r));
 }
 
-// What nine sites, evenly taken, tell of all: Tukey's ninther of each coordinate (where many points
-// share one, the other decides), and how they spread.
+// Estimates from nine evenly spaced sites: Tukey's ninther of each coordinate (where many points
+// share one, the other decides), and the bounds.
 struct Sample {
     Point near_middle;
     Bounds bounds;

@@ -1,5 +1,5 @@
-// Cuts inside a cell: a few points are halved by their ranks, more of them near their middle, in
-// one pass without jumps, by a pivot taken from nine of them.
+// Cuts inside a cell: a few points are halved by their ranks; more points are partitioned near
+// their middle, in one branch-free pass, by a pivot chosen from nine of them.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct Halving {
 
 // Reorders `count` >= 4 sites of distinct positions: every site before the middle precedes across
 // the axis every site from it on. At least two stand on each side. The axis is the one along which
-// they spread more, as nine of them tell.
+// they spread more, estimated from nine of them.
 Halving halve(Site* sites, std::size_t count);
 
 }  // namespace liftmesh

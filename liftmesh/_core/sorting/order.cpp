@@ -1,8 +1,8 @@
-// A sample of the rows gives the cuts of a kd tree. One pass over the rows finds the cell of each,
-// the range of the coordinates, and what is not finite; a second drops every point into its cell: a
-// counting sort, which is stable however the rows are shared out, as each share counts for itself
-// and the shares of a cell follow one another. Then each cell, which fits the cache, is freed of
-// duplicates.
+// A sample of the rows determines the cuts of a kd tree. A first pass over the rows finds the cell
+// of each, the range of the coordinates, and the rows that are not finite; a second moves every
+// point to its cell. This counting sort is stable for any number of shares of the rows, since each
+// share has its own counts and the shares of a cell stand in order. Then duplicates are removed
+// from each cell, which fits the cache.
 
 #include "sorting/order.hpp"
 
@@ -25,7 +25,7 @@ constexpr std::size_t sample_per_cell = 4;
 constexpr std::size_t abreast = 8;
 constexpr std::uint16_t no_cell = 0xffff;
 
-// What one share of the rows comes to.
+// The counts and findings of one share of the rows.
 struct Share {
     std::size_t first, last;
     Range range;
@@ -51,7 +51,7 @@ class Arrangement {
     }
 
  private:
-    // Where few rows are finite the sample stays small, and so does the tree.
+    // If few rows are finite, the sample stays small, and so does the tree.
     Cuts learn_cuts() {
         const int depth = std::clamp(
             static_cast<int>(std::bit_width(input_.rows / cell_population)) - 1, 0, deepest);
@@ -141,8 +141,8 @@ class Arrangement {
         return done;
     }
 
-    // The first points to be scattered would touch all of the memory, and no interrupt is heard
-    // while the system looks for that much: it is asked for it piece by piece.
+    // Scattering would fault in all of the memory at once, without polling the interrupt: pages are
+    // touched before, piece by piece.
     bool touch_sites() {
         constexpr std::size_t piece = (std::size_t{1} << 21) / sizeof(Site);
         constexpr std::size_t page = (std::size_t{1} << 12) / sizeof(Site);
@@ -155,8 +155,8 @@ class Arrangement {
                          });
     }
 
-    // A row that is not finite any more, as somebody writes to it meanwhile, must not leave the
-    // order that all else rests on: it becomes the origin.
+    // A row that another thread has made non-finite since the first pass becomes the origin: later
+    // stages rely on an order of finite points.
     template <class Read>
     void scatter(Share& share, Read read) {
         Site* sites = order_.sites.get();
@@ -170,7 +170,7 @@ class Arrangement {
         });
     }
 
-    // Cells are shared out in runs; a cell that lost sites is closed up afterwards.
+    // Tasks are runs of cells; the gaps that removed sites leave are closed afterwards.
     bool keep_distinct_in_cells() {
         const std::size_t cells = order_.cuts.cells();
         const std::size_t runs = std::min<std::size_t>(cells, 64);
@@ -204,7 +204,7 @@ class Arrangement {
         return true;
     }
 
-    // By row: each goes to the place of its row, and the places are read in turn.
+    // By row: each pair is stored at the place of its row, and the places are read in order.
     bool sort_duplicates() {
         constexpr Row none = ~Row{0};
         std::vector<Row> kept(input_.rows, none);

@@ -1,4 +1,4 @@
-// The points in kd order: neighbours in the plane become neighbours in memory.
+// The points in kd order: neighbours in the plane are neighbours in memory.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@
 
 namespace liftmesh {
 
-// The distinct points, cell by cell of a sampled kd tree. Inside a cell they keep the order of
-// their rows; the engine refines a cell when it comes to it.
+// The distinct points, by the cells of a sampled kd tree. Inside a cell they keep the order of
+// their rows; the engine refines a cell when it reaches it.
 struct Order {
     Buffer<Site> sites;
     std::size_t room = 0;   // of the buffer
@@ -25,7 +25,7 @@ struct Order {
     std::vector<std::size_t> cell_starts;  // and the end of the last
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
-    Scale scale{Range{}};                  // of the points, against the caller's rows
+    Scale scale{Range{}};                  // from the caller's rows to the points
 };
 
 struct OrderResult {
@@ -36,7 +36,7 @@ struct OrderResult {
 // Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
 OrderResult arrange(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 
-// Puts the sites in the order of their rows instead: cells mean nothing from then on.
+// Sorts the sites by row instead: the cells have no meaning from then on.
 void sort_by_row(Order& order);
 
 }  // namespace liftmesh

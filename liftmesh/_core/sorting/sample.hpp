@@ -1,4 +1,4 @@
-// Where a sample of something is taken.
+// The places of a sample.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace liftmesh {
 
-// The i-th place of a sample among `count`: a Weyl sequence, evenly spread and out of step with any
+// The i-th place of a sample among `count`: a Weyl sequence, evenly spread and not aligned with any
 // raster.
 inline std::size_t sample_place(std::size_t i, std::size_t count) {
     const std::uint64_t turned = (i + 1) * 0x9e3779b97f4a7c15u;

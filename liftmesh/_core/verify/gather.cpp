@@ -53,8 +53,8 @@ class Gathering {
     bool run(Gathered& gathered) {
         if (!find_cells()) return false;
         const std::size_t shares = std::min(blocks(mesh_.count), 4 * std::size_t{pool_.size()});
-        std::vector<std::vector<std::uint32_t>> next(
-            shares);  // where the next triangle of a cell goes
+        // Where the next triangle of each cell is stored.
+        std::vector<std::vector<std::uint32_t>> next(shares);
         const bool counted = for_each_share(shares, [&](std::size_t i, auto first, auto last) {
             next[i].assign(cuts_.cells(), 0);
             for (std::size_t t = first; t < last; ++t) ++next[i][cells_[t] = cell_of(t)];
