@@ -30,7 +30,7 @@ Row = tuple[float, float]
 Triangle = tuple[int, int, int]
 Mesh = tuple[list[Row], list[Triangle]]
 Point = tuple[Fraction, Fraction]
-Edge = tuple[Point, Point]
+HalfEdge = tuple[Point, Point]  # its triangle lies on its left
 Four = tuple[Point, Point, Point, Point]
 INTEGERS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
 INTEGERS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"}
@@ -118,12 +118,12 @@ def layout_of_a_face(properties: list[list[str]]) -> struct.Struct:
 
 
 def turn(a: Point, b: Point, c: Point) -> Fraction:
-    """Positive if a, b, c turn counter-clockwise."""
+    """Positive if a, b, c are counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def inside(a: Point, b: Point, c: Point, d: Point) -> Fraction:
-    """Positive if d is inside the circle of a, b, c, which turn counter-clockwise."""
+    """Positive if d is inside the circumcircle of a, b, c, which are counter-clockwise."""
     (ax, ay), (bx, by), (cx, cy) = ((p[0] - d[0], p[1] - d[1]) for p in (a, b, c))
     return (
         (ax * ax + ay * ay) * (bx * cy - cx * by)
@@ -132,11 +132,11 @@ def inside(a: Point, b: Point, c: Point, d: Point) -> Fraction:
     )
 
 
-def inside_by_the_rule(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Whether d is inside once lexicographically larger points are lifted infinitely little more.
+def inside_by_perturbation(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Whether d is inside if lexicographically larger points are lifted by an infinitesimal more.
 
     The determinant of the lifted points is linear in each height: the largest point whose cofactor
-    is not zero decides. That of d is not, as a, b, c turn counter-clockwise.
+    is not zero decides. That of d is not zero, as a, b, c are counter-clockwise.
     """
     cofactors = {a: turn(b, c, d), b: -turn(a, c, d), c: turn(a, b, d), d: -turn(a, b, c)}
     return next(value > 0 for _, value in sorted(cofactors.items(), reverse=True) if value)
@@ -147,45 +147,47 @@ def judge(rows: list[Row], triangles: list[Triangle]) -> tuple[str, dict[str, An
     points = [(Fraction(x), Fraction(y)) if math.isfinite(x) and math.isfinite(y) else None
               for x, y in rows]  # fmt: skip
     counts = {"rows": len(rows), "skipped": points.count(None), "triangles": len(triangles)}
-    wrong, apex = edges_of(points, triangles)
+    wrong, apex = half_edges_of(points, triangles)
     boundary = [(a, b) for a, b in apex if (b, a) not in apex]
     wrong = wrong or problem_of(boundary)
     if not wrong and {a for a, _ in apex} != {*points} - {None}:
-        wrong = "a point is no vertex"
+        wrong = "a point is not a vertex"
     circles = [] if wrong else across(apex)
     if any(sign > 0 for sign, _ in circles):
-        wrong = "a circle holds the apex of a neighbour"
+        wrong = "a circumcircle contains the apex of a neighbour"
     if wrong:
         return wrong, {"valid": False, "canonical": False, "counts": counts}
     vertices, corners = len({*points} - {None}), len({*chain(*triangles)})
     counts |= {"vertices": vertices, "merged": corners - vertices, "hull_edges": len(boundary)}
-    return "", valid(counts, sum(inside_by_the_rule(*four) for sign, four in circles if sign == 0))
+    return "", valid(
+        counts, sum(inside_by_perturbation(*four) for sign, four in circles if sign == 0)
+    )
 
 
-def edges_of(
+def half_edges_of(
     points: list[Point | None], triangles: list[Triangle]
-) -> tuple[str, dict[Edge, Point]]:
-    """Return what is wrong with the triangles, and the apex to the left of each directed edge."""
+) -> tuple[str, dict[HalfEdge, Point]]:
+    """Return what is wrong with the triangles, and the apex to the left of each half-edge."""
     if not all(0 <= row < len(points) for row in chain(*triangles)):
-        return "a corner is no row", {}
+        return "a corner is not a row", {}
     if any(points[row] is None for row in chain(*triangles)):
         return "a corner is not finite", {}
     cells = [tuple(points[row] for row in triangle) for triangle in triangles]
     if any(turn(*cell) <= 0 for cell in cells):
-        return "a triangle is flat or turns clockwise", {}
+        return "a triangle is degenerate or clockwise", {}
     apex = {edge: opposite for a, b, c in cells
             for edge, opposite in (((a, b), c), ((b, c), a), ((c, a), b))}  # fmt: skip
     single = len(apex) == 3 * len(cells)
-    return "" if single else "two triangles lie on one side of an edge", apex
+    return "" if single else "two triangles lie on the same side of an edge", apex
 
 
-def problem_of(edges: list[Edge]) -> str:
-    """Check that the boundary is one convex curve that goes round once."""
+def problem_of(edges: list[HalfEdge]) -> str:
+    """Check that the boundary is one convex curve that winds around once."""
     boundary = dict(edges)
     if not boundary:
         return "there is no boundary"
     if len(boundary) != len(edges):
-        return "the boundary passes a point more than once"
+        return "the boundary visits a point more than once"
     curve = [start := min(boundary)]
     while len(curve) <= len(boundary) and boundary.get(curve[-1], start) != start:
         curve.append(boundary[curve[-1]])
@@ -194,11 +196,12 @@ def problem_of(edges: list[Edge]) -> str:
     before, after = curve[-1:] + curve[:-1], curve[1:] + curve[:1]
     turns = list(zip(before, curve, after, strict=True))
     if any(turn(a, b, c) < 0 or (turn(a, b, c) == 0 and (a < b) != (b < c)) for a, b, c in turns):
-        return "the boundary turns inward"
-    return "" if sum(a > b < c for a, b, c in turns) == 1 else "the boundary goes round twice"
+        return "the boundary is not convex"
+    windings = sum(a > b < c for a, b, c in turns)
+    return "" if windings == 1 else "the boundary winds around more than once"
 
 
-def across(apex: dict[Edge, Point]) -> list[tuple[Fraction, Four]]:
+def across(apex: dict[HalfEdge, Point]) -> list[tuple[Fraction, Four]]:
     """For each interior edge, return the in-circle sign and its points: a triangle and an apex."""
     fours = [(a, b, c, apex[b, a]) for (a, b), c in apex.items() if a < b and (b, a) in apex]
     return [(inside(*four), four) for four in fours]
@@ -213,7 +216,7 @@ def valid(counts: dict[str, int], ties: int) -> dict[str, Any]:
         "canonical": not ties,
         "counts": counts | {"edges": edges, "duplicates": duplicates},
         "euler_characteristic": counts["vertices"] - edges + counts["triangles"],
-        "flaws": [("canonical", ties)] if ties else [],
+        "flaws": [("not_canonical", ties)] if ties else [],
     }
 
 
@@ -257,7 +260,7 @@ def check(claimed: dict[str, Any], rows: list[Row], triangles: list[Triangle]) -
     wrong, truth = judge(rows, triangles)
     flaws = flaws_of(claimed)
     found = differences(claimed | {"flaws": flaws}, truth)
-    if wrong and all(kind == "canonical" for kind, _ in flaws or []):
+    if wrong and all(kind == "not_canonical" for kind, _ in flaws or []):
         found.append("flaws should name what is wrong")
     if found:
         print(f"The certificate is wrong: {'; '.join(found)}{wrong and f' ({wrong})'}.")

@@ -1,4 +1,4 @@
-"""A small right triangulation, and ways to spoil it, for whatever has to notice."""
+"""A small correct triangulation, and ways to damage it that every checker must detect."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def flipped(simplices: Rows) -> Rows:
         pair = np.array([[a, b, d], [a, d, c]], dtype=np.int32)
         if (liftmesh.orient2d(*np.moveaxis(POINTS[pair], 1, 0)) > 0).all():
             return np.vstack((np.delete(simplices, [row, neighbors[row, other]], axis=0), pair))
-    raise AssertionError("no side can be flipped")
+    raise AssertionError("no edge can be flipped")
 
 
 def without_a_point() -> Rows:

@@ -22,9 +22,9 @@ SCRIPT = Path(checker.__file__)
 HEXAGON = [(4, 0), (3, 4), (-2, 4), (-5, 0), (-2, -4), (3, -4)]
 EARS = [(2, 3), (-3.5, 0), (2, -3)]
 
-# Meshes whose border passes points more than once.
+# Meshes whose boundary visits points more than once.
 PINCHED = {
-    "five pieces": (
+    "five parts": (
         [(-3, 4), (4, -3), (-5, 0), (-4, -3), (3, 4), (0, -5), (5, 0)],
         [(2, 3, 4), (0, 3, 5), (5, 1, 4), (4, 0, 2), (6, 4, 1)],
     ),
@@ -80,12 +80,12 @@ def test_it_needs_nothing_but_the_standard_library() -> None:
 
 @pytest.mark.parametrize("name", PINCHED)
 @pytest.mark.parametrize("canonical", [True, False])
-def test_a_border_that_passes_a_point_twice_is_seen(
+def test_a_boundary_that_visits_a_point_twice_is_seen(
     name: str, canonical: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     points, triangles = PINCHED[name]
     honest = said_of(points, triangles)
-    assert next(flaw["kind"] for flaw in honest["flaws"]) == "pinched"
+    assert next(flaw["kind"] for flaw in honest["flaws"]) == "non_manifold_vertices"
     assert hold(honest, points, triangles) == 0
     for hull in range(3, 10):
         lie = copy.deepcopy(honest) | {"valid": True, "canonical": canonical, "flaws": []}
@@ -94,17 +94,17 @@ def test_a_border_that_passes_a_point_twice_is_seen(
         lie["euler_characteristic"] = len(points) - edges + len(triangles)
         capsys.readouterr()
         assert hold(lie, points, triangles) == 1
-        assert "the boundary passes a point more than once" in capsys.readouterr().out
+        assert "the boundary visits a point more than once" in capsys.readouterr().out
 
 
 SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 1), (0, 0), (np.nan, 0)]
 FAN = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
-OTHERWISE = [(0, 1, 2), (0, 2, 3)]  # not the rule's choice; the point amid them has to go
+OTHERWISE = [(0, 1, 2), (0, 2, 3)]  # not the canonical choice; without the point in the middle
 LIES = [
     *(("valid", value) for value in (False, 1, 1.0, "no", None, [], {})),
     *(("canonical", value) for value in (False, 1, "yes", None)),
     *(("euler_characteristic", value) for value in (0, True, 1.0, None)),
-    *(("flaws", value) for value in (None, {}, [{}], [{"kind": "canonical", "count": 1}], [3])),
+    *(("flaws", value) for value in (None, {}, [{}], [{"kind": "not_canonical", "count": 1}], [3])),
     *(("counts", value) for value in (None, [], {}, 3)),
     *((name, "0" * 64) for name in ("points_sha256", "simplices_sha256")),
 ]
@@ -136,7 +136,7 @@ def test_lies_of_a_mesh_with_other_choices_are_found(capsys: pytest.CaptureFixtu
     assert capsys.readouterr().out == "The certificate holds: 2 triangles, valid, not canonical.\n"
     for lie in ({"flaws": []}, {"canonical": True}, {"canonical": True, "flaws": []}):
         assert hold(honest | lie, points, OTHERWISE) == 1
-    for lie in ({"kind": "flat"}, {"count": 2}):
+    for lie in ({"kind": "degenerate"}, {"count": 2}):
         assert hold(honest | {"flaws": [honest["flaws"][0] | lie]}, points, OTHERWISE) == 1
 
 
@@ -144,7 +144,7 @@ def test_lies_of_a_mesh_that_is_not_valid_are_found() -> None:
     honest = said_of(SQUARE, FAN[1:])
     assert hold(honest, SQUARE, FAN[1:]) == 0
     assert honest["valid"] is False
-    only = [{"kind": "canonical", "count": 1}]
+    only = [{"kind": "not_canonical", "count": 1}]
     lies = [{"valid": v} for v in (True, 0, None)] + [{"flaws": v} for v in ([], only, None)]
     lies += [{"counts": honest["counts"] | {n: 99}} for n in ("rows", "triangles", "skipped")]
     for lie in lies:
@@ -177,15 +177,18 @@ SLIT = [(0, 0), (1, 0), (0, 3), (-3, 0), (0, -3), (2, 0)]
 
 # Each is wrong in one way only.
 WRONG = {
-    "two triangles lie on one side of an edge": (SQUARE[:5], [*FAN, *FAN]),
+    "two triangles lie on the same side of an edge": (SQUARE[:5], [*FAN, *FAN]),
     "the boundary is not one closed curve": (
         RING,
         [(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)],
     ),
-    "the boundary goes round twice": (PENTAGON, [(0, 1 + i, 1 + (i + 2) % 5) for i in range(5)]),
-    "the boundary turns inward": (SLIT, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]),
-    "a point is no vertex": (SQUARE[:5], [(0, 1, 2), (0, 2, 3)]),
-    "a circle holds the apex of a neighbour": (
+    "the boundary winds around more than once": (
+        PENTAGON,
+        [(0, 1 + i, 1 + (i + 2) % 5) for i in range(5)],
+    ),
+    "the boundary is not convex": (SLIT, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]),
+    "a point is not a vertex": (SQUARE[:5], [(0, 1, 2), (0, 2, 3)]),
+    "a circumcircle contains the apex of a neighbour": (
         [(0, 0), (2, 0), (0, 2), (1, 1.5)],
         [(0, 1, 2), (1, 3, 2)],
     ),

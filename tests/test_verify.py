@@ -53,7 +53,9 @@ def test_the_order_of_triangles_and_corners_does_not_matter() -> None:
     assert liftmesh.verify(points, np.take_along_axis(simplices, turn, axis=1)).canonical
 
 
-@pytest.mark.parametrize("kind", ["clockwise", "flat", "delaunay", "non-finite", "doubled"])
+@pytest.mark.parametrize(
+    "kind", ["clockwise", "degenerate", "not_delaunay", "non_finite", "non_manifold_edges"]
+)
 def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) -> None:
     points = np.random.default_rng(3).random((50_000, 2))
     simplices = liftmesh.delaunay(points).simplices.copy()
@@ -61,11 +63,11 @@ def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) ->
     rows = random.choice(len(simplices), 2, replace=False)
     if kind == "clockwise":
         simplices[rows] = simplices[rows, ::-1]
-    elif kind == "flat":
+    elif kind == "degenerate":
         simplices[rows, 1] = simplices[rows, 0]
-    elif kind == "delaunay":
+    elif kind == "not_delaunay":
         points[simplices[rows, 0]] = points[simplices[rows]].mean(axis=1)
-    elif kind == "doubled":
+    elif kind == "non_manifold_edges":
         simplices = np.vstack((simplices, simplices[rows]))
     else:
         points[simplices[rows, 0]] = np.nan
@@ -85,13 +87,13 @@ def test_a_mesh_made_to_be_seen_from_below_has_one_flaw(family: str) -> None:
     assert certificate.euler_characteristic == 1
 
 
-@pytest.mark.parametrize("kind", ["delaunay", "doubled"])
+@pytest.mark.parametrize("kind", ["not_delaunay", "non_manifold_edges"])
 def test_what_else_is_wrong_with_it_is_what_is_wrong_seen_from_above(kind: str) -> None:
     points = np.random.default_rng(3).random((50_000, 2))
     simplices = liftmesh.delaunay(points).simplices
     random = np.random.default_rng(5)
     rows = random.choice(len(simplices), 2, replace=False)
-    if kind == "delaunay":
+    if kind == "not_delaunay":
         points[simplices[rows, 0]] = points[simplices[rows]].mean(axis=1)
     else:
         simplices = np.vstack((simplices, simplices[rows]))
@@ -104,15 +106,15 @@ def test_what_else_is_wrong_with_it_is_what_is_wrong_seen_from_above(kind: str) 
             assert offenders(below, kind, numbers) == offenders(above, kind, np.arange(len(mesh)))
 
 
-def test_circles_of_triangles_that_are_turned_are_not_asked() -> None:
+def test_in_circle_tests_skip_clockwise_triangles() -> None:
     simplices = flipped(liftmesh.delaunay(POINTS).simplices)
     one = liftmesh.verify(POINTS, simplices)
-    assert kinds(one)["delaunay"] == 1
+    assert kinds(one)["not_delaunay"] == 1
     turned = simplices.copy()
     turned[:-1] = turned[:-1, ::-1]  # all but one of the two that should not be there
     found = kinds(liftmesh.verify(POINTS, turned))
     assert found["clockwise"] == len(simplices) - 1
-    assert found.keys() & {"delaunay", "canonical"} == set()
+    assert found.keys() & {"not_delaunay", "not_canonical"} == set()
 
 
 def offenders(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[object, ...]]:
@@ -120,7 +122,7 @@ def offenders(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[ob
     (flaw,) = (flaw for flaw in certificate.flaws if flaw.kind == kind)
     assert flaw.count == len(flaw.first) > 0
     return {
-        (frozenset(int(listed[t]) for t in place.triangles), frozenset(place.rows), place.side)
+        (frozenset(int(listed[t]) for t in place.triangles), frozenset(place.rows), place.sign)
         for place in flaw.first
     }
 
@@ -130,9 +132,9 @@ def test_other_choices_on_a_circle_are_valid_but_not_canonical() -> None:
     assert certificate
     assert not certificate.canonical
     (flaw,) = certificate.flaws
-    assert (flaw.kind, flaw.count) == ("canonical", 1)
+    assert (flaw.kind, flaw.count) == ("not_canonical", 1)
     assert flaw.first[0].rows == (0, 1, 2, 3)
-    assert flaw.first[0].side == 0
+    assert flaw.first[0].sign == 0
     assert liftmesh.verify(SQUARE, [[0, 1, 3], [1, 2, 3]]).canonical
 
 
@@ -150,7 +152,7 @@ def inner_triangle(simplices: Rows) -> int:
 
 
 def hull_triangle_gone(simplices: Rows) -> Rows:
-    """Take out a triangle with one side on the border: its apex turns the border inward."""
+    """Remove a triangle with one edge on the boundary: the boundary turns right at its apex."""
     neighbors = liftmesh.delaunay(POINTS).neighbors
     hull = set(liftmesh.delaunay(POINTS).convex_hull[:, 0].tolist())
     for row in np.flatnonzero((neighbors < 0).sum(axis=1) == 1):
@@ -161,17 +163,17 @@ def hull_triangle_gone(simplices: Rows) -> Rows:
 
 
 DAMAGE = {
-    "a side flipped": (flipped, "delaunay"),
-    "a triangle turned": (lambda t: np.vstack((t[:-1], t[-1:, ::-1])), "clockwise"),
-    "a triangle without area": (lambda t: np.vstack((t, [[0, 0, 1]])), "flat"),
-    "an inner triangle gone": (lambda t: np.delete(t, inner_triangle(t), axis=0), "pieces"),
-    "a border triangle gone": (hull_triangle_gone, "hull"),
-    "a triangle twice": (lambda t: np.vstack((t, t[:1])), "doubled"),
-    "all twice": (lambda t: np.vstack((t, t)), "doubled"),
-    "a point left out": (lambda t: without_a_point(), "missing"),
-    "a row that is none": (lambda t: np.vstack((t[1:], [[0, 1, 40]])), "index"),
-    "a negative row": (lambda t: np.vstack((t[1:], [[0, -1, 2]])), "index"),
-    "no triangles": (lambda t: t[:0], "empty"),
+    "an edge flipped": (flipped, "not_delaunay"),
+    "a clockwise triangle": (lambda t: np.vstack((t[:-1], t[-1:, ::-1])), "clockwise"),
+    "a degenerate triangle": (lambda t: np.vstack((t, [[0, 0, 1]])), "degenerate"),
+    "an inner triangle gone": (lambda t: np.delete(t, inner_triangle(t), axis=0), "boundary_loops"),
+    "a boundary triangle gone": (hull_triangle_gone, "not_convex"),
+    "a triangle twice": (lambda t: np.vstack((t, t[:1])), "non_manifold_edges"),
+    "all twice": (lambda t: np.vstack((t, t)), "non_manifold_edges"),
+    "a point left out": (lambda t: without_a_point(), "missing_vertices"),
+    "a row that is none": (lambda t: np.vstack((t[1:], [[0, 1, 40]])), "invalid_index"),
+    "a negative row": (lambda t: np.vstack((t[1:], [[0, -1, 2]])), "invalid_index"),
+    "no triangles": (lambda t: t[:0], "no_triangles"),
 }
 
 
@@ -187,19 +189,19 @@ def test_damage_is_named(damage: str) -> None:
     assert second_opinion(POINTS, rows) != ""
 
 
-def test_offenders_have_rows_coordinates_and_exact_sides() -> None:
+def test_offenders_have_rows_coordinates_and_exact_signs() -> None:
     rows = flipped(liftmesh.delaunay(POINTS).simplices)
-    (flaw,) = (f for f in liftmesh.verify(POINTS, rows).flaws if f.kind == "delaunay")
+    (flaw,) = (f for f in liftmesh.verify(POINTS, rows).flaws if f.kind == "not_delaunay")
     assert flaw.count >= 1
     for place in flaw.first:
         assert place.points == tuple(map(tuple, POINTS[list(place.rows)].tolist()))
-        assert place.side == liftmesh.incircle(*place.points) == 1
+        assert place.sign == liftmesh.incircle(*place.points) == 1
         one, other = place.triangles
         assert tuple(rows[one]) == place.rows[:3]
         assert place.rows[3] in rows[other]
 
 
-def test_a_border_that_goes_round_twice_is_found() -> None:
+def test_a_boundary_that_winds_around_twice_is_found() -> None:
     """Ten triangles around one vertex, through twice the full turn: all turn the right way."""
     angle = np.arange(10) * 4 * np.pi / 10
     rim = np.column_stack((np.cos(angle), np.sin(angle))) * (1 + np.arange(10) / 1e9)[:, None]
@@ -207,7 +209,7 @@ def test_a_border_that_goes_round_twice_is_found() -> None:
     fan = [[0, 1 + i, 1 + (i + 1) % 10] for i in range(10)]
     certificate = liftmesh.verify(points, fan)
     assert not certificate
-    assert {"winding", "hull"} & kinds(certificate).keys(), str(certificate)
+    assert {"boundary_winding", "not_convex"} & kinds(certificate).keys(), str(certificate)
     star = np.vstack(([[0, 0]], [[4, 0], [-3, 3], [0, -4], [3, 3], [-4, 0], [1, -9]]))
     assert not liftmesh.verify(star, [[0, 1 + i, 1 + (i + 1) % 6] for i in range(6)])
 
@@ -243,7 +245,9 @@ def test_triangles_apart_are_as_good_as_those_that_share_rows(family: str) -> No
     assert certificate.merged == 3 * len(simplices) - certificate.vertices
 
 
-@pytest.mark.parametrize("damage", [name for name, (_, kind) in DAMAGE.items() if kind != "index"])
+@pytest.mark.parametrize(
+    "damage", [name for name, (_, kind) in DAMAGE.items() if kind != "invalid_index"]
+)
 def test_damage_to_triangles_apart_is_named_as_to_those_that_share_rows(damage: str) -> None:
     simplices = DAMAGE[damage][0](liftmesh.delaunay(POINTS).simplices)
     certificate = liftmesh.verify(*apart(POINTS, simplices))
@@ -278,11 +282,13 @@ def test_corners_beyond_one_for_each_position_are_counted() -> None:
     assert liftmesh.verify(points, [[1, 2, 3], [0, 2, 3]]).merged == 1
 
 
-def test_a_row_that_the_border_passes_often_is_named_once() -> None:
-    (flaw,) = (f for f in liftmesh.verify([[0, 0]], [[0, 0, 0]]).flaws if f.kind == "pinched")
+def test_a_row_that_the_boundary_visits_often_is_named_once() -> None:
+    (flaw,) = (
+        f for f in liftmesh.verify([[0, 0]], [[0, 0, 0]]).flaws if f.kind == "non_manifold_vertices"
+    )
     assert flaw.count == 1
     corners = liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]] * 4)
-    (flaw,) = (f for f in corners.flaws if f.kind == "pinched")
+    (flaw,) = (f for f in corners.flaws if f.kind == "non_manifold_vertices")
     assert [place.rows for place in flaw.first] == [(0,), (1,), (2,)]
 
 
@@ -297,7 +303,7 @@ def test_rows_that_are_not_finite() -> None:
     assert liftmesh.delaunay(points, nonfinite="skip").verify().canonical
     spoilt = np.vstack((simplices, [[0, 1, 41]]))
     certificate = liftmesh.verify(points, spoilt, nonfinite="skip")
-    assert kinds(certificate) == {"non-finite": 1}
+    assert kinds(certificate) == {"non_finite": 1}
     assert "row 41 (0.0, inf)" in certificate.flaws[0].first[0].text
     assert json.loads(certificate.to_json())["flaws"][0]["first"][0]["points"][2][1] == "inf"
 
@@ -307,7 +313,7 @@ def test_duplicates_need_no_vertex_of_their_own_and_others_do() -> None:
     simplices = liftmesh.delaunay(points).simplices
     assert liftmesh.verify(points, simplices).duplicates == 8
     certificate = liftmesh.verify(np.vstack((points, [[0.5, 0.5]])), simplices)
-    assert kinds(certificate) == {"missing": 1}
+    assert kinds(certificate) == {"missing_vertices": 1}
     assert certificate.flaws[0].first[0].rows == (49,)
     named_by_others = np.where(simplices < 7, simplices + 40, simplices)
     assert liftmesh.verify(points, named_by_others).canonical
@@ -324,8 +330,8 @@ def test_whole_numbers_of_any_kind(dtype: str) -> None:
 
 def test_rows_beyond_what_the_kernel_counts() -> None:
     certificate = liftmesh.verify(POINTS, [[0, 1, 2**32 + 2]])
-    assert kinds(certificate) == {"index": 1}
-    assert "names row 4294967298" in certificate.flaws[0].first[0].text
+    assert kinds(certificate) == {"invalid_index": 1}
+    assert "refers to row 4294967298" in certificate.flaws[0].first[0].text
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 SHORT_HELP = "Verify that a mesh is the Delaunay triangulation of its vertices."
 HELP = (
-    "Anybody's mesh, seen from above, exactly: every triangle counter-clockwise, sides that fit "
-    "together, a convex border, every row a vertex, every circle empty. The exit code is 1 if "
-    "anything is wrong, and the first places are named."
+    "Checks a mesh from any program, seen from above, exactly: every triangle counter-clockwise, "
+    "every edge shared or on the boundary, the boundary convex, every row a vertex, every "
+    "circumcircle empty. The exit code is 1 if anything is wrong, and the first places are listed."
 )
 EXAMPLES = [
     "liftmesh verify mesh.ply",

@@ -1,7 +1,7 @@
-"""What `verify` found: counts, flaws with their first offenders, and a JSON form that can travel.
+"""The result of `verify`: counts, flaws with their first offenders, and a JSON form.
 
-A certificate names the points and the triangles it speaks of by their SHA-256, so that whoever
-holds both can tell that it is theirs.
+A certificate identifies its points and triangles by their SHA-256 sums, so that anyone who has them
+can confirm that it is theirs.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ class Offender:
     text : str
         What is wrong there, in words.
     rows : tuple of int
-        The rows it is about: the corners of a triangle, the ends of a side, a row of the border
-        between its neighbours; of a side that is not Delaunay the corners of one triangle, then the
-        apex of the other.
+        The rows concerned: the corners of a triangle, the ends of an edge, or a row of the boundary
+        between its neighbours; for an edge that is not Delaunay the corners of one triangle, then
+        the apex of the other.
     points : tuple of (float, float)
-        Their coordinates; nothing for an index that is no row.
+        Their coordinates; empty if an index is not a row.
     triangles : tuple of int
-        The triangles it is about.
-    side : int or None
-        The exact sign that tells: of `orient2d` for three rows, of `incircle` for four.
+        The triangles concerned.
+    sign : int or None
+        The exact sign that decides: of `orient2d` for three rows, of `incircle` for four.
 
     Examples
     --------
     >>> import liftmesh
-    >>> liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 2, 1]]).flaws[0].first[0].side
+    >>> liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 2, 1]]).flaws[0].first[0].sign
     -1
     """
 
@@ -45,7 +45,7 @@ class Offender:
     rows: tuple[int, ...]
     points: tuple[tuple[float, float], ...] = ()
     triangles: tuple[int, ...] = ()
-    side: int | None = None
+    sign: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,20 +55,22 @@ class Flaw:
     Attributes
     ----------
     kind : str
-        Its name: "index", "non-finite", "clockwise", "flat", "doubled", "empty", "border",
-        "pinched", "pieces", "winding", "hull", "euler", "missing", "delaunay" or "canonical".
+        Its name: "invalid_index", "non_finite", "clockwise", "degenerate", "non_manifold_edges",
+        "non_manifold_vertices", "boundary_loops", "boundary_winding", "not_convex",
+        "missing_vertices", "not_delaunay", "no_triangles", "no_boundary", "euler" or
+        "not_canonical".
     count : int
-        How often it was found.
+        The number of occurrences.
     text : str
         What it means, with the count, in words.
     first : tuple of Offender
-        The first sixteen places at most.
+        At most the first sixteen occurrences.
 
     Examples
     --------
     >>> import liftmesh
     >>> liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 2, 1]]).flaws[0].text
-    '1 triangle turns clockwise'
+    '1 triangle is clockwise'
     """
 
     kind: str
@@ -88,28 +90,28 @@ class Certificate:
     rows : int
         Rows of the points.
     skipped : int
-        Rows that are not finite, and no corners.
+        Rows that are not finite.
     vertices : int or None
-        Positions that are corners. This, and what is None besides, is not counted where a corner is
-        no row, or a row that is not finite.
+        Distinct positions of corners. This and the other counts are None if a corner is not a row,
+        or is on a row that is not finite.
     duplicates : int or None
-        Rows that are finite and share the position of another row, which stands for them.
+        Finite rows at the position of another row, which represents them.
     merged : int or None
-        Of the rows that are corners, those beyond one for each position, as in meshes whose
-        triangles do not share their vertices.
+        The number of rows that are corners, beyond one for each position, as in meshes whose
+        triangles do not share vertices.
     triangles : int
         Triangles.
     edges, hull_edges : int or None
-        Sides, each counted once; those of them with one triangle.
+        Edges, and those of them that belong to one triangle only.
     flaws : tuple of Flaw
-        What is wrong. A flaw of the kind "canonical" leaves the triangulation valid.
+        What is wrong. A flaw of the kind "not_canonical" leaves the triangulation valid.
     points_sha256 : str
-        Of x and y of each row, one after the other, as little-endian float64; no number of rows.
-        float32 is widened, -0.0 stays as it is given. It is of the points that were judged: of
-        those in the plane, where ``liftmesh verify`` has ``--plane``.
+        Of x and y of each row, in order, as little-endian float64, without the number of rows.
+        float32 is widened, -0.0 stays as given. It is of the points that were checked: of the
+        planar coordinates if ``liftmesh verify`` has ``--plane``.
     simplices_sha256 : str
-        Of the three corners of each triangle, as they are given, as little-endian int32; where one
-        does not fit, and so is no row, all as int64, or as uint64 where that does not fit either.
+        Of the three corners of each triangle, as given, as little-endian int32; if one does not
+        fit, and so is not a row, all as int64, or as uint64 if that does not fit either.
     version : str
         Of liftmesh.
 
@@ -120,7 +122,7 @@ class Certificate:
     >>> bool(certificate), certificate.canonical
     (True, False)
     >>> print(certificate)
-    valid: these 2 triangles are a Delaunay triangulation of 4 rows; not canonical: 1 side is ...
+    valid: these 2 triangles are a Delaunay triangulation of 4 rows; not canonical: 1 edge is ...
     """
 
     rows: int
@@ -139,16 +141,16 @@ class Certificate:
     @property
     def valid(self) -> bool:
         """Whether the triangles are a Delaunay triangulation of all the points."""
-        return all(flaw.kind == "canonical" for flaw in self.flaws)
+        return all(flaw.kind == "not_canonical" for flaw in self.flaws)
 
     @property
     def canonical(self) -> bool:
-        """Whether they are the one in which ties are broken by the rule, as `delaunay` does."""
+        """Whether they are the triangles that `delaunay` makes, also of cocircular points."""
         return not self.flaws
 
     @property
     def euler_characteristic(self) -> int | None:
-        """Vertices less edges plus triangles: 1 for what covers a disk. None if not counted."""
+        """Vertices - edges + triangles, which is 1 for a disk. None if they were not counted."""
         if self.vertices is None or self.edges is None:
             return None
         return self.vertices - self.edges + self.triangles
@@ -158,25 +160,25 @@ class Certificate:
 
     def __str__(self) -> str:
         if not self.valid:
-            return self._objection()
+            return self._describe_flaws()
         these = f"these {self.triangles:,} triangles are" if self.triangles > 1 else "1 triangle is"
         kind = "the canonical" if self.canonical else "a"
         said = f"valid: {these} {kind} Delaunay triangulation of {self.rows:,} rows"
         return said + "".join(f"; not canonical: {flaw.text}" for flaw in self.flaws)
 
-    def _objection(self) -> str:
-        wrong = "; ".join(flaw.text for flaw in self.flaws if flaw.kind != "canonical")
+    def _describe_flaws(self) -> str:
+        wrong = "; ".join(flaw.text for flaw in self.flaws if flaw.kind != "not_canonical")
         first = [flaw.first[0].text for flaw in self.flaws if flaw.first]
         return f"not valid: {wrong}" + "".join(f"; first: {text}" for text in first[:1])
 
     def as_dict(self) -> dict[str, Any]:
-        """Give all that is known as plain values, for JSON.
+        """Return the certificate as plain values, for JSON.
 
         Returns
         -------
         dict
-            Numbers, texts, truth values, lists and dicts; None for what was not counted.
-            Coordinates that are not finite are texts: JSON has no such numbers.
+            Numbers, strings, booleans, lists and dicts; None for what was not counted. Coordinates
+            that are not finite are strings, since JSON has no such numbers.
 
         Examples
         --------
@@ -216,7 +218,7 @@ class Certificate:
 
 
 def _plain(value: Any) -> Any:
-    """Give lists for tuples, and texts for numbers that JSON does not have."""
+    """Replace tuples by lists, and numbers that JSON lacks by strings."""
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

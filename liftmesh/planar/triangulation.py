@@ -348,7 +348,7 @@ class Triangulation:
         return LowerHull(lift(self.points, vertex), self.simplices, vertex, self.neighbors)
 
     def verify(self, *, threads: int | None = None) -> Certificate:
-        """Verify the triangles from scratch, as `liftmesh.verify` does for anybody's.
+        """Verify the triangles from scratch, as `liftmesh.verify` does for any triangles.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
-"""`verify`: is it the Delaunay triangulation? Asked of anybody's triangles, answered exactly.
+"""`verify`: an exact test whether given triangles are the Delaunay triangulation of points.
 
-The kernel looks at triangles, sides, the border and the rows; here its numbers become a
-`Certificate`, with words and coordinates for the first offenders.
+The kernel checks triangles, edges, the boundary and the rows. This module turns its numbers into a
+`Certificate`, with descriptions and coordinates of the first offenders.
 """
 
 from __future__ import annotations
@@ -30,28 +30,40 @@ MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
 _HASHED_AT_ONCE = 1 << 20
 _REMEDY = "give the three rows of each triangle; cut other polygons into triangles first"
 
-# In the order of the kernel's list: what each means for one, and for more.
+# In the order of the kernel's enumeration: what each kind means, for one and for several.
 _MEANINGS = {
-    "index": ("corner is no row", "corners are no rows"),
-    "non-finite": ("corner is a row that is not finite", "corners are rows that are not finite"),
-    "clockwise": ("triangle turns clockwise", "triangles turn clockwise"),
-    "flat": ("triangle is flat", "triangles are flat"),
-    "doubled": (
-        "side has another triangle on its own side",
-        "sides have another triangle on their own side",
+    "invalid_index": ("corner is not a row", "corners are not rows"),
+    "non_finite": (
+        "corner is on a row that is not finite",
+        "corners are on rows that are not finite",
     ),
-    "pinched": (
-        "row is passed by the border more than once",
-        "rows are passed by the border more than once",
+    "clockwise": ("triangle is clockwise", "triangles are clockwise"),
+    "degenerate": ("triangle is degenerate", "triangles are degenerate"),
+    "non_manifold_edges": (
+        "edge is non-manifold: another triangle lies on the same side",
+        "edges are non-manifold: another triangle lies on the same side",
     ),
-    "pieces": ("closed curve is the border", "closed curves are the border, where one should be"),
-    "winding": ("border goes round more than once", "borders go round more than once"),
-    "hull": ("row of the border turns inward", "rows of the border turn inward"),
-    "missing": ("row has no vertex", "rows have no vertex"),
-    "delaunay": ("side is not Delaunay", "sides are not Delaunay"),
-    "canonical": ("side is not the rule's choice", "sides are not the rule's choice"),
+    "non_manifold_vertices": (
+        "vertex is non-manifold: the boundary visits it more than once",
+        "vertices are non-manifold: the boundary visits them more than once",
+    ),
+    "boundary_loops": (
+        "closed curve is the boundary",
+        "closed curves are the boundary, which should be one",
+    ),
+    "boundary_winding": (
+        "boundary winds around more than once",
+        "boundaries wind around more than once",
+    ),
+    "not_convex": (
+        "vertex of the boundary is not convex",
+        "vertices of the boundary are not convex",
+    ),
+    "missing_vertices": ("row has no vertex", "rows have no vertex"),
+    "not_delaunay": ("edge is not locally Delaunay", "edges are not locally Delaunay"),
+    "not_canonical": ("edge is not the canonical choice", "edges are not the canonical choice"),
 }
-_PREMATURE = {"index", "non-finite"}  # where these are found, no sides or rows are counted
+_PREMATURE = {"invalid_index", "non_finite"}  # with these, neither edges nor rows are counted
 
 
 def verify(
@@ -62,24 +74,24 @@ def verify(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Certificate:
-    """Verify that triangles are the Delaunay triangulation of points: anybody's, exactly.
+    """Verify exactly that triangles, from any source, are the Delaunay triangulation of points.
 
-    Looked at are: that every corner is a row, every triangle turns counter-clockwise, sides fit
-    together in pairs, the border is one convex curve that goes round once (so no two triangles
-    overlap), Euler's relation, that every row is a vertex or has one at its position, and that no
-    triangle's circle holds the apex of a neighbour (so none holds any point). No tolerance decides
-    anything, and nothing that decides is shared with the engines but the predicates and a checked
-    scaling by powers of two.
+    The checks are: every corner is a row; every triangle is counter-clockwise; every edge has one
+    triangle on either side, or lies on the boundary; the boundary is one convex curve that winds
+    around once, so that no two triangles overlap; Euler's relation holds; every row is a vertex or
+    has one at its position; and no triangle's circumcircle contains the apex of a neighbour, so
+    that none contains any point. No tolerance decides anything. The only code that decides here and
+    in the engines is the predicates, and the scaling by powers of two, which is checked.
 
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
-        The points; z is not looked at.
+        The points; z is ignored.
     simplices : array_like of int, of shape (m, 3)
-        The corners of each triangle as rows of `points`, in any order of triangles, with any corner
-        first.
+        The corners of each triangle as rows of `points`. Triangles may be in any order, and any
+        corner may be first.
     nonfinite : {"error", "skip"}, default "error"
-        Rows with NaN or infinity raise, or are counted and must not be corners.
+        Rows with NaN or infinity raise, or are skipped and must not be corners.
     threads : int, optional
         As for `delaunay`. The certificate is the same for any number.
     progress : callable, optional
@@ -88,7 +100,7 @@ def verify(
     Returns
     -------
     Certificate
-        True where the triangulation is valid; ``canonical`` tells whether it is also the one that
+        True if the triangulation is valid; ``canonical`` is whether it is also the one that
         `delaunay` makes, as a set of triangles.
 
     Raises
@@ -101,11 +113,11 @@ def verify(
 
     Notes
     -----
-    That the local test suffices is B. Delaunay, "Sur la sphère vide" (1934). Sides are paired as
-    triangles pass by, or by sorting: O(n log n) on every input. Where all triangles turn clockwise
-    (or are flat), as in a mesh made to be seen from below, that is told, and all else is judged as
-    if each were named in the other order. Of others that turn clockwise, and across sides that are
-    doubled, no circle is asked.
+    That the local test suffices was shown by B. Delaunay, "Sur la sphère vide" (1934). Edges are
+    paired in one pass over the triangles, or by hashing and sorting: O(n log n) on every input. If
+    all triangles are clockwise (or degenerate), as in a mesh to be seen from below, that is
+    reported, and everything else is checked as if their corners were in the opposite order.
+    Otherwise in-circle tests skip clockwise and degenerate triangles and non-manifold edges.
 
     Examples
     --------
@@ -114,7 +126,7 @@ def verify(
     >>> bool(verify(square, liftmesh.delaunay(square).simplices))
     True
     >>> print(verify(square, [[0, 1, 2], [0, 2, 3]]))
-    not valid: 1 row has no vertex; first: row 4 (0.5, 0.25) is no vertex, nor is one at its ...
+    not valid: 1 row has no vertex; first: row 4 (0.5, 0.25) is not a vertex, and no vertex is ...
     """
     check_option("nonfinite", nonfinite, NonFinite)
     rows = as_coordinates(points)
@@ -134,7 +146,7 @@ def verify(
 
 
 def _as_triples(simplices: ArrayLike) -> Array:
-    array = _whole_numbers(_as_array(simplices))
+    array = _as_integers(_as_array(simplices))
     if array.ndim == 2 and array.shape[1] == 3 and array.dtype.kind in "iu":
         if len(array) > MOST_TRIANGLES:
             raise InputError(f"{len(array):,} triangles are more than {MOST_TRIANGLES:,}")
@@ -142,7 +154,7 @@ def _as_triples(simplices: ArrayLike) -> Array:
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int32)
     raise InputError(
-        f"simplices need the shape (m, 3) and whole numbers of 64 bits, not {array.shape} of "
+        f"simplices need the shape (m, 3) and 64-bit integers, not {array.shape} of "
         f"{array.dtype}: {_REMEDY}"
     )
 
@@ -151,7 +163,9 @@ def _as_array(simplices: ArrayLike) -> Array:
     try:
         array = np.asanyarray(simplices)
     except ValueError as error:
-        raise InputError(f"simplices are no array: {_odd(simplices, error)}: {_REMEDY}") from error
+        raise InputError(
+            f"simplices are not an array: {_odd(simplices, error)}: {_REMEDY}"
+        ) from error
     if np.ma.is_masked(array):
         first = np.argwhere(np.atleast_1d(np.ma.getmaskarray(array)))[0, 0]
         raise InputError(f"simplices are masked, first at triangle {first}: leave masked ones out")
@@ -159,7 +173,7 @@ def _as_array(simplices: ArrayLike) -> Array:
 
 
 def _odd(simplices: Any, error: ValueError) -> str:
-    """Name the triangle that keeps simplices from being an array."""
+    """Describe the triangle because of which simplices are not an array."""
     reason = str(error).rstrip(".")
     if not isinstance(simplices, Sequence):
         return reason
@@ -168,21 +182,21 @@ def _odd(simplices: Any, error: ValueError) -> str:
     return reason if row is None else f"triangle {row} is {repr(simplices[row])[:80]}"
 
 
-def _whole_numbers(array: Array) -> Array:
-    """Turn Python's integers, which may be of any size, into those of 64 bits."""
+def _as_integers(array: Array) -> Array:
+    """Convert Python's integers, which may be of any size, to 64-bit ones."""
     if array.dtype.kind != "O" or array.ndim != 2:
         return array
     for (triangle, _), value in np.ndenumerate(array):
         if not isinstance(value, int | np.integer) or not -(2**63) <= value < 2**63:
             raise InputError(
-                f"triangle {triangle} names row {repr(value)[:80]}, which is no whole number of "
-                f"64 bits: {_REMEDY}"
+                f"triangle {triangle} refers to row {repr(value)[:80]}, which is not a 64-bit "
+                f"integer: {_REMEDY}"
             )
     return array.astype(np.int64)
 
 
 def _as_int32(given: Array) -> Rows:
-    """Narrow the corners; what is too large for the kernel to count becomes -1, which is no row."""
+    """Narrow the corners to int32; those that do not fit become -1, which is not a row."""
     if given.dtype.itemsize >= 4 and given.dtype != np.int32:
         fits = (given >= 0) & (given <= np.iinfo(np.int32).max)
         if not fits.all():
@@ -196,47 +210,48 @@ def _certify(
     verdict: _kernel.Verdict,
     sums: tuple[str, str],
 ) -> Certificate:
-    _, _, skipped, vertices, merged, inner, border, places = verdict
+    _, _, skipped, vertices, merged, interior_edges, boundary_edges, places = verdict
     evidence = _Evidence(rows, given)
     found = zip(_MEANINGS, places, strict=True)
-    flaws = {kind: evidence.flaw(kind, *told) for kind, told in found if told[0]}
-    whole = not flaws.keys() & _PREMATURE
-    if whole:
-        flaws |= _disk_flaw(len(given), vertices, inner + border, border)
-    missing = flaws["missing"].count if "missing" in flaws else 0
+    flaws = {kind: evidence.flaw(kind, *counted) for kind, counted in found if counted[0]}
+    is_counted = not flaws.keys() & _PREMATURE
+    edges = interior_edges + boundary_edges
+    if is_counted:
+        flaws |= _disk_flaw(len(given), vertices, edges, boundary_edges)
+    missing = flaws["missing_vertices"].count if "missing_vertices" in flaws else 0
     return Certificate(
         rows=len(rows),
         skipped=skipped,
-        vertices=vertices if whole else None,
-        duplicates=len(rows) - skipped - vertices - missing if whole else None,
-        merged=merged if whole else None,
+        vertices=vertices if is_counted else None,
+        duplicates=len(rows) - skipped - vertices - missing if is_counted else None,
+        merged=merged if is_counted else None,
         triangles=len(given),
-        edges=inner + border if whole else None,
-        hull_edges=border if whole else None,
-        flaws=tuple(sorted(flaws.values(), key=lambda flaw: flaw.kind == "canonical")),
+        edges=edges if is_counted else None,
+        hull_edges=boundary_edges if is_counted else None,
+        flaws=tuple(sorted(flaws.values(), key=lambda flaw: flaw.kind == "not_canonical")),
         points_sha256=sums[0],
         simplices_sha256=sums[1],
         version=version("liftmesh"),
     )
 
 
-def _disk_flaw(triangles: int, vertices: int, edges: int, border: int) -> dict[str, Flaw]:
-    """Hold the counts against what a disk that is cut into triangles has."""
+def _disk_flaw(triangles: int, vertices: int, edges: int, boundary_edges: int) -> dict[str, Flaw]:
+    """Compare the counts with those of a triangulated disk."""
     if not triangles:
-        return {"empty": Flaw("empty", 1, "there is no triangle")}
-    if not border:
-        return {"border": Flaw("border", 1, "there is no border")}
+        return {"no_triangles": Flaw("no_triangles", 1, "there are no triangles")}
+    if not boundary_edges:
+        return {"no_boundary": Flaw("no_boundary", 1, "the triangles have no boundary")}
     characteristic = vertices - edges + triangles
     if characteristic == 1:
         return {}
-    text = f"vertices - edges + triangles is {characteristic}, not 1 as Euler's relation asks"
+    text = f"vertices - edges + triangles is {characteristic}; Euler's relation requires 1"
     return {"euler": Flaw("euler", 1, text)}
 
 
-def _sums(rows: Reals, given: Array, side_by_side: bool) -> tuple[str, str]:
-    """Hash points and triangles; side by side, if there is a thread to be had."""
+def _sums(rows: Reals, given: Array, in_parallel: bool) -> tuple[str, str]:
+    """Hash points and triangles, in parallel if a thread can be started."""
     points, triangles = (rows[:, :2], "<f8"), (given, _narrowest(given))
-    if side_by_side:
+    if in_parallel:
         from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - few runs need it
 
         with suppress(RuntimeError), ThreadPoolExecutor(1) as pool:  # "can't start new thread"
@@ -247,7 +262,7 @@ def _sums(rows: Reals, given: Array, side_by_side: bool) -> tuple[str, str]:
 
 
 def _narrowest(given: Array) -> str:
-    """Find the type in which corners are hashed: another than int32 only where one is no row."""
+    """Find the type in which corners are hashed: int32, unless one of them does not fit."""
     if given.dtype == np.int32 or given.size == 0:
         return "<i4"
     least, most = int(given.min()), int(given.max())
@@ -257,7 +272,7 @@ def _narrowest(given: Array) -> str:
 
 
 def _sha256(array: Array, dtype: str) -> str:
-    """Hash the values in one form, whatever the array's, without a copy of it all."""
+    """Hash the values in one form, for any layout, without copying the whole array."""
     digest = hashlib.sha256()
     for first in range(0, len(array), _HASHED_AT_ONCE):
         piece = np.ascontiguousarray(array[first : first + _HASHED_AT_ONCE], dtype=dtype)
@@ -266,7 +281,7 @@ def _sha256(array: Array, dtype: str) -> str:
 
 
 class _Evidence:
-    """Words, coordinates and exact sides for the places that the kernel names."""
+    """Descriptions, coordinates and exact signs of the places that the kernel reports."""
 
     def __init__(self, rows: Reals, given: Array) -> None:
         self._rows = rows
@@ -274,12 +289,12 @@ class _Evidence:
 
     def flaw(self, kind: str, count: int, places: list[Place]) -> Flaw:
         one, more = _MEANINGS[kind]
-        tell = getattr(self, f"_{kind.replace('-', '_')}")
+        describe = getattr(self, f"_{kind}")
         return Flaw(
             kind,
             count,
             f"1 {one}" if count == 1 else f"{count:,} {more}",
-            tuple(tell(*place) for place in places),
+            tuple(describe(*place) for place in places),
         )
 
     def _points(self, *rows: int) -> tuple[tuple[float, float], ...]:
@@ -295,14 +310,16 @@ class _Evidence:
         a, b, c = self._given[triangle].tolist()
         return a, b, c
 
-    def _side(self, place: int) -> tuple[int, int]:
+    def _edge(self, place: int) -> tuple[int, int]:
         corners = self._corners(place // 3) * 2
         return corners[place % 3 + 1], corners[place % 3 + 2]
 
-    def _index(self, place: int, _: int) -> Offender:
+    def _invalid_index(self, place: int, _: int) -> Offender:
         triangle, corner = divmod(place, 3)
         rows = self._corners(triangle)
-        text = f"triangle {triangle} names row {rows[corner]}; there are {len(self._rows):,} rows"
+        text = (
+            f"triangle {triangle} refers to row {rows[corner]}; there are {len(self._rows):,} rows"
+        )
         return Offender(text, rows, triangles=(triangle,))
 
     def _non_finite(self, place: int, _: int) -> Offender:
@@ -311,23 +328,23 @@ class _Evidence:
         text = f"triangle {triangle} has a corner on {self._named(rows[corner])}"
         return Offender(text, rows, self._points(*rows), (triangle,))
 
-    def _turned(self, triangle: int, how: str) -> Offender:
+    def _at_triangle(self, triangle: int, how: str) -> Offender:
         rows = self._corners(triangle)
         points = self._points(*rows)
         text = f"triangle {triangle} of {self._named(*rows)} {how}"
         return Offender(text, rows, points, (triangle,), int(orient2d(*points)))
 
     def _clockwise(self, triangle: int, _: int) -> Offender:
-        return self._turned(triangle, "turns clockwise: name its corners in the other order")
+        return self._at_triangle(triangle, "is clockwise: give its corners in the opposite order")
 
-    def _flat(self, triangle: int, _: int) -> Offender:
-        return self._turned(triangle, "is flat")
+    def _degenerate(self, triangle: int, _: int) -> Offender:
+        return self._at_triangle(triangle, "is degenerate: its corners are collinear")
 
-    def _doubled(self, place: int, other: int) -> Offender:
-        rows = self._side(place)
+    def _non_manifold_edges(self, place: int, other: int) -> Offender:
+        rows = self._edge(place)
         triangles = (other // 3, place // 3)
         text = (
-            f"triangles {triangles[0]} and {triangles[1]} lie on the same side of "
+            f"triangles {triangles[0]} and {triangles[1]} lie on the same side of the edge between "
             f"{self._named(*rows)}"
         )
         return Offender(text, rows, self._points(*rows), triangles)
@@ -335,39 +352,39 @@ class _Evidence:
     def _at_row(self, row: int, how: str) -> Offender:
         return Offender(f"{self._named(row)} {how}", (row,), self._points(row))
 
-    def _pinched(self, row: int, _: int) -> Offender:
-        return self._at_row(row, "is passed by the border more than once")
+    def _non_manifold_vertices(self, row: int, _: int) -> Offender:
+        return self._at_row(row, "is visited by the boundary more than once")
 
-    def _pieces(self, row: int, _: int) -> Offender:
+    def _boundary_loops(self, row: int, _: int) -> Offender:
         return self._at_row(row, "is on one of the closed curves")
 
-    def _winding(self, row: int, rounds: int) -> Offender:
-        return self._at_row(row, f"is on a border that goes round {rounds} times")
+    def _boundary_winding(self, row: int, windings: int) -> Offender:
+        return self._at_row(row, f"is on a boundary that winds around {windings} times")
 
-    def _hull(self, row: int, around: int) -> Offender:
+    def _not_convex(self, row: int, around: int) -> Offender:
         rows = (around >> 32, row, around & 0xFFFFFFFF)
         points = self._points(*rows)
-        text = f"the border turns inward, or back, at the second of {self._named(*rows)}"
-        return Offender(text, rows, points, side=int(orient2d(*points)))
+        text = f"the boundary turns right, or back, at the second of {self._named(*rows)}"
+        return Offender(text, rows, points, sign=int(orient2d(*points)))
 
-    def _missing(self, row: int, _: int) -> Offender:
-        return self._at_row(row, "is no vertex, nor is one at its position")
+    def _missing_vertices(self, row: int, _: int) -> Offender:
+        return self._at_row(row, "is not a vertex, and no vertex is at its position")
 
     def _across(self, place: int, other: int, how: str) -> Offender:
         triangle = place // 3
         a, b, c = self._corners(triangle)
-        if orient2d(*self._points(a, b, c)) < 0:  # judged as if named in the other order
+        if orient2d(*self._points(a, b, c)) < 0:  # checked as if in the opposite order
             b, c = c, b
         rows = (a, b, c, int(self._given[other // 3, other % 3]))
         points = self._points(*rows)
         text = (
-            f"the circle of triangle {triangle} of {self._named(*rows[:3])} {how} "
+            f"the circumcircle of triangle {triangle} of {self._named(*rows[:3])} {how} "
             f"{self._named(rows[3])}, the apex of triangle {other // 3}"
         )
         return Offender(text, rows, points, (triangle, other // 3), int(incircle(*points)))
 
-    def _delaunay(self, place: int, other: int) -> Offender:
-        return self._across(place, other, "holds")
+    def _not_delaunay(self, place: int, other: int) -> Offender:
+        return self._across(place, other, "contains")
 
-    def _canonical(self, place: int, other: int) -> Offender:
-        return self._across(place, other, "holds, by the rule for ties,")
+    def _not_canonical(self, place: int, other: int) -> Offender:
+        return self._across(place, other, "contains, under the symbolic perturbation,")
