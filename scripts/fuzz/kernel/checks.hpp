@@ -1,4 +1,4 @@
-// What is asked of the kernel beyond the triangulation itself, each of a case that has one.
+// Checks of the kernel beyond the triangulation itself; a case selects one.
 #pragma once
 
 #include "case.hpp"
@@ -8,7 +8,7 @@
 
 namespace fuzzing {
 
-// An interrupt that comes when it is asked for the n-th time.
+// Interrupts a run when it polls for the n-th time.
 class Impatient final : public liftmesh::Interrupt {
  public:
     explicit Impatient(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
@@ -22,19 +22,19 @@ class Impatient final : public liftmesh::Interrupt {
 // A gift-wrapping engine finds the same triangles.
 void check_engine(Case& c, const liftmesh::Delaunay& found);
 
-// find_simplex: the least triangle that holds a point, for vertices, points between and beyond.
+// find_simplex gives the least triangle that contains a point: a vertex, or inside, or outside.
 void check_location(Case& c, const liftmesh::Delaunay& found, const Rows& rows);
 
-// The signs of the predicates, filters and all, are those of their definitions.
+// The signs of the predicates and their filters are those of their definitions.
 void check_predicates(Case& c, const Rows& rows);
 
-// The lower hull of rows in space: two engines, one result, and nothing below it.
+// The lower hull of rows in space: two engines have one result, with no point below it.
 void check_lower_hull(const Case& c, const Expectation& expected);
 
-// The verifier accepts the triangulation, and no damaged one.
+// The verifier accepts the triangulation and rejects any damaged one.
 void check_verification(Case& c, const liftmesh::Delaunay& found);
 
-// A run that is interrupted says so, or is done before.
+// An interrupted run says so, unless it finished before.
 void check_interruption(Case& c, const liftmesh::Delaunay& found);
 
 }  // namespace fuzzing

@@ -49,7 +49,7 @@ int turn_of(const Integers& x, const Integers& y, std::size_t i, std::size_t j, 
     return result.sign();
 }
 
-// The corners from the one that is lifted most.
+// The corners, the one that is lifted most first.
 std::array<std::size_t, 4> by_lift(const std::array<Point, 4>& corners) {
     std::array<std::size_t, 4> order = {0, 1, 2, 3};
     std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
@@ -59,11 +59,11 @@ std::array<std::size_t, 4> by_lift(const std::array<Point, 4>& corners) {
     return order;
 }
 
-int side_of(const std::array<Point, 4>& corners, const Integers& x, const Integers& y,
+int sign_of(const std::array<Point, 4>& corners, const Integers& x, const Integers& y,
             const Integers& z, bool canonical) {
     constexpr std::size_t others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
     Integer determinant;
-    int slope[4];  // the sign with which the determinant grows as a corner is lifted
+    int slope[4];  // the sign of the change of the determinant as a corner is lifted
     for (std::size_t i = 0; i < 4; ++i) {
         Integer area;
         const int sign = turn_of(x, y, others[i][0], others[i][1], others[i][2], area);
@@ -101,18 +101,18 @@ int turn(Point a, Point b, Point c) {
     return turn_of(at.x, at.y, 0, 1, 2, area);
 }
 
-int side(Point a, Point b, Point c, Point d, bool canonical) {
+int incircle(Point a, Point b, Point c, Point d, bool canonical) {
     const std::array<Point, 4> corners = {a, b, c, d};
     const Coordinates at(corners);
     Integers z;
     for (std::size_t i = 0; i < 4; ++i) z.push_back(at.x[i] * at.x[i] + at.y[i] * at.y[i]);
-    return side_of(corners, at.x, at.y, z, canonical);
+    return sign_of(corners, at.x, at.y, z, canonical);
 }
 
-int side(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical) {
+int orient3d(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical) {
     const std::array<Point, 4> corners = {a.planar(), b.planar(), c.planar(), d.planar()};
     const Coordinates at(corners);
-    return side_of(corners, at.x, at.y, on_lattice({a.z, b.z, c.z, d.z}), canonical);
+    return sign_of(corners, at.x, at.y, on_lattice({a.z, b.z, c.z, d.z}), canonical);
 }
 
 int compare_heights(Point a, Point b, Point q) {

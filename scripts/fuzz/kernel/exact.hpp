@@ -1,7 +1,7 @@
-// The predicates as their definitions have them, in integers of any length.
+// The predicates by their definitions, in integers of any length.
 //
-// A side is the determinant of the rows (x, y, z, 1), expanded along z; the rule for ties is the
-// perturbation itself: the first of its terms that is not zero.
+// incircle and orient3d are the sign of the determinant with the rows (x, y, z, 1), expanded along
+// z; the symbolic perturbation is applied as such: the first of its terms that is not zero decides.
 #pragma once
 
 #include "base/point.hpp"
@@ -12,15 +12,15 @@ namespace fuzzing {
 using liftmesh::Point;
 using liftmesh::SpacePoint;
 
-// The sign of the turn from a over b to c.
+// +1 if a, b, c are counter-clockwise, -1 if clockwise, 0 if collinear.
 int turn(Point a, Point b, Point c);
 
-// +1 where the lift of d, or d itself, is below the plane through a, b, c that turn
-// counter-clockwise. `canonical` breaks ties of distinct positions.
-int side(Point a, Point b, Point c, Point d, bool canonical);
-int side(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical);
+// +1 if the lift of d, or d itself, is below the plane through counter-clockwise a, b, c.
+// `canonical` applies the perturbation, for distinct positions.
+int incircle(Point a, Point b, Point c, Point d, bool canonical);
+int orient3d(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical);
 
-// As predicates/heights.hpp has them.
+// As in predicates/heights.hpp.
 int compare_heights(Point a, Point b, Point q);
 int turn_in_oyz(Point a, Point b, Point c, Point q);
 

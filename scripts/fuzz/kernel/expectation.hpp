@@ -1,4 +1,4 @@
-// What becomes of each row, found out without the kernel.
+// The expected fate of each row, determined without the kernel.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ struct Expectation {
 
 Expectation expectation(const Case& c);
 
-// Whether the outcome tells the same of every row.
+// Checks that the outcome says the same of every row.
 void check_rows(const Expectation& expected, const liftmesh::Delaunay& found);
 
 }  // namespace fuzzing

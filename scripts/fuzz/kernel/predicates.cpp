@@ -1,4 +1,4 @@
-// The ladder of predicates against their definitions, and the certificates of the filters.
+// Compares the predicates with their definitions, and the signs that filters certify.
 
 #include <algorithm>
 #include <array>
@@ -45,23 +45,23 @@ void check_turn(const std::array<Point, 4>& p) {
     demand(liftmesh::orient2d(p[1], p[0], p[2]) == -sign, "orient2d is not antisymmetric");
 }
 
-bool has_ties(const std::array<Point, 4>& p) {
+bool has_canonical_sign(const std::array<Point, 4>& p) {
     return p[3] != p[0] && p[3] != p[1] && p[3] != p[2] && turn(p[0], p[1], p[2]) != 0;
 }
 
-void check_side(const std::array<Point, 4>& p) {
-    const int sign = side(p[0], p[1], p[2], p[3], false);
+void check_incircle(const std::array<Point, 4>& p) {
+    const int sign = incircle(p[0], p[1], p[2], p[3], false);
     for (const Guard guard : {guard_of(p), Guard::anywhere()}) {
         using liftmesh::incircle_exact;
         demand(incircle_exact(p[0], p[1], p[2], p[3], guard) == sign, "incircle has another sign");
         demand(incircle_exact(p[1], p[2], p[0], p[3], guard) == sign, "incircle is not cyclic");
         demand(incircle_exact(p[1], p[0], p[2], p[3], guard) == -sign,
                "incircle is not antisymmetric");
-        if (!has_ties(p)) continue;
-        const int canonical = side(p[0], p[1], p[2], p[3], true);
-        demand(canonical != 0, "the rule leaves a tie");
+        if (!has_canonical_sign(p)) continue;
+        const int canonical = incircle(p[0], p[1], p[2], p[3], true);
+        demand(canonical != 0, "the perturbation leaves a zero");
         demand(liftmesh::incircle_canonical_exact(p[0], p[1], p[2], p[3], guard) == canonical,
-               "a tie is broken otherwise");
+               "the canonical sign differs");
         demand(liftmesh::incircle_canonical(p[0], p[1], p[2], p[3], guard) == (canonical > 0),
                "the in-circle filter certifies a wrong sign");
     }
@@ -70,21 +70,21 @@ void check_side(const std::array<Point, 4>& p) {
 void check_space(const std::array<Point, 4>& p, const std::array<double, 4>& z) {
     std::array<SpacePoint, 4> s;
     for (std::size_t i = 0; i < 4; ++i) s[i] = {p[i].x, p[i].y, z[i]};
-    const int sign = side(s[0], s[1], s[2], s[3], false);
+    const int sign = orient3d(s[0], s[1], s[2], s[3], false);
     demand(liftmesh::orient3d_exact(s[0], s[1], s[2], s[3]) == sign, "orient3d has another sign");
     demand(liftmesh::orient3d_exact(s[1], s[0], s[2], s[3]) == -sign,
            "orient3d is not antisymmetric");
-    if (!has_ties(p)) return;
-    const int canonical = side(s[0], s[1], s[2], s[3], true);
+    if (!has_canonical_sign(p)) return;
+    const int canonical = orient3d(s[0], s[1], s[2], s[3], true);
     demand(liftmesh::orient3d_canonical_exact(s[0], s[1], s[2], s[3]) == canonical,
-           "a tie in space is broken otherwise");
+           "the canonical sign in space differs");
     const Guard guard =
         guard_of({z[0], z[1], z[2], z[3]}).vouches() ? guard_of(p) : Guard::anywhere();
     demand(liftmesh::orient3d_canonical(s[0], s[1], s[2], s[3], guard) == (canonical > 0),
            "the filter of orient3d certifies a wrong sign");
 }
 
-// A sign that a sighting is sure of is that of the definition.
+// A sign that a sighting certifies is that of the definition.
 void check_margin(Margin margin, int sign, const char* what) {
     if (margin.value > margin.error) demand(sign > 0, what);
     if (-margin.value > margin.error) demand(sign < 0, what);
@@ -94,9 +94,10 @@ void check_sighting(const std::array<Point, 4>& p) {
     if (!guard_of(p).vouches()) return;
     const liftmesh::Base base(p[0], p[1]);
     const liftmesh::Sighting c = base.sight(p[2]), d = base.sight(p[3]);
-    check_margin(liftmesh::distance(c), turn(p[0], p[1], p[2]), "a sighting errs about a distance");
-    check_margin(liftmesh::below(c, d), side(p[0], p[1], p[2], p[3], false),
-                 "a sighting errs about a side");
+    check_margin(liftmesh::distance(c), turn(p[0], p[1], p[2]),
+                 "a sighting certifies a wrong orientation");
+    check_margin(liftmesh::below(c, d), incircle(p[0], p[1], p[2], p[3], false),
+                 "a sighting certifies a wrong in-circle sign");
 }
 
 void check_heights(const std::array<Point, 4>& p) {
@@ -120,7 +121,7 @@ void check_predicates(Case& c, const Rows& rows) {
             each = {c.point(one).x + 0.0, c.point(round % 3 == 0 ? other : one).y + 0.0};
         }
         check_turn(p);
-        check_side(p);
+        check_incircle(p);
         check_sighting(p);
         check_heights(p);
         check_space(p, {p[1].x, p[2].y, p[3].x, p[0].y});

@@ -14,15 +14,15 @@ namespace {
 
 using liftmesh::Result;
 
-// Large cases go by the kernel's own predicates, which small ones hold against `exact.hpp`.
+// Large cases use the kernel's predicates, which small cases compare with `exact.hpp`.
 int turn_in(const Case& c, std::int32_t i, std::int32_t j, std::int32_t k) {
     const auto at = [&](std::int32_t row) { return c.point(static_cast<std::size_t>(row)); };
     return c.is_large() ? liftmesh::orient2d(at(i), at(j), at(k)) : turn(at(i), at(j), at(k));
 }
 
-int side_in(const Case& c, std::int32_t i, std::int32_t j, std::int32_t k, std::int32_t l) {
+int incircle_in(const Case& c, std::int32_t i, std::int32_t j, std::int32_t k, std::int32_t l) {
     const auto at = [&](std::int32_t row) { return c.point(static_cast<std::size_t>(row)); };
-    if (!c.is_large()) return side(at(i), at(j), at(k), at(l), true);
+    if (!c.is_large()) return incircle(at(i), at(j), at(k), at(l), true);
     const auto guard = liftmesh::Guard::anywhere();
     return liftmesh::incircle_canonical_exact(at(i), at(j), at(k), at(l), guard);
 }
@@ -35,10 +35,10 @@ class Walk {
     std::int32_t corner(std::size_t t, std::size_t k) const { return r_.simplices[3 * t + k % 3]; }
     std::int32_t neighbor(std::size_t t, std::size_t k) const { return r_.neighbors[3 * t + k]; }
 
-    // The corner of neighbour u of t across edge k that faces t.
+    // The corner of t's neighbour across edge k that is opposite that edge.
     std::size_t facing(std::size_t t, std::size_t k) const {
         demand(neighbor(t, k) >= 0 && neighbor(t, k) < static_cast<std::int32_t>(count()),
-               "a neighbour is no triangle");
+               "a neighbour is not a triangle");
         const auto u = static_cast<std::size_t>(neighbor(t, k));
         for (std::size_t j = 0; j < 3; ++j)
             if (corner(u, j + 1) == corner(t, k + 2) && corner(u, j + 2) == corner(t, k + 1)) {
@@ -49,14 +49,15 @@ class Walk {
         return 0;
     }
 
-    // Corners are rows that may be corners; which are.
+    // Checks that corners are among `rows`, and returns those that are corners.
     Rows check_corners(const Rows& rows) const {
         std::vector<bool> used(c_.rows()), allowed(c_.rows());
         for (const liftmesh::Row row : rows) allowed[row] = true;
         for (std::size_t i = 0; i < 3 * count(); ++i) {
             const std::int32_t row = r_.simplices[i];
-            demand(row >= 0 && row < static_cast<std::int32_t>(c_.rows()), "a corner is no row");
-            demand(allowed[static_cast<std::size_t>(row)], "a corner stands for another row");
+            demand(row >= 0 && row < static_cast<std::int32_t>(c_.rows()), "a corner is not a row");
+            demand(allowed[static_cast<std::size_t>(row)],
+                   "a corner is a row that another represents");
             used[static_cast<std::size_t>(row)] = true;
         }
         Rows result;
@@ -68,11 +69,11 @@ class Walk {
     void check_turns() const {
         for (std::size_t t = 0; t < count(); ++t)
             demand(turn_in(c_, corner(t, 0), corner(t, 1), corner(t, 2)) > 0,
-                   "a triangle does not turn counter-clockwise");
+                   "a triangle is not counter-clockwise");
     }
 
-    // Neighbours are mutual; the border edges lead once around.
-    void check_border() const {
+    // Neighbours are mutual, and the boundary is one closed curve, the hull.
+    void check_boundary() const {
         std::vector<std::int32_t> next(c_.rows(), -1);
         std::size_t edges = 0;
         for (std::size_t t = 0; t < count(); ++t)
@@ -82,14 +83,14 @@ class Walk {
                     continue;
                 }
                 std::int32_t& head = next[static_cast<std::size_t>(corner(t, k + 1))];
-                demand(head == -1, "the border parts at a vertex");
+                demand(head == -1, "the boundary visits a vertex twice");
                 head = corner(t, k + 2);
                 ++edges;
             }
-        demand(edges == r_.hull_count, "the hull has another number of edges than the border");
+        demand(edges == r_.hull_count, "the hull and the boundary differ in length");
         for (std::size_t i = 0; i < edges; ++i)
             demand(next[static_cast<std::size_t>(r_.hull[i])] == r_.hull[(i + 1) % edges],
-                   "the hull is not the border");
+                   "the hull is not the boundary");
     }
 
     void check_hull() const {
@@ -116,10 +117,10 @@ Rows check_structure(const Case& c, const Result& result, const Rows& rows) {
     const Walk walk(c, result);
     Rows corners = walk.check_corners(rows);
     walk.check_turns();
-    walk.check_border();
+    walk.check_boundary();
     walk.check_hull();
     demand(result.triangle_count + result.hull_count + 2 == 2 * corners.size(),
-           "the number of triangles is not Euler's");
+           "the number of triangles violates Euler's relation");
     return corners;
 }
 
@@ -130,8 +131,9 @@ void check_delaunay(const Case& c, const Result& result) {
             const std::int32_t u = walk.neighbor(t, k);
             if (u < static_cast<std::int32_t>(t)) continue;
             const std::int32_t apex = walk.corner(static_cast<std::size_t>(u), walk.facing(t, k));
-            demand(side_in(c, walk.corner(t, 0), walk.corner(t, 1), walk.corner(t, 2), apex) < 0,
-                   "an edge is not the Delaunay triangulation's, or not the canonical one's");
+            demand(
+                incircle_in(c, walk.corner(t, 0), walk.corner(t, 1), walk.corner(t, 2), apex) < 0,
+                "an edge is not Delaunay, or not canonical");
         }
 }
 
@@ -141,7 +143,7 @@ void check_lower(const Case& c, const Result& result, const Rows& rows) {
         const std::int32_t* corner = &result.simplices[3 * t];
         for (const liftmesh::Row row : rows) {
             if (std::count(corner, corner + 3, static_cast<std::int32_t>(row)) > 0) continue;
-            demand(side(at(corner[0]), at(corner[1]), at(corner[2]), c.points[row], true) < 0,
+            demand(orient3d(at(corner[0]), at(corner[1]), at(corner[2]), c.points[row], true) < 0,
                    "a row is below a facet of the lower hull");
         }
     }

@@ -1,4 +1,4 @@
-// The fuzz target of the kernel: any bytes at all, and everything that must hold for them.
+// The fuzz target of the kernel: decodes any bytes, and checks everything that must hold.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,15 +25,15 @@ Delaunay run(const Case& c, liftmesh::Threads threads) {
 
 void check_triangulation(const Case& c, const Expectation& expected, const Delaunay& found) {
     const Rows corners = check_structure(c, found.result, expected.kept);
-    demand(corners.size() == expected.kept.size(), "a position is no vertex");
+    demand(corners.size() == expected.kept.size(), "a position is not a vertex");
     check_delaunay(c, found.result);
 }
 
 void check_threads(const Case& c, const Delaunay& found) {
     const Delaunay alone = run(c, {});
-    demand(alone.status == found.status, "one thread comes to another status");
+    demand(alone.status == found.status, "the status differs on one thread");
     if (found.status == Status::ok)
-        demand(same_bits(alone.result, found.result), "one thread comes to other triangles");
+        demand(same_bits(alone.result, found.result), "the triangles differ on one thread");
 }
 
 void check_more(Case& c, const Expectation& expected, const Delaunay& found) {
@@ -70,8 +70,8 @@ void check(Case c) {
 
 }  // namespace fuzzing
 
-// The sanitizer notes two calls of each allocation, and keeps little of what was freed: millions of
-// small ones would take most of the time otherwise.
+// The sanitizer records two frames of each allocation and keeps few freed blocks: otherwise
+// millions of small allocations would take most of the time.
 extern "C" const char* __asan_default_options() {
     return "malloc_context_size=2:quarantine_size_mb=16";
 }

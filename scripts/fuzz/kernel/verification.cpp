@@ -1,5 +1,5 @@
-// The verifier: yes to the triangulation, no to any that is damaged, and the same words for a mesh
-// in any order, with rows of its own for each triangle, or turned as a whole.
+// The verifier accepts the triangulation, rejects any damaged one, and finds the same flaws for any
+// order of triangles, for triangles that share no rows, and for a mesh reversed as a whole.
 
 #include <algorithm>
 #include <array>
@@ -21,8 +21,8 @@ using liftmesh::Input;
 using liftmesh::Verdict;
 using Corners = std::vector<std::int32_t>;
 
-// How often each flaw was found.
-using Told = std::array<std::size_t, static_cast<std::size_t>(Flaw::kinds)>;
+// The count of each kind of flaw.
+using FlawCounts = std::array<std::size_t, static_cast<std::size_t>(Flaw::kinds)>;
 
 Verdict verdict(const Case& c, const Input& input, const Corners& corners) {
     Impatient interrupt;
@@ -30,19 +30,19 @@ Verdict verdict(const Case& c, const Input& input, const Corners& corners) {
                             interrupt);
 }
 
-Told told(const Verdict& verdict) {
-    Told told{};
-    for (std::size_t flaw = 0; flaw < told.size(); ++flaw)
-        told[flaw] = verdict.flaws[static_cast<Flaw>(flaw)].count();
-    return told;
+FlawCounts counts(const Verdict& verdict) {
+    FlawCounts result{};
+    for (std::size_t flaw = 0; flaw < result.size(); ++flaw)
+        result[flaw] = verdict.flaws[static_cast<Flaw>(flaw)].count();
+    return result;
 }
 
 bool same(const Verdict& a, const Verdict& b) {
-    return told(a) == told(b) && a.interior_edges == b.interior_edges &&
+    return counts(a) == counts(b) && a.interior_edges == b.interior_edges &&
            a.boundary_edges == b.boundary_edges && a.vertices == b.vertices;
 }
 
-void check_in_disorder(Case& c, Corners corners, const Verdict& expected) {
+void check_shuffled(Case& c, Corners corners, const Verdict& expected) {
     for (std::size_t left = corners.size() / 3; left > 1; --left) {
         const std::size_t one = 3 * (left - 1), other = 3 * c.dice.below(left);
         if (one != other) std::swap_ranges(&corners[one], &corners[one] + 3, &corners[other]);
@@ -50,8 +50,8 @@ void check_in_disorder(Case& c, Corners corners, const Verdict& expected) {
     demand(same(verdict(c, c.input, corners), expected), "the order of triangles matters");
 }
 
-// The rows of each triangle, then all there are.
-void check_apart(const Case& c, const Corners& corners, const Verdict& expected) {
+// The points of each triangle, then all points.
+void check_unshared(const Case& c, const Corners& corners, const Verdict& expected) {
     std::vector<liftmesh::Point> points;
     for (const std::int32_t row : corners) points.push_back(c.point(static_cast<std::size_t>(row)));
     for (std::size_t row = 0; row < c.rows(); ++row) points.push_back(c.point(row));
@@ -59,26 +59,26 @@ void check_apart(const Case& c, const Corners& corners, const Verdict& expected)
                       sizeof(liftmesh::Point), sizeof(double), false};
     Corners own(corners.size());
     std::iota(own.begin(), own.end(), 0);
-    demand(same(verdict(c, input, own), expected), "rows of their own change what is told");
+    demand(same(verdict(c, input, own), expected), "triangles that share no rows have other flaws");
 }
 
-void check_from_below(const Case& c, Corners corners, const Verdict& expected) {
+void check_reversed(const Case& c, Corners corners, const Verdict& expected) {
     if (expected.flaws.any(Flaw::clockwise)) return;
     for (std::size_t first = 0; first < corners.size(); first += 3)
         std::swap(corners[first], corners[first + 1]);
-    Told wanted = told(expected);
+    FlawCounts wanted = counts(expected);
     wanted[static_cast<std::size_t>(Flaw::clockwise)] =
         corners.size() / 3 - expected.flaws[Flaw::degenerate].count();
-    demand(told(verdict(c, c.input, corners)) == wanted, "from below something else is wrong");
+    demand(counts(verdict(c, c.input, corners)) == wanted, "a reversed mesh has other flaws");
 }
 
-void check_seen_otherwise(Case& c, const Corners& corners, const Verdict& expected) {
-    check_in_disorder(c, corners, expected);
-    check_apart(c, corners, expected);
-    check_from_below(c, corners, expected);
+void check_variants(Case& c, const Corners& corners, const Verdict& expected) {
+    check_shuffled(c, corners, expected);
+    check_unshared(c, corners, expected);
+    check_reversed(c, corners, expected);
 }
 
-// Exchanges the diagonal of two neighbours.
+// Flips the edge between two neighbours, or removes a triangle where there is none.
 void flip(const liftmesh::Result& result, std::size_t t, std::size_t k, Corners& corners) {
     const std::int32_t u = result.neighbors[3 * t + k];
     if (u < 0) return corners.resize(corners.size() - 3);
@@ -124,18 +124,18 @@ void check_verification(Case& c, const liftmesh::Delaunay& found) {
     const liftmesh::Result& result = found.result;
     Corners corners(result.simplices.get(), result.simplices.get() + 3 * result.triangle_count);
     const Verdict whole = verdict(c, c.input, corners);
-    demand(whole.status == liftmesh::Status::ok, "the verifier comes to another status");
-    demand(!whole.flaws.any(), "the verifier refuses the triangulation");
+    demand(whole.status == liftmesh::Status::ok, "the verifier has another status");
+    demand(!whole.flaws.any(), "the verifier rejects the triangulation");
     demand(whole.vertices == found.distinct, "the verifier counts other vertices");
     demand(whole.boundary_edges == result.hull_count, "the verifier counts other boundary edges");
-    check_seen_otherwise(c, corners, whole);
+    check_variants(c, corners, whole);
     for (int round = 0; round < 4; ++round) {
         Corners damaged = corners;
         damage(c, found, damaged);
         if (same_triangles(damaged, result)) continue;
-        const Verdict spoilt = verdict(c, c.input, damaged);
-        demand(spoilt.flaws.any(), "the verifier accepts a damaged triangulation");
-        if (!damaged.empty()) check_seen_otherwise(c, damaged, spoilt);
+        const Verdict rejected = verdict(c, c.input, damaged);
+        demand(rejected.flaws.any(), "the verifier accepts a damaged triangulation");
+        if (!damaged.empty()) check_variants(c, damaged, rejected);
     }
 }
 
