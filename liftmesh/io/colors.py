@@ -205,7 +205,9 @@ class ColorScale:
         values : (n, c) ndarray of float64
             The numbers.
         """
-        self._inside &= bool(np.all((values >= 0) & (values <= 65535)))
+        self._inside = self._inside and bool(np.all((values >= 0) & (values <= 65535)))
+        if not self._inside:
+            return
         self._whole &= bool(np.all(values == np.rint(values)))
         self._eighths &= bool(np.all(np.abs(values - _eighths(values) / 255.0) <= _PRINTED))
         self._top = max(self._top, float(values.max(initial=0.0)))

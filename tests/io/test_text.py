@@ -158,3 +158,10 @@ def test_long_lines_are_shortened_in_messages() -> None:
     with pytest.raises(FormatError) as caught:
         read("1 2 3\n1 2 " + "x" * 10_000)
     assert len(str(caught.value)) < 120
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e400"])
+def test_columns_that_are_called_colours_and_are_not_finite_stay_attributes(value: str) -> None:
+    cloud = read(f"x,y,red,green,blue\n0,0,0.5,0,1\n1,1,{value},0,0\n")
+    assert cloud.colors is None
+    assert sorted(cloud.attributes) == ["blue", "green", "red"]
