@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import importlib.metadata
 import json
 import pkgutil
@@ -33,8 +35,11 @@ def loaded_after(code: str, cwd: Path) -> set[str]:
     return {name.partition(".")[0] for name in json.loads(names)}
 
 
-def test_import_loads_no_library_but_numpy(tmp_path: Path) -> None:
-    assert loaded_after("import liftmesh", tmp_path).isdisjoint(HEAVY)
+def test_import_loads_no_library_but_the_loader(tmp_path: Path) -> None:
+    bare = loaded_after("", tmp_path)
+    loaded = loaded_after("import liftmesh", tmp_path) - bare
+    third_party = {name for name in loaded if name not in sys.stdlib_module_names}
+    assert third_party == {"liftmesh", "lazy_loader"}
 
 
 def test_planar_triangulation_loads_no_library_but_numpy(tmp_path: Path) -> None:
@@ -67,10 +72,51 @@ print([n for n in liftmesh.__all__ if isinstance(getattr(liftmesh, n), types.Mod
     assert python(code, tmp_path).strip() == "[]"
 
 
+def test_no_attribute_of_a_room_is_both_a_module_and_something_else(tmp_path: Path) -> None:
+    """A room's own names must not be overwritten when a module of that name is imported."""
+    code = """
+import importlib, pkgutil, sys, types, liftmesh
+found = [m for m in pkgutil.walk_packages(liftmesh.__path__, "liftmesh.")]
+rooms = ["liftmesh", *(module.name for module in found if module.ispkg)]
+before = {room: dict(vars(importlib.import_module(room))) for room in rooms}
+for module in found:
+    if not module.name.endswith("__main__"):
+        importlib.import_module(module.name)
+        room, _, name = module.name.rpartition(".")
+        own = before[room].get(name)
+        assert own is None or isinstance(own, types.ModuleType), module.name
+        assert getattr(sys.modules[room], name) is sys.modules[module.name], module.name
+print(len(found), len(rooms))
+"""
+    modules, rooms = map(int, python(code, tmp_path).split())
+    assert modules > 90
+    assert rooms >= 10
+
+
 def test_no_module_bears_the_name_of_a_public_name() -> None:
     modules = {module.name for module in pkgutil.iter_modules(liftmesh.__path__)}
     assert len(modules) > 10
     assert modules.isdisjoint(liftmesh.__all__)
+
+
+def test_all_public_names_load_at_once_where_that_is_asked_for(tmp_path: Path) -> None:
+    code = "import os; os.environ['EAGER_IMPORT'] = '1'; import liftmesh; print(*vars(liftmesh))"
+    assert set(liftmesh.__all__) - {"__version__"} <= set(python(code, tmp_path).split())
+
+
+def test_the_stub_names_what_is_there() -> None:
+    """Type checkers read the stub, and so does the loader: its modules hold its names."""
+    tree = ast.parse((ROOT / "liftmesh" / "__init__.pyi").read_text("utf-8"))
+    stated = [
+        (node.module, alias.name)
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+    assert {name for _, name in stated} | {"__version__"} == set(liftmesh.__all__)
+    for module, name in stated:
+        home = importlib.import_module(f"liftmesh.{module}")
+        assert getattr(home, name).__module__ == home.__name__, name
 
 
 def test_public_names_are_listed_and_unique() -> None:
