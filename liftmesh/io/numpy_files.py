@@ -31,7 +31,7 @@ from liftmesh.io.text_tables import shortened
 _POINTS = ("points", "vertices", "xyz")
 _FACES = ("faces", "triangles")
 _CRS = "crs"
-_RESERVED = {*_POINTS, *_FACES, _CRS, "colors", "normals"}
+_RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
 
 # Deflate shrinks nothing more than 1,032-fold.
 _DENSEST = 1100
@@ -179,7 +179,7 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     arrays = {key: values for key, values in parts.items() if values is not None}
     for key, values in cloud.attributes.items():
         leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
-        if key in _RESERVED or values.dtype.hasobject or leads_out:
+        if key in _RESERVED or key in arrays or values.dtype.hasobject or leads_out:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
     _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
 

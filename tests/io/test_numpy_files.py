@@ -202,3 +202,12 @@ def test_neither_archive_nor_array() -> None:
 def test_npy_is_not_written() -> None:
     with pytest.raises(FormatError, match=r"npy files cannot be written .*: write PLY, OBJ or NPZ"):
         saved(full_mesh(), "npy")
+
+
+def test_named_values_may_be_called_crs_where_there_is_no_coordinate_system() -> None:
+    cloud = Cloud(AWKWARD, attributes={"crs": np.arange(5)})
+    back = loaded(saved(cloud, "npz"), "npz")
+    assert back.attributes["crs"].tolist() == [0, 1, 2, 3, 4]
+    assert back.crs is None
+    with pytest.raises(FormatError, match="attribute 'crs' of type int64: rename or convert it"):
+        saved(Cloud(AWKWARD, attributes={"crs": np.arange(5)}, crs="EPSG:25832"), "npz")
