@@ -103,7 +103,7 @@ def test_without_nameless_files_an_error_leaves_no_part(
     monkeypatch.setattr(atomic, "_NAMELESS", 0)
     (folder / "mesh.obj").chmod(0o640)
     late = Cloud(np.zeros((2, 3)), colors=np.array([[0.0, 0, 0], [0, 9, 0]]))
-    with pytest.raises(liftmesh.FormatError, match="row 1"):
+    with pytest.raises(liftmesh.InputError, match="row 1"):
         liftmesh.write(folder / "mesh.obj", late)
     assert names_in(folder) == ["mesh.obj"]
     liftmesh.write(folder / "mesh.obj", Cloud(np.eye(3)))
