@@ -4,8 +4,8 @@ Planar points are lifted to a paraboloid, the lower convex hull of the lifted po
 its projection is the Delaunay triangulation.
 """
 
-# The public names stand in the stub beside this file, once for type checkers and for the loader,
-# which imports the module of a name when the name is first asked for.
+# The stub next to this file lists the public names once, for type checkers and for the loader,
+# which imports the module of a name on first access.
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ __all__ += ["__version__"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is first asked for."""
+    """Import a public name on first access."""
     if name != "__version__":
         return _load(name)
-    from importlib.metadata import version  # noqa: PLC0415 - slow, and seldom needed
+    from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
 
     globals()[name] = version("liftmesh")
     return globals()[name]

@@ -8,8 +8,8 @@ from liftmesh.cli import main
 
 if __name__ == "__main__":
     code = main()
-    # Where Ctrl-C hit Python amid the running of a text (each dataclass is one), it remembers that,
-    # and with -m ends by the signal, not with the code, unless it runs another, if an empty one.
-    # Scripts, and so the command `liftmesh`, end with the code anyway.
+    # If Ctrl-C interrupts Python while it executes a string (every dataclass does), Python
+    # remembers that, and with -m it exits by the signal, not with the code, unless it executes
+    # another string, even an empty one. Scripts such as `liftmesh` always exit with the code.
     exec("")  # noqa: S102
     sys.exit(code)

@@ -1,4 +1,4 @@
-"""Array types by what they hold; shapes stand in the docstrings."""
+"""Array types by content; shapes are given in the docstrings."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 Array: TypeAlias = NDArray[Any]
 Floats: TypeAlias = NDArray[np.float64]  # coordinates, heights, normals
-Reals: TypeAlias = NDArray[np.floating[Any]]  # float32 or float64, as callers give them
-Rows: TypeAlias = NDArray[np.int32]  # rows of the caller's points, and triangles of them
-Indices: TypeAlias = NDArray[np.intp]  # places in other arrays, as NumPy's sorts and searches give
+Reals: TypeAlias = NDArray[np.floating[Any]]  # float32 or float64, as the caller passed them
+Rows: TypeAlias = NDArray[np.int32]  # row numbers of the caller's points, and triangles of these
+Indices: TypeAlias = NDArray[np.intp]  # indices into arrays, as NumPy's sorts and searches return
 Integers: TypeAlias = NDArray[np.int64]
 Mask: TypeAlias = NDArray[np.bool_]
 

@@ -1,4 +1,4 @@
-"""What callers give as points, checked once and handed on without needless copies."""
+"""Arrays of points from the caller: checked once, and copied only where necessary."""
 
 from __future__ import annotations
 
@@ -20,24 +20,25 @@ _EXACT_INTEGERS = 2**53
 
 
 def as_coordinates(points: ArrayLike) -> Reals:
-    """Give points as rows of native float64 or float32, without a copy where none is needed.
+    """Convert points to rows of native float64 or float32, copying only where necessary.
 
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
-        Real numbers: float64 and float32 arrays of any strides stay as they are; float16, integers
-        and lists become float64 if a double holds each value exactly. Masked entries become NaN.
+        Real numbers. Float64 and float32 arrays of any strides are used as they are; float16,
+        integers and lists become float64 if every value is exactly representable. Masked entries
+        become NaN.
 
     Returns
     -------
     (n, 2) or (n, 3) ndarray of float64 or float32
-        The caller's own memory where that is possible.
+        A view of the caller's memory where possible.
 
     Raises
     ------
     InputError
-        Another shape, another kind of value, a number that no double holds, or more rows than
-        357,913,941.
+        The shape or the type of the values is wrong, a number is not exactly representable as
+        float64, or there are more than 357,913,941 rows.
 
     Examples
     --------
@@ -51,7 +52,7 @@ def as_coordinates(points: ArrayLike) -> Reals:
 
 
 def as_rows3(points: ArrayLike) -> Floats:
-    """Give points as float64 rows x, y, z; planar rows get z = 0.
+    """Convert points to float64 rows x, y, z; planar rows get z = 0.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def as_rows3(points: ArrayLike) -> Floats:
     Returns
     -------
     (n, 3) ndarray of float64
-        The caller's own memory where it is such an array already.
+        The caller's array itself if it has this type and layout already.
 
     Raises
     ------
@@ -82,7 +83,7 @@ def as_rows3(points: ArrayLike) -> Floats:
 
 
 def as_pairs(points: ArrayLike) -> Floats:
-    """Give planar points of any leading shape as a contiguous (..., 2) array of float64.
+    """Convert planar points of any leading shape to a contiguous (..., 2) array of float64.
 
     Parameters
     ----------
@@ -92,12 +93,13 @@ def as_pairs(points: ArrayLike) -> Floats:
     Returns
     -------
     (..., 2) ndarray of float64
-        The caller's own memory where it is such an array already.
+        The caller's array itself if it has this type and layout already.
 
     Raises
     ------
     InputError
-        The last axis is not of length two, or a value is no real number a double holds.
+        The last axis is not of length two, or a value is not a real number that float64 represents
+        exactly.
 
     Examples
     --------
@@ -119,7 +121,7 @@ def check_finite(points: Reals, *, skippable: bool = True) -> None:
     points : (n, k) ndarray of float
         Rows of coordinates.
     skippable : bool, default True
-        Whether the caller can leave such rows out, so that the message says how.
+        Whether the caller can skip such rows; the message then says how.
 
     Raises
     ------
@@ -139,7 +141,7 @@ def check_finite(points: Reals, *, skippable: bool = True) -> None:
 
 
 def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteError:
-    """Make the exception for a row that is not finite.
+    """Return the exception for a row that is not finite.
 
     Parameters
     ----------
@@ -153,7 +155,7 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
     Returns
     -------
     NonFiniteError
-        Ready to be raised.
+        The exception, not yet raised.
 
     Examples
     --------
@@ -161,7 +163,7 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
     3
     """
     shown = ", ".join(repr(float(value)) for value in values)
-    advice = ", or leave them unused with nonfinite='skip' (of the commands: --nonfinite skip)"
+    advice = ", or skip them with nonfinite='skip' (command line: --nonfinite skip)"
     return NonFiniteError(
         f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,
@@ -169,7 +171,7 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
 
 
 def _as_array(points: ArrayLike) -> Array:
-    """Make an array of anything; one that is an array already, masked ones too, stays as it is."""
+    """Convert anything to an array; arrays, masked ones included, stay as they are."""
     try:
         return np.asanyarray(points)
     except ValueError as error:
@@ -183,7 +185,7 @@ def _plain(array: Array) -> Array:
 
 
 def _is_readable(array: Array) -> bool:
-    """Say whether the kernel can read the rows in place: it counts strides in whole numbers."""
+    """Whether the kernel can read the rows in place: it counts strides in whole items."""
     flags = array.flags
     if not flags.aligned:
         return False
@@ -203,10 +205,10 @@ def _describe_ragged(points: Any, error: ValueError) -> str:
     try:
         lengths = [len(row) for row in points]
     except TypeError:
-        return f"points cannot be made an array: {error}"
+        return f"points cannot be converted to an array: {error}"
     odd = next((row for row, length in enumerate(lengths) if length != lengths[0]), None)
     if odd is None:
-        return f"points cannot be made an array: {error}"
+        return f"points cannot be converted to an array: {error}"
     return (
         f"row {odd} has {lengths[odd]} values where row 0 has {lengths[0]}: "
         "give every row the same two or three coordinates"
@@ -216,13 +218,13 @@ def _describe_ragged(points: Any, error: ValueError) -> str:
 def _check_shape(shape: tuple[int, ...]) -> None:
     if len(shape) != 2 or shape[1] not in (2, 3):
         raise InputError(
-            f"points need the shape (n, 2) or (n, 3), not {shape}: give one row a point, "
+            f"points need the shape (n, 2) or (n, 3), not {shape}: give one row per point, "
             "with x, y and optionally z"
         )
     if shape[0] > MOST_ROWS:
         raise InputError(
-            f"{shape[0]:,} rows are more than the {MOST_ROWS:,} that 32-bit edge names can "
-            "tell apart: triangulate tiles, or thin the points"
+            f"{shape[0]:,} rows are more than the {MOST_ROWS:,} that 32-bit edge numbers "
+            "allow: triangulate tiles, or thin the points"
         )
 
 
@@ -236,7 +238,7 @@ def _as_floating(array: Array) -> Reals:
         return _from_objects(array)
     raise InputError(
         f"points hold {array.dtype} values (row 0: {array[:1].tolist()}): give real numbers, "
-        "float64 best"
+        "preferably float64"
     )
 
 
@@ -287,6 +289,6 @@ def _refuse_inexact(array: Array, inexact: Mask) -> None:
 
 def _inexact(row: int, value: Any) -> InputError:
     return InputError(
-        f"row {row} holds {value}, which no double holds exactly: subtract an offset from the "
-        "coordinates first, or round them to float64 on purpose"
+        f"row {row} holds {value}, which float64 does not represent exactly: subtract an offset "
+        "from the coordinates first, or round them to float64 explicitly"
     )

@@ -1,4 +1,4 @@
-"""The currency between the rooms: rows of points, what is known of each, and faces if any."""
+"""`Cloud`, the type that the rooms exchange: points with per-row values, and faces if any."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from liftmesh.errors import InputError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
-    """Points in space with what is known of each row; with ``faces``, a mesh.
+    """Points in space with values per row; with ``faces``, a mesh.
 
     Parameters
     ----------
     points : (n, 3) ndarray of float64
-        Coordinates, one row a point.
+        Coordinates, one row per point.
     colors : (n, 3) or (n, 4) ndarray, optional
         RGB or RGBA: unsigned integers over their full range, or floats in [0, 1].
     normals : (n, 3) ndarray of float, optional
         Normal vectors.
     attributes : mapping of str to (n, ...) ndarray
-        Further named values, one row a point: intensity, classification and so on.
+        Further named values, one row per point: intensity, classification and so on.
     faces : (m, 3) ndarray of int32, optional
         Triangles as rows of ``points``.
     metadata : mapping
-        What belongs to the whole: comments of a file, its path.
+        Information about the cloud as a whole: comments of a file, its path.
     crs : str, optional
-        The coordinate reference system of the points, as WKT or ``EPSG:n``: carried along, and
-        written where a format has a place for it, but not interpreted.
+        The coordinate reference system of the points, as WKT or ``EPSG:n``: passed along, and
+        written if the format supports it, but not interpreted.
 
     Raises
     ------
     InputError
-        An array does not have one row a point, or ``crs`` is no text.
+        An array does not have one row per point, or ``crs`` is not a string.
 
     Examples
     --------
@@ -61,10 +61,10 @@ class Cloud:
             if len(values) != len(self.points):
                 raise InputError(
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
-                    "give one row a point"
+                    "give one row per point"
                 )
         if self.crs is not None and (not isinstance(self.crs, str) or not self.crs):
-            raise InputError(f"crs is {self.crs!r}: give a text, WKT or 'EPSG:n', or None")
+            raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
         object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
 
@@ -75,17 +75,17 @@ class Cloud:
         return len(self.points)
 
     def select(self, which: slice | Array) -> Cloud:
-        """Select rows, with all that is known of them, without the faces.
+        """Select rows with all their values, without the faces.
 
         Parameters
         ----------
         which : slice or ndarray
-            Rows, or a mask of them, as NumPy indexes.
+            Rows, or a mask of them, as in NumPy indexing.
 
         Returns
         -------
         Cloud
-            The selected rows in the order they were named; slices share memory with this cloud.
+            The selected rows in the given order; slices share memory with this cloud.
 
         Examples
         --------
@@ -109,17 +109,17 @@ class Cloud:
 
 
 def constructed_from(result: Any) -> tuple[Any, ...]:
-    """How to pickle a frozen dataclass: its class and fields, read-only mappings as dictionaries.
+    """Pickle a frozen dataclass by its class and fields, read-only mappings as dictionaries.
 
     Parameters
     ----------
     result : dataclass instance
-        Whose fields are all arguments of its constructor.
+        All its fields are arguments of its constructor.
 
     Returns
     -------
     tuple
-        What ``__reduce__`` returns.
+        The value for ``__reduce__`` to return.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The exceptions liftmesh raises: one root, each message naming what is wrong and the remedy."""
+"""The exceptions of liftmesh: one base class; messages say what is wrong and how to fix it."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from typing import Any
 
 
 class LiftmeshError(Exception):
-    """Root of every exception that liftmesh raises on purpose."""
+    """Base class of all exceptions that liftmesh raises deliberately."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Some take keywords, which Exception's own way of pickling does not know.
+        # Some take keyword arguments, which Exception's own pickling does not support.
         return _rebuild, (type(self), self.args), self.__dict__
 
 
 class InputError(LiftmeshError, ValueError):
-    """Points, options or arrays that cannot be used as they are."""
+    """Points, options or arrays are invalid."""
 
 
 class NonFiniteError(InputError):
@@ -36,12 +36,12 @@ class DegenerateInputError(InputError):
 
 
 class DuplicateHeightError(InputError):
-    """Rows share one planar position at different heights, and the caller asked for an error.
+    """Rows at one planar position have different heights, and the caller asked for an error.
 
     Attributes
     ----------
     rows : tuple of int
-        Two rows that collide.
+        Two rows in conflict.
     """
 
     def __init__(self, message: str, *, rows: tuple[int, int]) -> None:
@@ -50,11 +50,11 @@ class DuplicateHeightError(InputError):
 
 
 class FormatError(LiftmeshError, ValueError):
-    """A file cannot be read or written: the message names the file, the line or byte, the cause."""
+    """A file cannot be read or written; the message gives file, line or byte, and cause."""
 
 
 class UnsupportedTypeError(LiftmeshError, TypeError):
-    """An object that no adapter turns into a point cloud."""
+    """No adapter can convert an object to a point cloud."""
 
 
 class MissingDependencyError(LiftmeshError, ImportError):

@@ -1,4 +1,4 @@
-"""Optional packages: imported when first used, with a hint on how to install what is missing."""
+"""Optional packages: imported on first use, with a hint how to install a missing one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def load(module: str, *, extra: str | None = None) -> Any:
     module : str
         Full name of the module, as in ``import``.
     extra : str, optional
-        The extra of liftmesh that brings it; by default the package is named itself.
+        The extra of liftmesh that installs it; by default the hint names the package itself.
 
     Returns
     -------
@@ -33,7 +33,7 @@ def load(module: str, *, extra: str | None = None) -> Any:
     Raises
     ------
     MissingDependencyError
-        The package, or a system library that it loads, is missing.
+        The package, or a system library that it needs, is missing.
 
     Examples
     --------
@@ -52,4 +52,4 @@ def _explain(package: str, extra: str | None, error: ImportError) -> str:
         if library in str(error):
             return f"{package} is installed but cannot be loaded ({error}): {remedy}"
     target = f"liftmesh[{extra}]" if extra else package
-    return f"{package} is needed for this and cannot be imported ({error}): pip install '{target}'"
+    return f"this needs {package}, which cannot be imported ({error}): pip install '{target}'"

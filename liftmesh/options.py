@@ -1,4 +1,4 @@
-"""Options that take one of a few words: the words of each, and the check that lists them."""
+"""Options with a fixed set of values: the values of each, and their check."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "e
 
 
 def check_option(name: str, value: object, words: Any) -> None:
-    """Raise unless an option is one of its words.
+    """Raise unless an option has one of its allowed values.
 
     Parameters
     ----------
     name : str
         The option's name, for the message.
     value : object
-        What the caller gave.
+        The value given.
     words : typing.Literal
-        The words it may be.
+        The allowed values.
 
     Raises
     ------
     InputError
-        It is none of them; the message lists them.
+        The value is not allowed; the message lists those that are.
 
     Examples
     --------

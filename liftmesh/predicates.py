@@ -1,7 +1,7 @@
-"""The exact planar predicates on which everything rests, for arrays of points.
+"""Exact planar predicates for arrays of points: orientation and in-circle tests.
 
-They are exact for every finite double: a floating-point filter decides where it can, integers of
-fixed width where it cannot.
+They are exact for all finite doubles: a floating-point filter decides where it can, and
+fixed-width integers decide the rest.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from liftmesh.arrays import as_pairs, check_finite
 
 
 def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
-    """Say which way a, b, c turn.
+    """Compute the orientation of three points a, b, c.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
     Returns
     -------
     ndarray of int8
-        1 for a counter-clockwise turn, -1 for a clockwise one, 0 for three points on a line, in
-        the broadcast leading shape.
+        1 for a counter-clockwise turn, -1 for a clockwise turn, 0 for collinear points, in the
+        broadcast leading shape.
 
     Raises
     ------
@@ -51,10 +51,10 @@ def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
 def incircle(
     a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike, *, canonical: bool = False
 ) -> NDArray[np.int8]:
-    """Say on which side of the circle through a, b, c the point d lies.
+    """Test whether a point d lies inside the circle through a, b, c.
 
-    Lifted to the paraboloid, it is the side of d's lift on the plane of the other three: inside the
-    circle is below the plane.
+    Equivalently, whether the lift of d to the paraboloid lies below the plane through the lifts of
+    the other three.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ def incircle(
     d : array_like of shape (..., 2)
         Finite planar points. All leading shapes are broadcast against each other.
     canonical : bool, default False
-        Decide points on the circle too, by lifting lexicographically larger points infinitely
-        little more: the rule that makes the triangulation unique.
+        Decide points on the circle too, by lifting lexicographically larger points infinitesimally
+        more: the rule that makes the triangulation unique.
 
     Returns
     -------
     ndarray of int8
-        1 inside, -1 outside, 0 exactly on the circle (with `canonical` only where points coincide
-        or lie on one line), in the broadcast leading shape.
+        1 inside, -1 outside, 0 exactly on the circle (with `canonical` only if points coincide or
+        are collinear), in the broadcast leading shape.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How many threads a run may take: the caller's word, the environment's, or one for each core."""
+"""The number of threads of a run: given by the caller, by the environment, or one per core."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ MOST_THREADS = 1024
 
 
 def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
-    """Say how many threads a run may take, and whether it shares them with other runs.
+    """Return how many threads a run may use, and whether it shares them with other runs.
 
     Parameters
     ----------
     threads : int or None
-        A number is taken at its word. None stands for the environment variable
-        ``LIFTMESH_NUM_THREADS``, or else, where that is unset or empty, for one thread for each
-        core that this process may use; runs that are under way at the same time share them.
+        A number is used as it is. None means the value of the environment variable
+        ``LIFTMESH_NUM_THREADS``, or, if that is unset or empty, one thread per core that this
+        process may use; concurrent runs share these threads.
     rows : int
-        How many rows there are: a run with few takes one thread, and does not look at the variable.
+        Number of rows: a small run uses one thread and does not read the variable.
 
     Returns
     -------
     threads : int
         At least 1.
     shared : bool
-        Whether the limit is for all runs of the process together.
+        Whether the limit applies to all runs of the process together.
 
     Raises
     ------
     InputError
-        The number, or the variable's value, is none from 1 to 1024.
+        The number, or the variable's value, is not between 1 and 1024.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def _number(text: str) -> int | None:
 
 
 def _checked(threads: Any, name: str, given: object) -> int:
-    """Give the number; True is none, it says nothing of how many."""
+    """Validate a number of threads; True does not count as 1."""
     try:
         count = 0 if isinstance(threads, bool) else operator.index(threads)
     except TypeError:

@@ -128,7 +128,7 @@ def test_masks_that_hide_nothing_are_taken() -> None:
 
 
 def test_the_way_to_leave_rows_out_is_named() -> None:
-    with pytest.raises(NonFiniteError, match=r"row 3 .*leave them unused with nonfinite='skip'"):
+    with pytest.raises(NonFiniteError, match=r"row 3 .*skip them with nonfinite='skip'"):
         liftmesh.verify([*POINTS, [np.nan, 0.0]], [[0, 1, 2]])
 
 

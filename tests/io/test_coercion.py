@@ -121,5 +121,5 @@ def test_the_coordinate_system_goes_all_the_way(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("crs", [25832, "", b"EPSG:25832"])
 def test_a_coordinate_system_is_a_text(crs: Any) -> None:
-    with pytest.raises(InputError, match=r"crs is .*: give a text, WKT or 'EPSG:n', or None"):
+    with pytest.raises(InputError, match=r"crs is .*: give WKT or 'EPSG:n' as a string, or None"):
         Cloud(POINTS, crs=crs)

@@ -294,7 +294,7 @@ def test_without_matplotlib_the_tables_can_be_made_alone(tmp_path):
     command += ["--out", str(tmp_path / "new")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     remedy = "pip install 'liftmesh[plot]', or pass --no-figures\n"
-    failed(done, exit_codes.BAD_INPUT, "matplotlib is needed for this", remedy)
+    failed(done, exit_codes.BAD_INPUT, "this needs matplotlib", remedy)
     assert not (tmp_path / "new").exists()
     done = subprocess.run([*command, "--no-figures"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
