@@ -163,7 +163,7 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
     3
     """
     shown = ", ".join(repr(float(value)) for value in values)
-    advice = ", or skip them with nonfinite='skip' (command line: --nonfinite skip)"
+    advice = ", or skip them with nonfinite='skip'"
     return NonFiniteError(
         f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,

@@ -123,7 +123,7 @@ def test_a_bad_matrix_is_refused(content, parts, tmp_path):
         ("mesh.xyzzy", exit_codes.BAD_INPUT, ["mesh.xyzzy", "'xyzzy'", ".ply"]),
         ("mesh", exit_codes.USAGE, ["no suffix", "--format"]),
         ("-", exit_codes.USAGE, ["--format"]),
-        ("no/such/mesh.ply", exit_codes.BAD_INPUT, ["no/such: ", "there is no such folder"]),
+        ("no/such/mesh.ply", exit_codes.BAD_INPUT, ["no/such: ", "the folder does not exist"]),
         ("folder.ply", exit_codes.BAD_INPUT, ["folder.ply", "is a folder"]),
     ],
 )

@@ -129,7 +129,7 @@ def test_a_certificate_can_go_to_stdout(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("place", "reason"),
     [
-        ("no/such/mesh.json", "no/such: cannot write here: there is no such folder"),
+        ("no/such/mesh.json", "no/such: cannot write here: the folder does not exist"),
         ("broken.ply/mesh.json", "broken.ply: cannot write here: this is a file, not a folder"),
         ("folder", "folder: cannot write a file here: it is a folder"),
     ],

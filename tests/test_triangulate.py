@@ -151,7 +151,7 @@ class TestClouds:
 
     @pytest.mark.parametrize("source", [None, 7, object()])
     def test_other_objects_are_refused(self, source):
-        with pytest.raises(UnsupportedTypeError, match="is no point cloud: give an array"):
+        with pytest.raises(UnsupportedTypeError, match="is not a point cloud: give an array"):
             triangulate(source)
 
 

@@ -1,1 +1,1 @@
-"""Files and objects of other libraries, to and from `Cloud`."""
+"""Conversion between `Cloud` and files, and between `Cloud` and objects of other libraries."""

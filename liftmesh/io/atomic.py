@@ -1,11 +1,11 @@
-"""Whole files or none: write out of sight, then rename over the target.
+"""Atomic writing: write a temporary file, then rename it over the target.
 
 A reader of the target sees the old file or the new one, never a part, and an error while writing
-leaves the old file as it was and nothing beside it. Where the system can, what is being written has
-no name at all, so that not even a process that is killed leaves a part behind; elsewhere it is a
-hidden file beside the target until it is whole. The new file has the permissions that any new file
-would have, or those of the file it replaces; of a symbolic link, the file it points to is replaced.
-What is no regular file (a pipe, ``/dev/stdout``) cannot be renamed over and is written directly.
+leaves the old file as it was and no other file. On systems that support it, the temporary file has
+no name, so that not even a killed process leaves a part behind; elsewhere it is a hidden file in
+the same folder until it is complete. The new file has the permissions of any new file, or those of
+the file it replaces; if the target is a symbolic link, the file it points to is replaced. A target
+that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and is written directly.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-# Linux's way to open a file that no folder lists, what names it later, and the errors of file
-# systems that have no such files.
+# Linux's flag to open a file without a name, the folder through which to name it later, and the
+# errors of file systems that do not support such files.
 _NAMELESS: int = getattr(os, "O_TMPFILE", 0)
 _OPEN_FILES = Path("/proc/self/fd")
 _UNABLE = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}
 
-# A folder that may be written to need not be readable.
+# A writable folder need not be readable.
 _FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)
 
 
@@ -45,8 +45,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Raises
     ------
     OSError
-        The folder does not exist, is not writable or is gone before all is written, ``path`` is a
-        folder or a read-only file, or there is no room; the error names it.
+        The folder does not exist, is not writable or disappears during writing, ``path`` is a
+        folder or a read-only file, or the disk is full; the error names the path.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Refuse a place where `replacing` could not write, in words that name no temporary file.
+    """Raise if `replacing` could not write here; the error does not mention a temporary file.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     Raises
     ------
     OSError
-        It is a folder or a read-only file, or its folder is not there, is none or is read-only; the
-        error names what is in the way.
+        It is a folder or a read-only file, or its folder does not exist, is a file or is
+        read-only; the error names the path concerned.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         reason = "cannot write here: this is a file, not a folder"
         raise NotADirectoryError(errno.ENOTDIR, reason, str(target.parent))
     if not target.parent.is_dir():
-        reason = "cannot write here: there is no such folder"
+        reason = "cannot write here: the folder does not exist"
         raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
     if target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(
@@ -106,21 +106,21 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def _new_file(target: Path) -> Iterator[BinaryIO]:
-    """Write a new file and put it in the place of the target."""
-    # By its number the folder is found again even where it was renamed meanwhile.
+    """Write a new file and rename it over the target."""
+    # The descriptor refers to the folder even if it is renamed in the meantime.
     folder = os.open(target.parent, _FOLDER)
-    beside = f".liftmesh-{os.urandom(8).hex()}"
+    temporary = f".liftmesh-{os.urandom(8).hex()}"
     try:
-        with _create(beside, folder) as stream:
+        with _create(temporary, folder) as stream:
             yield stream
             stream.flush()
             _check_place(target, folder)
             _keep_permissions(target, stream)
-            _give_name(stream, beside, folder)
-        _put_in_place(beside, target, folder)
+            _give_name(stream, temporary, folder)
+        _put_in_place(temporary, target, folder)
     except BaseException:
         with suppress(OSError):
-            os.unlink(beside, dir_fd=folder)
+            os.unlink(temporary, dir_fd=folder)
         raise
     finally:
         os.close(folder)
@@ -128,7 +128,7 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def _named(target: Path) -> Iterator[None]:
-    """Say which file it is that an error is about: streams do not know."""
+    """Add the file's name to an error: streams do not know it."""
     try:
         yield
     except OSError as error:
@@ -137,7 +137,7 @@ def _named(target: Path) -> Iterator[None]:
         raise
 
 
-def _create(beside: str, folder: int) -> BinaryIO:
+def _create(temporary: str, folder: int) -> BinaryIO:
     # Mode 0o666 minus the process's umask, as open() does; tempfile would give 0o600.
     if _NAMELESS and _OPEN_FILES.is_dir():
         try:
@@ -146,7 +146,7 @@ def _create(beside: str, folder: int) -> BinaryIO:
             if error.errno not in _UNABLE:
                 raise
     flags = os.O_CREAT | os.O_EXCL | os.O_RDWR
-    return os.fdopen(os.open(beside, flags, 0o666, dir_fd=folder), "w+b")
+    return os.fdopen(os.open(temporary, flags, 0o666, dir_fd=folder), "w+b")
 
 
 def _keep_permissions(target: Path, stream: BinaryIO) -> None:
@@ -154,25 +154,25 @@ def _keep_permissions(target: Path, stream: BinaryIO) -> None:
         os.fchmod(stream.fileno(), stat.S_IMODE(target.stat().st_mode))
 
 
-def _give_name(stream: BinaryIO, beside: str, folder: int) -> None:
-    """Let the folder list the file, if it does not yet."""
+def _give_name(stream: BinaryIO, temporary: str, folder: int) -> None:
+    """Give the file a name in the folder, if it has none."""
     if os.fstat(stream.fileno()).st_nlink == 0:
-        # Only where folders are given does Python follow the link to the file itself.
+        # Python follows the link to the file itself only if folder descriptors are given.
         source = str(_OPEN_FILES / str(stream.fileno()))
-        os.link(source, beside, src_dir_fd=folder, dst_dir_fd=folder, follow_symlinks=True)
+        os.link(source, temporary, src_dir_fd=folder, dst_dir_fd=folder, follow_symlinks=True)
 
 
-def _put_in_place(beside: str, target: Path, folder: int) -> None:
-    """Rename over the target; an error is about the target, not about the file beside it."""
+def _put_in_place(temporary: str, target: Path, folder: int) -> None:
+    """Rename over the target; an error names the target, not the temporary file."""
     try:
-        os.replace(beside, target.name, src_dir_fd=folder, dst_dir_fd=folder)
+        os.replace(temporary, target.name, src_dir_fd=folder, dst_dir_fd=folder)
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(target)) from error
 
 
 def _check_place(target: Path, folder: int) -> None:
-    """Refuse a folder that is not where it was: the file would turn up elsewhere."""
+    """Raise if the folder was moved: the file would end up elsewhere."""
     there = target.parent.is_dir() and os.path.samestat(target.parent.stat(), os.fstat(folder))
     if not there:
-        reason = "cannot write here: the folder was moved or removed meanwhile"
+        reason = "cannot write here: the folder was moved or removed in the meantime"
         raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))

@@ -1,9 +1,8 @@
-"""Colours between the conventions: unsigned integers over their full range, or floats in [0, 1].
+"""Conversion of colours between unsigned integers over their full range and floats in [0, 1].
 
 trimesh keeps 8-bit RGBA, Open3D floats from 0 to 1, files either, and text files just numbers. An
-integer k of b bits is the float k / (2^b - 1); rounding to the nearest step takes it back, so 8-bit
-colours survive the way there and back unchanged. Signed integers, NumPy's default for a plain list,
-are read as 8-bit.
+integer k of b bits is the float k / (2^b - 1); rounding to the nearest step inverts this, so 8-bit
+colours round-trip unchanged. Signed integers, NumPy's default for a plain list, are read as 8-bit.
 """
 
 from __future__ import annotations
@@ -16,12 +15,12 @@ from numpy.typing import NDArray
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import InputError
 
-# What six printed digits, or single precision, leave of k/255.
+# Error of k/255 when printed with six digits, or in single precision.
 _PRINTED = 1e-6
 
 
 def as_uint8(colors: Array) -> NDArray[np.uint8]:
-    """Colours as 8-bit integers.
+    """Convert colours to 8-bit integers.
 
     Parameters
     ----------
@@ -31,7 +30,7 @@ def as_uint8(colors: Array) -> NDArray[np.uint8]:
     Returns
     -------
     (n, c) ndarray of uint8
-        The nearest 8-bit colours; ``colors`` itself where it is 8-bit already.
+        The nearest 8-bit colours; ``colors`` itself if it is 8-bit already.
 
     Raises
     ------
@@ -52,7 +51,7 @@ def as_uint8(colors: Array) -> NDArray[np.uint8]:
 
 
 def as_float(colors: Array) -> Floats:
-    """Colours as floats in [0, 1].
+    """Convert colours to floats in [0, 1].
 
     Parameters
     ----------
@@ -79,7 +78,7 @@ def as_float(colors: Array) -> Floats:
 
 
 def with_alpha(colors: Array) -> Array:
-    """RGB colours as opaque RGBA; RGBA as it is.
+    """Convert RGB colours to opaque RGBA; RGBA colours stay as they are.
 
     Parameters
     ----------
@@ -89,7 +88,7 @@ def with_alpha(colors: Array) -> Array:
     Returns
     -------
     (n, 4) ndarray
-        Colours of the same type, with an alpha of full scale where none was given.
+        Colours of the same type, with a full-scale alpha if there was none.
 
     Examples
     --------
@@ -103,7 +102,7 @@ def with_alpha(colors: Array) -> Array:
 
 
 def is_opaque(colors: Array) -> bool:
-    """Whether colours have no alpha, or one of full scale everywhere.
+    """Whether colours have no alpha, or a full-scale alpha everywhere.
 
     Parameters
     ----------
@@ -113,7 +112,7 @@ def is_opaque(colors: Array) -> bool:
     Returns
     -------
     bool
-        True where RGB says it all.
+        True if dropping the alpha loses nothing.
 
     Examples
     --------
@@ -124,7 +123,7 @@ def is_opaque(colors: Array) -> bool:
 
 
 def fits_eight_bits(colors: Array) -> bool:
-    """Whether eight bits a channel hold colours without loss.
+    """Whether eight bits per channel hold colours without loss.
 
     Parameters
     ----------
@@ -134,7 +133,7 @@ def fits_eight_bits(colors: Array) -> bool:
     Returns
     -------
     bool
-        True where rounding to eight bits changes no value.
+        True if rounding to eight bits changes no value.
 
     Raises
     ------
@@ -156,10 +155,10 @@ def fits_eight_bits(colors: Array) -> bool:
 
 
 def recognized(values: Floats) -> Array | None:
-    """Find the type of colours that a text file holds as numbers.
+    """Detect the type of colours that a text file holds as numbers.
 
-    Whole numbers up to 255 are 8-bit, up to 65,535 16-bit; where no value exceeds one they are
-    floats. Floats that are all k/255, as far as printed digits tell, are 8-bit too.
+    Whole numbers up to 255 are 8-bit, up to 65,535 16-bit; if no value exceeds one they are
+    floats. Floats that are all k/255, within the accuracy of printed digits, are 8-bit too.
 
     Parameters
     ----------
@@ -169,7 +168,7 @@ def recognized(values: Floats) -> Array | None:
     Returns
     -------
     (n, c) ndarray of uint8, uint16 or float64, or None
-        None where the numbers cannot be colours.
+        None if the numbers cannot be colours.
 
     Examples
     --------
@@ -182,7 +181,7 @@ def recognized(values: Floats) -> Array | None:
 
 
 class ColorScale:
-    """What the numbers of a text file are as colours, found block by block.
+    """Type of the colours in a text file, determined block by block.
 
     Examples
     --------
@@ -198,7 +197,7 @@ class ColorScale:
         self._top = 0.0
 
     def look_at(self, values: Floats) -> None:
-        """Take further numbers into account.
+        """Examine further numbers.
 
         Parameters
         ----------
@@ -213,7 +212,7 @@ class ColorScale:
         self._top = max(self._top, float(values.max(initial=0.0)))
 
     def convert(self, values: Floats) -> Array | None:
-        """Convert numbers that were looked at.
+        """Convert numbers that were examined.
 
         Parameters
         ----------
@@ -223,7 +222,7 @@ class ColorScale:
         Returns
         -------
         (n, c) ndarray of uint8, uint16 or float64, or None
-            As `recognized`, by all numbers that were looked at.
+            As for `recognized`, given all numbers that were examined.
         """
         if not self._inside or (self._top > 1 and not self._whole):
             return None
@@ -244,7 +243,7 @@ def _full_scale(dtype: np.dtype[Any]) -> float:
 
 
 def _checked(colors: Array) -> Array:
-    """Colours of a usable type, shape and range, or an error that names the row."""
+    """Validate type, shape and range of colours; the error names the row."""
     colors = np.asarray(colors)
     if colors.ndim != 2 or colors.shape[1] not in (3, 4) or colors.dtype.kind not in "uif":
         raise InputError(

@@ -1,8 +1,8 @@
 """A cloud under construction, filled column by column.
 
-Files name their columns: x, y, z, red, nx and so on. A `CloudBuilder` owns the arrays that the
-cloud will own, and hands out each named column as a view of them, so that a reader fills the final
-arrays directly, block by block.
+Files name their columns: x, y, z, red, nx and so on. A `CloudBuilder` owns the arrays of the future
+cloud and provides each named column as a view of them, so that a reader fills the final arrays
+directly, block by block.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class CloudBuilder:
     ----------
     types : mapping of str to dtype
         The columns in order. x and y must be among them; a missing z is 0. Red, green and blue
-        (with alpha, if there) become colours, nx, ny and nz normals, every other column an
-        attribute of that name and type.
+        (and alpha, if any) become colours, nx, ny and nz normals, every other column an attribute
+        of that name and type.
     rows : int
         Number of points.
     """
@@ -50,11 +50,11 @@ class CloudBuilder:
 
     @property
     def rows(self) -> int:
-        """How many rows there is room for."""
+        """Number of rows allocated."""
         return len(self.points)
 
     def fill(self, rows: slice, columns: Mapping[str, Array]) -> None:
-        """Put values into some rows of the columns of that name."""
+        """Set some rows of the named columns."""
         for name, values in columns.items():
             self.columns[name][rows] = values
 
@@ -64,7 +64,7 @@ class CloudBuilder:
         metadata: Mapping[str, Any] = MappingProxyType({}),
         crs: str | None = None,
     ) -> Cloud:
-        """Hand the filled arrays over."""
+        """Return the filled arrays as a cloud."""
         return Cloud(
             self.points,
             colors=self.colors,
@@ -92,10 +92,9 @@ class CloudBuilder:
 def built_in_chunks(
     types: Mapping[str, np.dtype], total: int, blocks: Iterable[Mapping[str, Array]], rows: int
 ) -> Iterator[CloudBuilder]:
-    """Fill builders of ``rows`` rows each, the last of fewer, from blocks of any size.
+    """Fill builders of ``rows`` rows each from blocks of any size; the last may have fewer rows.
 
-    The first block is taken before arrays are allocated: a header that lies about ``total`` fails
-    there.
+    The first block is read before arrays are allocated, which fails if ``total`` is wrong.
     """
     filled, done = 0, 0
     builder: CloudBuilder | None = None

@@ -1,6 +1,6 @@
-"""The coordinate system of a file, where only comments have room for it.
+"""Coordinate systems in the comments of files whose format has no field for them.
 
-It stands as ``crs`` and a JSON string, which fits one line of ASCII whatever the text holds:
+The comment is ``crs`` and a JSON string, which is one line of ASCII for any text:
 ``crs "EPSG:25832"``.
 """
 
@@ -13,7 +13,7 @@ _KEYWORD = "crs "
 
 
 def crs_comment(crs: str | None) -> list[str]:
-    """Give the comment that states a coordinate system, if there is one.
+    """Return the comment for a coordinate system, if there is one.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def crs_comment(crs: str | None) -> list[str]:
     Returns
     -------
     list of str
-        One comment or none, without the mark that begins comments.
+        At most one comment, without the comment character.
 
     Examples
     --------
@@ -34,17 +34,17 @@ def crs_comment(crs: str | None) -> list[str]:
 
 
 def stated_crs(comments: Iterable[str]) -> str | None:
-    """Find the coordinate system that comments state.
+    """Find a coordinate system in comments.
 
     Parameters
     ----------
     comments : iterable of str
-        The comments of a file, without the marks that begin them.
+        The comments of a file, without the comment characters.
 
     Returns
     -------
     str or None
-        The first that is stated; None for comments that only look alike.
+        The first coordinate system; similar comments are ignored.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Faces as files hold them, polygons of any size: checked, and cut into triangles."""
+"""Polygons of any size, as files hold them: validated and split into triangles."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.errors import FormatError
 
-_ROWS = 1 << 18  # copied at a time: Ctrl-C is heard in between
+_ROWS = 1 << 18  # rows copied at a time: Ctrl-C takes effect in between
 
 
 @dataclass(frozen=True, slots=True)
 class Ragged:
-    """Row i holds ``sizes[i]`` of the ``values``, which stand one row after the other."""
+    """Rows of different lengths: row i holds the next ``sizes[i]`` of ``values``."""
 
     sizes: Integers
     values: Array
@@ -30,12 +30,12 @@ class Ragged:
 
     @classmethod
     def empty(cls, dtype: np.dtype) -> Ragged:
-        """Make no rows at all."""
+        """Return an instance without rows."""
         return cls(np.empty(0, dtype=np.int64), np.empty(0, dtype))
 
     @classmethod
     def joined(cls, parts: Sequence[Ragged]) -> Ragged:
-        """Stack rows upon rows."""
+        """Concatenate the rows of all parts."""
         if len(parts) == 1:
             return parts[0]
         return cls(
@@ -44,34 +44,34 @@ class Ragged:
         )
 
     def starts(self) -> Integers:
-        """Locate the first value of each row."""
+        """Return the index of the first value of each row."""
         return np.cumsum(self.sizes) - self.sizes
 
     def row_of(self, position: int) -> int:
-        """Tell which row the value at ``position`` belongs to."""
+        """Return the row to which the value at ``position`` belongs."""
         return int(np.searchsorted(np.cumsum(self.sizes), position, side="right"))
 
 
 def triangulated(
     faces: Ragged, vertices: int, name: str, where: Callable[[int], str] = "face {}".format
 ) -> Rows:
-    """Cut polygons into fans about their first corner, in order.
+    """Split polygons into triangle fans around their first vertex, in order.
 
     Parameters
     ----------
     faces : Ragged
         Vertices of each face, counted from 0.
     vertices : int
-        How many vertices there are.
+        Number of vertices.
     name : str
         The file's name for messages.
     where : callable, optional
-        Names face number i in messages.
+        Describes face number i in messages.
 
     Raises
     ------
     FormatError
-        A face refers to a vertex that is not there.
+        A face refers to a vertex that does not exist.
     """
     if not _within(faces.values, vertices):
         wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
@@ -90,8 +90,8 @@ def _fans(faces: Ragged) -> Array:
     return np.asarray(faces.values[corners])
 
 
-def remarks(faces: Ragged) -> dict[str, int]:
-    """Count what a list of triangles no longer shows, for a cloud's metadata."""
+def face_counts(faces: Ragged) -> dict[str, int]:
+    """Count the polygons and degenerate faces, for a cloud's metadata."""
     counts = {
         "polygons": int((faces.sizes > 3).sum()),
         "degenerate_faces": int((faces.sizes < 3).sum()),
@@ -100,7 +100,7 @@ def remarks(faces: Ragged) -> dict[str, int]:
 
 
 def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
-    """Return (m, 3) faces as int32, or name the one that refers to no vertex."""
+    """Return (m, 3) faces as int32; raise if one refers to a vertex that does not exist."""
     if faces.dtype.kind not in "iu" or faces.ndim != 2 or faces.shape[1] != 3:
         raise FormatError(
             f"{name}: faces must be an (m, 3) array of integers, "
@@ -114,7 +114,7 @@ def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
 
 
 def _within(indices: Array, vertices: int) -> bool:
-    """Say whether every index names a vertex, without a mask of the size of the mesh."""
+    """Whether every index is that of a vertex, computed without a mask as large as the mesh."""
     return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)
 
 

@@ -1,4 +1,4 @@
-"""read(), read_chunks() and write(): from a path or a stream to a cloud, and back."""
+"""read(), read_chunks() and write(): conversion between files or streams and clouds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CHUNK_ROWS = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """What :func:`write` wrote.
+    """The result of :func:`write`.
 
     Attributes
     ----------
@@ -38,13 +38,13 @@ class Written:
     format : str
         Name of the format.
     bytes : int
-        How many bytes were written.
+        Number of bytes written.
     origin : tuple of float, or None
         x, y, z that were subtracted from every vertex because the format holds single precision
-        only; the file states it too. None: coordinates are written as they are.
+        only; the file records it too. None: coordinates are written as they are.
     dropped : tuple of str
-        What the mesh has and the file does not keep: colors, alpha, normals, attributes by their
-        names, the crs, rows in no face, double precision, colors beyond 8 bits.
+        What the mesh has and the file does not keep: colors, alpha, normals, attributes by name,
+        the crs, rows in no face, double precision, colors beyond 8 bits.
 
     Examples
     --------
@@ -68,25 +68,24 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
     Parameters
     ----------
     source : str, path, or binary stream
-        What to read: PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, and what plugins
-        add.
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin.
     format : str, optional
-        Name or suffix of the format; by default the suffix of the file's name tells.
+        Name or suffix of the format; by default the suffix of the file's name.
 
     Returns
     -------
     Cloud
         The rows in the file's order, with colours, normals, attributes, faces and coordinate system
-        if it has them. ``metadata["source"]`` is the file's name, ``metadata["format"]`` the
+        if the file has them. ``metadata["source"]`` is the file's name, ``metadata["format"]`` the
         format's.
 
     Raises
     ------
     FormatError
-        The format is not known, or the file is broken: the message names the file, the line or
+        The format is unknown, or the file is invalid: the message gives the file, the line or
         byte, and the cause.
     OSError
-        The file is not there or cannot be opened.
+        The file does not exist or cannot be opened.
 
     Examples
     --------
@@ -108,18 +107,18 @@ def read_chunks(
     rows: int = CHUNK_ROWS,
     format: str | None = None,  # noqa: A002
 ) -> Iterator[Cloud]:
-    r"""Read a point cloud piece by piece, in bounded memory where its format allows it.
+    r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
-    PLY, text, NPY and NPZ are read in pieces; of text, every line is parsed twice, to find the
-    types of columns first. Other formats, pipes, and PLY files whose vertices have lists are read
-    whole, then cut.
+    PLY, text, NPY and NPZ are read in chunks; text is parsed twice, to determine the types of the
+    columns first. Other formats, pipes, and PLY files whose vertices have lists are read whole,
+    then split.
 
     Parameters
     ----------
     source : str, path, or binary stream
         What to read, as for `read`.
     rows : int, default 1,000,000
-        How many rows a chunk has at most.
+        Maximum number of rows of a chunk.
     format : str, optional
         As for `read`.
 
@@ -132,11 +131,11 @@ def read_chunks(
     Raises
     ------
     InputError
-        `rows` is no positive whole number.
+        `rows` is not a positive whole number.
     FormatError
-        As for `read`: before the first chunk, or at the chunk that is broken.
+        As for `read`: before the first chunk, or at the invalid chunk.
     OSError
-        The file is not there or cannot be opened.
+        The file does not exist or cannot be opened.
 
     Examples
     --------
@@ -149,29 +148,29 @@ def read_chunks(
         raise InputError(f"rows is {rows!r}: give a whole number from 1")
     name = _name(source)
     found = _find(source, format, name)
-    chunks = found.read_chunks or _cut(_reader(found, name))
+    chunks = found.read_chunks or _split(_reader(found, name))
     return _chunks(source, found, chunks, name, rows)
 
 
 def read_cloud(source: object) -> Cloud:
-    """Read a path, or make a cloud of any object that holds points.
+    """Read a file, or convert any object that holds points to a cloud.
 
     Parameters
     ----------
     source : path or object
-        A path, as for `read`, or what `as_cloud` takes.
+        A path, as for `read`, or any object that `as_cloud` accepts.
 
     Returns
     -------
     Cloud
-        Its rows.
+        The points.
 
     Raises
     ------
     InputError
-        Arrays that do not fit.
+        Arrays have the wrong shape or type.
     UnsupportedTypeError
-        Nothing turns the object into a cloud.
+        No adapter accepts the object.
     FormatError
         As for `read`.
 
@@ -192,21 +191,21 @@ def write(
     format: str | None = None,  # noqa: A002
     **options: Any,
 ) -> Written:
-    r"""Write a point cloud or a mesh; of a file, either the whole or nothing.
+    r"""Write a point cloud or a mesh; a file is written completely or not at all.
 
     Parameters
     ----------
     target : str, path, or binary stream
-        Where to write. A file is written beside its place and then renamed, so that an error
-        leaves an old file as it was.
+        Where to write. A file is written under a temporary name in the same folder and then
+        renamed, so that an error leaves an existing file as it was.
     mesh : object
-        What to write: anything that `as_cloud` takes, and so `triangulate`, but no path. Colours,
-        normals, attributes and the coordinate system go along if the format has a place for them.
+        Anything that `as_cloud` accepts, except a path. Colours, normals, attributes and the
+        coordinate system are written if the format supports them.
     format : str, optional
-        Name or suffix of the format; by default the suffix of the file's name tells.
+        Name or suffix of the format; by default the suffix of the file's name.
     **options
-        What the format's writer takes: ``encoding``, ``colors`` and ``comments`` for PLY,
-        ``comments`` for OBJ, ``compressed`` for NPZ.
+        Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``comments`` for
+        OBJ, ``compressed`` for NPZ.
 
     Returns
     -------
@@ -217,13 +216,13 @@ def write(
     Raises
     ------
     FormatError
-        The format or an option is not known, or the format cannot hold this mesh.
+        The format or an option is unknown, or the format cannot hold this mesh.
     InputError
-        Colours or other arrays that cannot be used.
+        Colours or other arrays are invalid.
     UnsupportedTypeError
-        ``mesh`` is nothing that can be written, or a path: `read` it first.
+        ``mesh`` cannot be converted to a cloud, or is a path: `read` it first.
     OSError
-        The file cannot be written; the message names what is in the way.
+        The file cannot be written; the message gives the reason.
 
     Examples
     --------
@@ -261,8 +260,8 @@ def _chunks(
             yield _labelled(chunk, found, name)
 
 
-def _cut(reader: Reader) -> ChunkReader:
-    """Make a chunk reader of a reader of whole files."""
+def _split(reader: Reader) -> ChunkReader:
+    """Make a chunk reader from a reader of whole files."""
 
     def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
         cloud = reader(stream, name)
@@ -299,7 +298,7 @@ def _reader(found: Format, name: str) -> Reader:
 
 @contextmanager
 def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
-    """Open a path, or take a stream; either as a seekable stream that holds something."""
+    """Open a path, or use a stream; yield it as a seekable stream that is not empty."""
     if not isinstance(source, str | os.PathLike):
         _check_stream(source, "read")
         yield _filled(seekable(source), name)

@@ -1,8 +1,8 @@
-"""What a file format is: its names, how it is read and written, what it needs and what it keeps.
+"""File formats: names, reader and writer, requirements, and what a file preserves.
 
-A format declares once what a cloud must have to be written (`Format.needs`) and what of a cloud the
-file keeps (`Format.keeps`). `liftmesh.write` refuses a cloud that lacks a need, and names in
-`Written.dropped` what the cloud has and the file does not keep.
+A format declares what a cloud must have to be written (`Format.needs`) and which parts of a cloud
+the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the
+needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
 
 NEEDS = ("points", "faces", "finite")
 
-# What a file may keep of a cloud, and what it is called where it was dropped.
+# The parts of a cloud that a file may keep, and the name of each in `Written.dropped`.
 CONTENT = {
     "points": "rows in no face",
     "faces": "faces",
@@ -42,7 +42,7 @@ CONTENT = {
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A file format: what another package registers to add one.
+    """A file format; packages register one to add a format.
 
     Parameters
     ----------
@@ -59,25 +59,25 @@ class Format:
     description : str
         One line for people.
     keeps : tuple of str
-        What the file keeps of a cloud: "points" (every row in its place, those in no face
-        included), "faces", "colors" (at 8 bits a channel), "alpha", "deep_colors" (colours of more
-        than 8 bits), "normals", "attributes" (named values), "crs", "float64" (every coordinate bit
-        for bit). By default all of them.
+        The parts of a cloud that the file preserves: "points" (every row in its place, including
+        rows in no face), "faces", "colors" (with 8 bits per channel), "alpha", "deep_colors"
+        (colours of more than 8 bits), "normals", "attributes" (named values), "crs", "float64"
+        (every coordinate bit for bit). By default all of them.
     needs : tuple of str
-        What a cloud must have to be written: "points" (one row at least), "faces" (one at least),
-        "finite" (no NaN or infinity in a row that the file holds). By default nothing.
+        The requirements on a cloud: "points" (at least one row), "faces" (at least one), "finite"
+        (no NaN or infinity in a row that the file holds). By default none.
     loses : callable, optional
-        ``loses(cloud, options)``: what of ``keeps`` this cloud loses when written with these
-        options.
+        ``loses(cloud, options)`` returns the parts in ``keeps`` that are nevertheless lost when
+        this cloud is written with these options.
     read_chunks : callable, optional
         ``read_chunks(stream, name, rows)`` yields clouds of at most ``rows`` consecutive rows each,
         without faces; together they are the rows that ``read`` returns. Formats without it are read
-        whole, then cut.
+        whole, then split.
 
     Raises
     ------
     InputError
-        ``keeps`` or ``needs`` holds another word than these.
+        ``keeps`` or ``needs`` holds an unknown word.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Format:
 
 
 def check_needs(found: Format, cloud: Cloud) -> None:
-    """Refuse a cloud that lacks what the format needs: its file would lose rows, or be unreadable.
+    """Raise if a cloud does not meet the format's needs: the file would be incomplete or invalid.
 
     Raises
     ------
@@ -135,12 +135,12 @@ def check_needs(found: Format, cloud: Cloud) -> None:
 def dropped(
     found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
-    """Name what a cloud has and its file does not keep, attributes by their own names."""
+    """List what a cloud has and its file does not keep, attributes by name."""
     kept = set(found.keeps)
     if found.loses is not None:
         kept -= set(found.loses(cloud, options))
     if "colors" not in kept:
-        kept |= {"alpha", "deep_colors"}  # parts of what is named as a whole
+        kept |= {"alpha", "deep_colors"}  # covered by "colors"
     missing = [
         name for word, name in CONTENT.items() if word not in kept and _has(cloud, word, origin)
     ]
@@ -151,7 +151,7 @@ def dropped(
 
 
 def _has(cloud: Cloud, word: str, origin: Origin | None) -> bool:
-    """Say whether a cloud has something to lose."""
+    """Whether a cloud has a part that could be lost."""
     colors = cloud.colors
     if word == "points":
         return _unused(cloud)
@@ -167,7 +167,7 @@ def _has(cloud: Cloud, word: str, origin: Origin | None) -> bool:
 
 
 def _held(found: Format, cloud: Cloud) -> Indices:
-    """List the rows that a file holds: all, or those of the faces."""
+    """Return the rows that a file holds: all, or those of the faces."""
     if "points" in found.keeps or cloud.faces is None:
         return np.arange(len(cloud))
     return np.unique(cloud.faces).astype(np.intp)
@@ -181,7 +181,7 @@ def _unused(cloud: Cloud) -> bool:
 
 
 def _fits_single(points: Floats, origin: Origin | None) -> bool:
-    """Say whether single precision, relative to an origin, brings every coordinate back."""
+    """Whether all coordinates, relative to an origin, round-trip through single precision."""
     shift = np.zeros(3) if origin is None else np.array(origin)
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         again = (points - shift).astype(np.float32).astype(np.float64) + shift
@@ -194,5 +194,5 @@ def _check_finite(cloud: Cloud, rows: Indices, name: str) -> None:
         row = int(rows[np.argmax(bad)])
         raise FormatError(
             f"vertex {row} is {cloud.points[row].tolist()}: {name} holds finite coordinates only: "
-            "drop such rows, or write PLY or OBJ"
+            "remove such rows, or write PLY or OBJ"
         )

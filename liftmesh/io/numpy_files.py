@@ -1,6 +1,6 @@
-"""NumPy's own files: one array of points (NPY), or points with all that belongs to them (NPZ).
+"""NumPy's file formats: one array of points (NPY), or points with all their data (NPZ).
 
-Nothing is unpickled: a file cannot run code.
+Nothing is unpickled: a file cannot execute code.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ _FACES = ("faces", "triangles")
 _CRS = "crs"
 _RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
 
-# Deflate shrinks nothing more than 1,032-fold.
+# Deflate compresses at most 1,032-fold.
 _DENSEST = 1100
 
-# What zipfile raises for files that are damaged, encrypted, or compressed in an unknown way.
+# Exceptions of zipfile for files that are damaged, encrypted, or of unknown compression.
 _BROKEN = (
     zipfile.BadZipFile, zlib.error, EOFError, ValueError, OSError, NotImplementedError,
     RuntimeError, OverflowError,
@@ -56,19 +56,19 @@ def read_npy(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        Of an (n, 2) or (n, 3) array of numbers; of a structured array with fields x and y, all
-        fields as if they were columns of a PLY file.
+        The rows of an (n, 2) or (n, 3) array of numbers, or of a structured array with fields x and
+        y, whose fields are treated like the columns of a PLY file.
 
     Raises
     ------
     FormatError
-        The file is broken, or the array is of another shape or type.
+        The file is invalid, or the array has another shape or type.
     """
     return _points_alone(read_array(stream, name), name)
 
 
 def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-    """Read points from an NPY file piece by piece.
+    """Read points from an NPY file in chunks.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     name : str
         The file's name for messages.
     rows : int
-        How many rows a chunk has at most.
+        Maximum number of rows of a chunk.
 
     Yields
     ------
@@ -92,7 +92,7 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     layout = Layout.read(stream, name)
     left = remaining(stream)
     if layout.size > left:
-        raise FormatError(f"{name}: {layout.what}: only {left} bytes of values are there")
+        raise FormatError(f"{name}: {layout.what}: the file holds only {left} bytes of values")
     for part in array_parts(stream, layout, name, rows):
         yield _points_alone(part, name)
 
@@ -110,14 +110,14 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        ``points`` (or ``vertices``, or the only array there is) as float64; ``faces``, ``colors``
-        and ``normals``; other arrays of n rows as attributes. Arrays that fit nowhere are named in
+        ``points`` (or ``vertices``, or the only array) as float64; ``faces``, ``colors`` and
+        ``normals``; other arrays of n rows as attributes. All others are listed in
         ``metadata["skipped"]``.
 
     Raises
     ------
     FormatError
-        The file is broken, or has no array of points.
+        The file is invalid, or has no array of points.
     """
     with _archive(stream, name) as members:
         arrays = {key: member.whole() for key, member in members.items()}
@@ -125,7 +125,7 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
 
 
 def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-    """Read the points of an NPZ file, and all that belongs to them, piece by piece.
+    """Read the points of an NPZ file, with all their data, in chunks.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     name : str
         The file's name for messages.
     rows : int
-        How many rows a chunk has at most.
+        Maximum number of rows of a chunk.
 
     Yields
     ------
@@ -163,15 +163,15 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     stream : binary stream
         Where to write.
     cloud : Cloud
-        ``points``, and if it has them ``colors``, ``normals``, ``faces``, ``crs`` and each
+        Written as ``points`` and, if present, ``colors``, ``normals``, ``faces``, ``crs`` and each
         attribute by its name.
     compressed : bool
-        Deflate the arrays.
+        Compress the arrays (deflate).
 
     Raises
     ------
     FormatError
-        An attribute has the name of one of these, or one that would be unpacked elsewhere, or holds
+        An attribute has one of these names, or a path that leads out of the archive, or holds
         Python objects.
     """
     crs = None if cloud.crs is None else np.array(cloud.crs)
@@ -185,7 +185,7 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
 
 
 def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: bool) -> None:
-    """Do what ``numpy.savez`` does, which takes some names for its own options."""
+    """Write arrays like ``numpy.savez``, which interprets some names as its own options."""
     method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
     archive = zipfile.ZipFile(stream, "w", method)
     try:
@@ -193,7 +193,7 @@ def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: boo
             _write_array(archive, f"{name}.npy", np.asanyarray(values))
         archive.close()
     finally:
-        archive.fp = None  # or it would still end the file, and complain of what is missing
+        archive.fp = None  # else, after an error, it would try again to finish the file
 
 
 def _write_array(archive: zipfile.ZipFile, name: str, values: Array) -> None:
@@ -201,7 +201,7 @@ def _write_array(archive: zipfile.ZipFile, name: str, values: Array) -> None:
     try:
         npy.write_array(member, values, allow_pickle=False)
     except BaseException:
-        # The stream may be no more: one in memory that finds no room to grow is closed.
+        # The stream may be closed already: one in memory is when it cannot grow.
         with suppress(OSError, ValueError):
             member.close()
         raise
@@ -210,7 +210,7 @@ def _write_array(archive: zipfile.ZipFile, name: str, values: Array) -> None:
 
 @contextmanager
 def _archive(stream: BinaryIO, name: str) -> Iterator[dict[str, _Member]]:
-    """Open an archive; what zipfile says of a broken one becomes a `FormatError`."""
+    """Open an archive; errors of zipfile become a `FormatError`."""
     try:
         size = remaining(stream)
         with zipfile.ZipFile(stream) as archive:
@@ -222,28 +222,28 @@ def _archive(stream: BinaryIO, name: str) -> Iterator[dict[str, _Member]]:
     except FormatError:
         raise
     except _BROKEN as error:
-        raise FormatError(f"{name}: not a whole NPZ file: {error}") from error
+        raise FormatError(f"{name}: not a valid NPZ file: {error}") from error
 
 
 def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
-    """Refuse sizes that lie, and members that share their bytes to become many times as large."""
+    """Raise for impossible sizes, and for members that share bytes (decompression bombs)."""
     names: set[str] = set()
     for each in members:
         where = f"{name}: {shortened(each.filename)}"
         if each.file_size > _DENSEST * (each.compress_size + 1):
             raise FormatError(
-                f"{where}: {each.file_size} bytes cannot come of {each.compress_size}"
+                f"{where}: {each.compress_size} bytes cannot decompress to {each.file_size}"
             )
         size -= each.compress_size
         if size < 0:
-            raise FormatError(f"{where}: the members hold more bytes than the file")
+            raise FormatError(f"{where}: the members are larger than the file")
         if each.filename in names:
-            raise FormatError(f"{where}: the file holds two arrays of this name")
+            raise FormatError(f"{where}: two arrays have this name")
         names.add(each.filename)
 
 
 class _Member:
-    """One array of an archive: its layout, and its values when they are asked for."""
+    """One array of an archive, read on demand."""
 
     def __init__(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> None:
         self._archive = archive
@@ -259,7 +259,7 @@ class _Member:
         return read_array(io.BytesIO(self._archive.read(self._info)), self._where)
 
     def parts(self, rows: int) -> Iterator[Array]:
-        """Read the values piece by piece; a size that the directory does not confirm is refused."""
+        """Read the values in parts, once the size agrees with the directory of the archive."""
         if self.layout.size > self._info.file_size:
             raise FormatError(
                 f"{self._where}: {self.layout.what}: the member has {self._info.file_size} bytes"
@@ -303,7 +303,7 @@ class _Shaped(Protocol):
 
 
 class _Roles:
-    """Which array of an archive is what."""
+    """Roles of the arrays of an archive: points, faces, attributes and so on."""
 
     def __init__(self, arrays: Mapping[str, _Shaped], name: str) -> None:
         self._name = name
@@ -328,7 +328,7 @@ class _Roles:
         self.row_arrays = [self._points, *special, *self._attributes]
 
     def cloud(self, arrays: Mapping[str, Array]) -> Cloud:
-        """Make a cloud of all arrays, or of some rows of those that have a row for each point."""
+        """Make a cloud of all arrays, or of some rows of the arrays with one row per point."""
         if self._alone:
             return _points_alone(arrays[self._points], self._name)
         points = _points(arrays[self._points], self._name)
@@ -352,7 +352,7 @@ class _Roles:
         key = next((each for each in _POINTS if each in arrays), None)
         if key is None:
             listed = shortened(", ".join(sorted(arrays))) or "none"
-            raise FormatError(f"{self._name}: no array is called points: there are {listed}")
+            raise FormatError(f"{self._name}: no array is named points: there are {listed}")
         return key
 
     def _check(
@@ -364,7 +364,7 @@ class _Roles:
         if len(shape) != 2 or shape[0] != count or shape[1] not in widths:
             raise FormatError(f"{self._name}: {key} have shape {shape} for {count} points")
         if dtype.kind not in "iuf":
-            raise FormatError(f"{self._name}: {key} of type {dtype} are no numbers")
+            raise FormatError(f"{self._name}: {key} of type {dtype} are not numbers")
 
 
 def _is_text(array: _Shaped) -> bool:

@@ -1,11 +1,11 @@
-"""OBJ, the text format that every program opens: doubles, colours, normals, triangles.
+"""OBJ files, reader and writer: text with doubles, colours, normals and triangles.
 
 An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, ``vn`` a normal,
 ``f`` a face whose corners are vertex, vertex/texture, vertex/texture/normal or vertex//normal,
-counted from 1, or backwards from the last one so far. The lines are read in large blocks and sorted
-by keyword, so that all vertices of a block are parsed at once. Keywords that say nothing about the
-shape are counted and skipped. The writer gives the shortest digits that round-trip. A coordinate
-system stands in a comment, ``# crs "EPSG:25832"``, as a JSON string.
+counted from 1, or backwards from the last one so far. The lines are read in large blocks and
+grouped by keyword, so that all vertices of a block are parsed at once. Keywords that do not
+concern the shape are counted and skipped. The writer emits the shortest digits that round-trip. A
+coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, recognized
 from liftmesh.io.comments import crs_comment, stated_crs
-from liftmesh.io.faces import Ragged, remarks, triangulated
+from liftmesh.io.faces import Ragged, face_counts, triangulated
 from liftmesh.io.format import Format
 from liftmesh.io.text_tables import (
     BLOCK,
@@ -31,18 +31,18 @@ from liftmesh.io.text_tables import (
     Lines,
     leading_comments,
     number_table,
-    shown,
+    quoted,
     write_rows,
 )
 
 _KEYWORDS = ("v", "vn", "f")
 
-# How many values a vertex line may have: x y z, with a weight, with r g b, with alpha.
+# Possible numbers of values of a vertex line: x y z, with a weight, with r g b, with alpha.
 _VERTEX_WIDTHS = (3, 4, 6, 7)
 
 _PAIRS = re.compile(r"-?\d+//-?\d+(?:[ \t]+-?\d+//-?\d+)*", re.ASCII)
 
-# k/255 in the digits of single precision: readers that hold floats get the very same number.
+# k/255 in the digits of single precision: readers that use floats get exactly this number.
 _EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=object)
 
 
@@ -60,14 +60,14 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     -------
     Cloud
         Coordinates as float64; colours ``v x y z r g b`` as uint8 if they are multiples of 1/255,
-        else as floats; normals if all corners of a vertex agree on one. ``metadata`` counts
-        ``ignored`` lines by keyword, ``polygons`` cut into triangles, ``degenerate_faces`` of fewer
-        than three corners left out.
+        else as floats; normals if all corners of a vertex have the same. ``metadata`` counts
+        ``ignored`` lines by keyword, ``polygons`` split into triangles, and omitted
+        ``degenerate_faces`` of fewer than three vertices.
 
     Raises
     ------
     FormatError
-        A line is broken; the message names it.
+        A line is invalid; the message gives its number.
     """
     crs = stated_crs(leading_comments(stream, name))
     reading = _Reading(name, crs)
@@ -79,7 +79,7 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
 
 @dataclass(slots=True)
 class _Reading:
-    """One OBJ file on its way into a Cloud: what the blocks gave so far."""
+    """State of reading one OBJ file: the contents of the blocks so far."""
 
     name: str
     crs: str | None
@@ -102,7 +102,7 @@ class _Reading:
         self.normal_count += len(vn)
 
     def _sorted(self, block: Block) -> tuple[Block, ...]:
-        """Take the lines of each keyword that matters, without it, and count the others."""
+        """Return the values of the lines of each relevant keyword, and count the other lines."""
         masks = [_begin_with(block, keyword) for keyword in _KEYWORDS]
         for text, number in block[~np.any(masks, axis=0)]:
             if text in _KEYWORDS:
@@ -120,8 +120,8 @@ class _Reading:
         table = number_table(block, self.name, width=width)
         if table.shape[1] not in _VERTEX_WIDTHS:
             raise FormatError(
-                f"{self.name}: line {block.numbers[0]}: a vertex has 3 coordinates, and perhaps "
-                f"3 colours: found {table.shape[1]} values"
+                f"{self.name}: line {block.numbers[0]}: a vertex has 3 coordinates and optionally "
+                f"3 colour values: found {table.shape[1]} values"
             )
         if table.shape[1] == 4:
             self.ignored["weight of v"] += len(table)
@@ -129,11 +129,11 @@ class _Reading:
 
     def cloud(self) -> Cloud:
         if not self.vertices:
-            raise FormatError(f"{self.name}: no line 'v x y z': no OBJ file, or one of no vertices")
+            raise FormatError(f"{self.name}: not an OBJ file, or without vertices: no 'v' line")
         table = np.concatenate(self.vertices)
         corners = _Corners.joined(self.corners) if self.corners else None
         colors, attributes = _colors(table[:, 3:])
-        # Faces first: that checks the vertices which normals are gathered for.
+        # Faces first: this validates the vertex indices that the normals rely on.
         faces = self._faces(corners, len(table))
         return Cloud(
             np.ascontiguousarray(table[:, :3]),
@@ -155,7 +155,7 @@ class _Reading:
 
     def _metadata(self, corners: _Corners | None) -> dict[str, Any]:
         ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
-        return ignored | (remarks(corners.vertices) if corners is not None else {})
+        return ignored | (face_counts(corners.vertices) if corners is not None else {})
 
     def _normals(self, corners: _Corners | None, vertices: int) -> Array | None:
         if not self.normals:
@@ -169,7 +169,7 @@ def _begin_with(block: Block, keyword: str) -> Mask:
 
 
 def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
-    """Tell colours; three more values that cannot be colours become an attribute instead."""
+    """Recognise colours; values that cannot be colours become an attribute instead."""
     if extra.shape[1] < 3:
         return None, {}
     values = np.ascontiguousarray(extra)
@@ -179,7 +179,7 @@ def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
 
 @dataclass(frozen=True, slots=True)
 class _Corners:
-    """Faces: their vertices, counted from 0, the normal of each corner (-1: none), their lines."""
+    """Faces: vertices, counted from 0, the normal of each corner (-1: none), and line numbers."""
 
     vertices: Ragged
     normals: Integers
@@ -187,7 +187,7 @@ class _Corners:
 
     @classmethod
     def joined(cls, parts: Sequence[_Corners]) -> _Corners:
-        """Stack faces upon faces."""
+        """Concatenate the faces of all parts."""
         return cls(
             Ragged.joined([each.vertices for each in parts]),
             np.concatenate([each.normals for each in parts]),
@@ -203,18 +203,18 @@ def _parse_corners(
     Parameters
     ----------
     faces : Block
-        What follows the keyword ``f``.
+        The text after the keyword ``f``.
     name : str
         The file's name for messages.
     numbers : pair of arrays of int
         The lines of the block's vertices and of its normals: backward indices count from there.
     before : pair of int
-        How many vertices and normals the blocks before had.
+        Numbers of vertices and normals in earlier blocks.
 
     Raises
     ------
     FormatError
-        A corner is broken; the message names its line.
+        A corner is invalid; the message gives its line.
     """
     sizes, vertices, normals = _plain(faces, name) or _general(faces, name)
     at = np.repeat(faces.numbers, sizes)
@@ -226,7 +226,7 @@ def _parse_corners(
 
 
 def _plain(faces: Block, name: str) -> tuple[Integers, Integers, Integers] | None:
-    """Parse faces all of one size, each corner ``vertex`` or ``vertex//normal``, as most are."""
+    """Parse faces of one size with corners ``vertex`` or ``vertex//normal``, the common case."""
     texts, pair = faces.texts, False
     if any("/" in text for text in texts):
         if not all(map(_PAIRS.fullmatch, texts)):
@@ -252,12 +252,12 @@ def _general(faces: Block, name: str) -> tuple[Integers, Integers, Integers]:
     try:
         vertices, normals = _indices([corner for row in corners for corner in row])
     except (ValueError, OverflowError) as error:
-        raise _blame(faces, name) from error
+        raise _corner_error(faces, name) from error
     return sizes, vertices, normals
 
 
 def _indices(corners: list[str]) -> tuple[Integers, Integers]:
-    """Split corners into vertex and normal numbers, 0 for no normal."""
+    """Split corners into vertex and normal indices, 0 for no normal."""
     joined = " ".join(corners)
     if "_" in joined:
         raise ValueError("_")
@@ -283,17 +283,17 @@ def _nonzero(numbers: Integers) -> Integers:
 
 
 def _from_zero(numbers: Integers, at: Integers, lines: Integers, before: int) -> Integers:
-    """Count from 0; negative numbers count back from what the file held up to their own line."""
+    """Count from 0; resolve negative indices, which count back from their own line."""
     backward = numbers < 0
     if not backward.any():
         return numbers - 1
     so_far = before + np.searchsorted(lines, at)
     resolved = np.where(backward, so_far + numbers, numbers - 1)
-    # Back beyond the first is no vertex at all; -1 would mean that there is no normal.
+    # Before the first there is no vertex; keep it distinct from -1, which means no normal.
     return np.where(backward & (resolved < 0), resolved - 1, resolved)
 
 
-def _blame(faces: Block, name: str) -> FormatError:
+def _corner_error(faces: Block, name: str) -> FormatError:
     bad = (
         (corner, number)
         for text, number in faces
@@ -302,7 +302,7 @@ def _blame(faces: Block, name: str) -> FormatError:
     )
     corner, number = next(bad)
     return FormatError(
-        f"{name}: line {number}: {shown(corner)} is no corner of a face: it should be vertex, "
+        f"{name}: line {number}: {quoted(corner)} is not a corner of a face: expected vertex, "
         "vertex/texture, vertex/texture/normal or vertex//normal, counted from 1"
     )
 
@@ -318,16 +318,17 @@ def _is_corner(text: str) -> bool:
 def _vertex_normals(
     normals: Floats, corners: _Corners | None, vertices: int, name: str
 ) -> Floats | None:
-    """Give every vertex the normal that its corners name, if they agree.
+    """Convert normals of corners to normals of vertices, if the corners of each vertex agree.
 
-    Where corners use the numbers of their vertices, or there are no faces, and there are as many
-    normals as vertices, the two lists belong together row by row. Otherwise a vertex without any
-    corner gets the normal (0, 0, 0). None if corners of a vertex differ, or have no normal.
+    If there are as many normals as vertices, and every corner has the same vertex and normal index
+    or there are no faces, the normals are those of the vertices, row by row. Otherwise a vertex
+    without a corner gets the normal (0, 0, 0). None if corners of a vertex differ, or have no
+    normal.
 
     Raises
     ------
     FormatError
-        A corner refers to a normal that is not there; the message names its line.
+        A corner refers to a normal that does not exist; the message gives its line.
     """
     if corners is None:
         return normals if len(normals) == vertices else None
@@ -362,8 +363,8 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
     """Write a cloud, or a mesh, as OBJ.
 
     Vertices are ``v x y z``, with colours ``v x y z r g b`` (the common extension, floats from 0 to
-    1); normals are ``vn`` lines, one a vertex, and faces ``f a b c`` or ``f a//a b//b c//c``. OBJ
-    has no place for alpha and attributes.
+    1); normals are ``vn`` lines, one per vertex, and faces ``f a b c`` or ``f a//a b//b c//c``. OBJ
+    does not hold alpha and attributes.
 
     Parameters
     ----------
@@ -384,7 +385,7 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
     own = ["liftmesh", *crs_comment(cloud.crs)]
     for comment in [*own, *([comments] if isinstance(comments, str) else comments)]:
         if not comment.isprintable():
-            raise FormatError(f"comment {comment!r} cannot stand in an OBJ file: give single lines")
+            raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
         stream.write(f"# {comment}\n".encode())
     write_rows(stream, [cloud.points, *_color_columns(cloud)], prefix="v ")
     if cloud.normals is not None:
@@ -400,7 +401,7 @@ def _color_columns(cloud: Cloud) -> list[Array]:
     if rgb.dtype == np.uint8:
         return [np.take(_EIGHT_BITS, rgb)]
     unit = as_float(rgb)
-    # Single precision stays so: it takes fewer digits.
+    # Single precision is kept: it needs fewer digits.
     return [unit.astype(rgb.dtype) if rgb.dtype.kind == "f" else unit]
 
 

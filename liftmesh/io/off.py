@@ -1,9 +1,9 @@
-"""OFF, coordinates and faces as text: to Cloud and back.
+"""OFF files, reader and writer: coordinates and faces as text.
 
-An OFF file is text: the word OFF, then how many vertices, faces and edges there are, then a line
-for each vertex and each face. A vertex line begins with x, y and z; a face line with the number of
-its corners and their vertices, counted from 0. Colours and normals may follow on both, and letters
-for them stand before OFF (COFF, NOFF): they are passed over.
+An OFF file holds the word OFF, the numbers of vertices, faces and edges, then a line for each
+vertex and each face. A vertex line begins with x, y and z; a face line with its number of vertices
+and their indices, counted from 0. Colours and normals may follow on both, announced by letters
+before OFF (COFF, NOFF): they are skipped.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import Ragged, remarks, triangulated
+from liftmesh.io.faces import Ragged, face_counts, triangulated
 from liftmesh.io.format import Format
-from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table, shown, write_rows
+from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table, quoted, write_rows
 
 _HEAD = re.compile(r"(?:ST)?C?N?OFF(?:\s+(.*))?")
 
@@ -37,21 +37,21 @@ def read_off(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        Coordinates and faces, polygons cut into triangles; ``metadata`` counts ``polygons``, and
-        ``degenerate_faces`` of fewer than three corners left out.
+        Coordinates and faces, polygons split into triangles; ``metadata`` counts ``polygons``, and
+        omitted ``degenerate_faces`` of fewer than three vertices.
 
     Raises
     ------
     FormatError
-        The file is broken, or holds fewer or more rows than its header promises; the message names
+        The file is invalid, or holds fewer or more rows than its header promises; the message gives
         the line.
     """
     lines = Lines(stream, name, comments=("#",))
     vertices, faces = _counts(lines, name)
-    points = [_points(block, name) for block in _taken(lines, vertices, "vertices", name)]
+    points = [_points(block, name) for block in _take(lines, vertices, "vertices", name)]
     if not points:
         raise FormatError(f"{name}: the file holds no vertices")
-    corners = [_corners(block, name) for block in _taken(lines, faces, "faces", name)]
+    corners = [_corners(block, name) for block in _take(lines, faces, "faces", name)]
     if len(lines.take(1)):
         raise FormatError(
             f"{name}: line {lines.number}: more rows follow than the header promises: "
@@ -61,14 +61,14 @@ def read_off(stream: BinaryIO, name: str) -> Cloud:
 
 
 def write_off(stream: BinaryIO, cloud: Cloud) -> None:
-    """Write a mesh as OFF, with the digits that bring every coordinate back.
+    """Write a mesh as OFF, with digits that round-trip.
 
     Parameters
     ----------
     stream : binary stream
         Where to write.
     cloud : Cloud
-        A mesh; colours, normals and attributes are left out.
+        A mesh; colours, normals and attributes are not written.
     """
     faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
     stream.write(b"OFF\n%d %d 0\n" % (len(cloud), len(faces)))
@@ -80,24 +80,24 @@ def _cloud(points: Floats, corners: list[Ragged], name: str) -> Cloud:
     if not corners:
         return Cloud(points)
     faces = Ragged.joined(corners)
-    return Cloud(points, faces=triangulated(faces, len(points), name), metadata=remarks(faces))
+    return Cloud(points, faces=triangulated(faces, len(points), name), metadata=face_counts(faces))
 
 
 def _counts(lines: Lines, name: str) -> tuple[int, int]:
-    """Read how many vertices and faces there are."""
+    """Read the numbers of vertices and faces."""
     found = _HEAD.fullmatch(lines.next())
     if found is None:
-        raise FormatError(f"{name}: not a whole off file: it does not begin with OFF")
+        raise FormatError(f"{name}: not a valid OFF file: it does not begin with OFF")
     words = (found[1] or lines.next()).split()[:2]
     if len(words) < 2 or not all(w.isascii() and w.isdigit() and len(w) < 19 for w in words):
         raise FormatError(
-            f"{name}: line {lines.number}: the counts of vertices and faces should be here, "
-            f"not {shown(' '.join(words))}"
+            f"{name}: line {lines.number}: expected the numbers of vertices and faces, "
+            f"found {quoted(' '.join(words))}"
         )
     return int(words[0]), int(words[1])
 
 
-def _taken(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]:
+def _take(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]:
     """Take as many lines as the header promises."""
     left = wanted
     while left:
@@ -105,7 +105,7 @@ def _taken(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]:
         if not len(block):
             raise FormatError(
                 f"{name}: line {lines.number}: the header promises {wanted} {what}, but "
-                f"{wanted - left} are there: the file is cut short, or its header is wrong"
+                f"{wanted - left} are there: the file is truncated, or its header is wrong"
             )
         yield block
         left -= len(block)
@@ -114,12 +114,12 @@ def _taken(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]:
 def _points(block: Block, name: str) -> Floats:
     table = number_table(block, name)
     if table.shape[1] < 3:
-        raise FormatError(f"{name}: line {block.numbers[0]}: a vertex has x, y and z")
+        raise FormatError(f"{name}: line {block.numbers[0]}: a vertex needs x, y and z")
     return table[:, :3]
 
 
 def _corners(block: Block, name: str) -> Ragged:
-    """Parse face lines: all at once where they are alike, as most are."""
+    """Parse face lines, all at once if the faces have one size, as most do."""
     try:
         table = number_table(block, name)
     except FormatError:
@@ -145,8 +145,8 @@ def _row(text: str, number: int, name: str) -> list[int]:
     whole = all(re.fullmatch(r"-?\d{1,18}", word, re.ASCII) for word in corners)
     if not whole or size != len(corners):
         raise FormatError(
-            f"{name}: line {number}: {shown(text)} is no face: the number of its corners should "
-            "stand first, then as many vertices, counted from 0"
+            f"{name}: line {number}: {quoted(text)} is not a face: expected its number of "
+            "vertices, then their indices, counted from 0"
         )
     return [int(word) for word in corners]
 

@@ -1,11 +1,11 @@
-"""Which format serves a file, and which adapter serves an object; plugins included.
+"""Registry of file formats and of adapters for objects, built in or from plugins.
 
 Another package adds a file format by an entry point in the group ``liftmesh.formats``: its name is
-the suffix it serves, without the dot, its object a `Format`. It adds a cloud type by one in the
+the suffix without the dot, its object a `Format`. It adds a cloud type by an entry point in the
 group ``liftmesh.adapters``, whose object is an `Adapter`. Built-in entries come first, then plugins
-in the order of their names, last what serves objects of no known type. A plugin that cannot be
-loaded is named when its suffix is asked for, or when no adapter accepts an object, and affects
-nobody else.
+sorted by name, then the adapters for objects of unknown types. A plugin that cannot be loaded is
+reported when its suffix is requested, or when no adapter accepts an object, and has no effect
+otherwise.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ ADAPTER_GROUP = "liftmesh.adapters"
 
 @dataclass(frozen=True, slots=True)
 class Adapter:
-    """How one kind of object becomes a cloud: what another package registers to add one.
+    """Conversion of one type of object to a cloud; packages register one to add a type.
 
     Parameters
     ----------
     name : str
-        What the adapter is called in messages.
+        Name of the adapter in messages.
     accepts : callable
-        Whether an object is of this kind. It is asked about objects of every kind, so it answers
-        from the type alone and imports no library.
+        Whether an object is of this type. It is called with objects of every type, so it must
+        decide by the type alone and import no library.
     to_cloud : callable
-        Turns an accepted object into a `Cloud`, one row a point, in the object's own order.
+        Converts an accepted object to a `Cloud`, one row per point, in the object's own order.
 
     Examples
     --------
@@ -66,7 +66,7 @@ class Adapter:
 
 
 def _is_of(package: str, names: Collection[str]) -> Callable[[object], bool]:
-    """Make a test for objects of some classes of a package, derived or not, without import."""
+    """Make a test for instances of some classes of a package that does not import it."""
 
     def accepts(source: object) -> bool:
         return any(
@@ -99,7 +99,7 @@ ADAPTERS = (
     Adapter("open3d", _is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}), open3d.to_cloud),
 )
 
-# Asked after those of other packages.
+# Tried after the adapters of other packages.
 FALLBACKS = (
     Adapter("object with to_cloud()", plain.has_to_cloud, plain.converted),
     Adapter("object with vertices and faces", plain.has_parts, plain.from_parts),
@@ -108,13 +108,13 @@ FALLBACKS = (
 
 
 def known_formats() -> dict[str, Format]:
-    """List every format by name, those of other packages included.
+    """List all formats by name, including those of other packages.
 
     Returns
     -------
     dict of str to Format
-        A plugin that cannot be loaded is listed too: it has neither reader nor writer, and its
-        description says why.
+        A plugin that cannot be loaded is listed too, without reader and writer; its description
+        gives the reason.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def known_formats() -> dict[str, Format]:
 
 
 def find_format(wanted: str, name: str) -> Format:
-    """Find a format by its name or suffix, with or without the dot, in any case.
+    """Find a format by its name or suffix, with or without the dot, in upper or lower case.
 
     Parameters
     ----------
@@ -138,12 +138,12 @@ def find_format(wanted: str, name: str) -> Format:
     Returns
     -------
     Format
-        The format of that name, else the one that serves that suffix.
+        The format with this name or suffix.
 
     Raises
     ------
     FormatError
-        No format serves it, or the plugin that does cannot be loaded.
+        No format has this name or suffix, or its plugin cannot be loaded.
 
     Examples
     --------
@@ -157,25 +157,25 @@ def find_format(wanted: str, name: str) -> Format:
     for entry in _entries(FORMAT_GROUP):
         if entry.name.lower() == key:
             return _format(entry)
-    raise FormatError(f"{name}: {_unknown(key)}; known are {', '.join(_suffixes())}")
+    raise FormatError(f"{name}: {_unknown(key)}; known suffixes are {', '.join(_suffixes())}")
 
 
 def as_cloud(source: Any) -> Cloud:
-    """Make a cloud of anything that holds points.
+    """Convert any object that holds points to a cloud.
 
     Parameters
     ----------
     source : object
         A `Cloud`; an array-like of shape (n, 2) or (n, 3); a ``trimesh.PointCloud``,
-        ``trimesh.Trimesh`` or ``trimesh.Scene``; an Open3D point cloud, mesh or tensor, legacy or
-        tensor based; what an installed adapter accepts; an object with a method ``to_cloud()``,
-        such as a `Surface`; or one with ``vertices`` and ``faces`` and, if it has them, ``colors``,
-        ``normals`` and ``attributes``.
+        ``trimesh.Trimesh`` or ``trimesh.Scene``; an Open3D point cloud or mesh, legacy or tensor
+        based, or a tensor; an object that an installed adapter accepts; an object with a method
+        ``to_cloud()``, such as a `Surface`; or an object with ``vertices``, ``faces`` and
+        optionally ``colors``, ``normals`` and ``attributes``.
 
     Returns
     -------
     Cloud
-        One row a point, in the order of ``source``; rows of two coordinates get z = 0. Float64
+        One row per point, in the order of ``source``; rows of two coordinates get z = 0. Float64
         coordinates are shared with ``source`` where that is safe.
 
     Raises
@@ -183,7 +183,7 @@ def as_cloud(source: Any) -> Cloud:
     InputError
         An array has the wrong shape or type, or colours or attributes do not fit the points.
     FormatError
-        A face of a trimesh scene names a vertex that is not there.
+        A face of a trimesh scene refers to a vertex that does not exist.
     UnsupportedTypeError
         No adapter accepts the object, or it is a path.
 
@@ -206,8 +206,8 @@ def _adapters() -> Iterator[Adapter]:
 
 def _unsupported(source: object) -> UnsupportedTypeError:
     message = (
-        f"a {qualified_name(source)} is no point cloud: give an array of shape (n, 2) or (n, 3), "
-        "a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
+        f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
+        "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
     broken = _installed_adapters()[1]
     if broken:
@@ -217,8 +217,8 @@ def _unsupported(source: object) -> UnsupportedTypeError:
 
 def _unknown(key: str) -> str:
     if not key:
-        return "the name has no suffix to tell the format by: give format="
-    return f"no format is known by the suffix or name {key!r}"
+        return "the name has no suffix: give the format with format="
+    return f"no format has the suffix or name {key!r}"
 
 
 def _suffixes() -> list[str]:
@@ -245,14 +245,14 @@ def _listed(entry: EntryPoint) -> Format:
 
 @lru_cache(maxsize=1)
 def _installed_adapters() -> tuple[tuple[Adapter, ...], tuple[str, ...]]:
-    """Load the adapters of other packages, and say what is wrong with those that fail."""
+    """Load the adapters of other packages, and describe those that cannot be loaded."""
     loaded = [_adapter(entry) for entry in _entries(ADAPTER_GROUP)]
     good = tuple(each for each in loaded if isinstance(each, Adapter))
     return good, tuple(each for each in loaded if isinstance(each, str))
 
 
 def _adapter(entry: EntryPoint) -> Adapter | str:
-    """Load an adapter, or give the reason why there is none."""
+    """Load an adapter, or return the reason why it cannot be loaded."""
     try:
         return _loaded(entry, Adapter)
     except _NotLoadedError as error:
@@ -260,18 +260,18 @@ def _adapter(entry: EntryPoint) -> Adapter | str:
 
 
 class _NotLoadedError(Exception):
-    """An entry point that names nothing of use; the message completes "the plugin ..."."""
+    """An entry point cannot be used; the message completes "the plugin ..."."""
 
 
 def _entries(group: str) -> list[EntryPoint]:
-    """Sort the plugins, so that of two that serve one name the same one wins everywhere."""
-    from importlib.metadata import entry_points  # noqa: PLC0415 - slow, and seldom needed
+    """Sort the plugins, so that of two with one name the same one wins everywhere."""
+    from importlib.metadata import entry_points  # noqa: PLC0415 - slow, and rarely needed
 
     return sorted(entry_points(group=group), key=lambda entry: (entry.name, entry.value))
 
 
 def _loaded(entry: EntryPoint, kind: type[Entry]) -> Entry:
-    """Load what an entry point names."""
+    """Load the object of an entry point and check its type."""
     try:
         loaded = entry.load()
     except Exception as error:

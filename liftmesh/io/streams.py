@@ -1,4 +1,4 @@
-"""Binary streams as readers need them: seekable, of known size, read exactly or not at all."""
+"""Helpers for binary streams: seekable, of known size, and exact reads."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def remaining(stream: BinaryIO) -> int:
 
 
 def read_exactly(stream: BinaryIO, size: int, name: str, what: str) -> bytes:
-    """Read ``size`` bytes, or say where the file ends; never ask for more than is there."""
+    """Read ``size`` bytes or raise; never ask for more than the stream holds."""
     here, left = stream.tell(), remaining(stream)
     data = stream.read(size) if size <= left else b""
     if len(data) != size:
         raise FormatError(
             f"{name}: byte {here}: {what} should take {size} bytes, but the file ends after "
-            f"{left}: it is cut short, or its header is wrong"
+            f"{left}: it is truncated, or its header is wrong"
         )
     return data

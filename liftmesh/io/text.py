@@ -1,7 +1,7 @@
-"""Points as text: XYZ, CSV, TSV, TXT and ASC, with or without a header.
+"""Reader for points as text: XYZ, CSV, TSV, TXT and ASC, with or without a header.
 
-`text_tables` parses the numbers; this module finds the layout of a file, its delimiter and header,
-and what its columns mean.
+`text_tables` parses the numbers; this module detects the layout of a file (delimiter and header)
+and the meaning of its columns.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from liftmesh.io.text_tables import (
     is_number,
     leading_comments,
     number_table,
-    shown,
+    quoted,
 )
 
-# What columns are called in the wild, in lower case.
+# Column names in common use, in lower case.
 _ALIASES = {
     "x": ("x", "easting", "east", "lon", "longitude", "x_coord", "xcoord", "coord_x"),
     "y": ("y", "northing", "north", "lat", "latitude", "y_coord", "ycoord", "coord_y"),
@@ -51,10 +51,10 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """How lines are to be split, and what their values are called.
+    """Delimiter and column names of a text file.
 
-    The delimiter is None for white space, the header None if there is none; ``in_first_line`` tells
-    a header that is the first line from one in a comment before it.
+    The delimiter is None for white space, the header None if there is none; ``in_first_line`` is
+    False if the header is a comment before the first line.
     """
 
     delimiter: str | None
@@ -63,7 +63,7 @@ class Layout:
 
 
 def sniff(first: str, remark: str, name: str, line: int) -> Layout:
-    """Tell the layout from the first line that is no comment, and the comment before it.
+    """Detect the layout from the first line that is not a comment, and the comment before it.
 
     Raises
     ------
@@ -75,20 +75,20 @@ def sniff(first: str, remark: str, name: str, line: int) -> Layout:
     _check(values, name, line)
     if not any(is_number(value) for value in values):
         return Layout(delimiter, columns(values, name, line), in_first_line=True)
-    told = [value.lower() for value in fields(remark, _delimiter(remark))]
-    meanings = [_MEANING.get(value) for value in told]
-    is_header = len(told) == len(values) and {"x", "y"} <= set(meanings)
-    header = columns(told, name, line) if is_header else None
+    names = [value.lower() for value in fields(remark, _delimiter(remark))]
+    meanings = [_MEANING.get(value) for value in names]
+    is_header = len(names) == len(values) and {"x", "y"} <= set(meanings)
+    header = columns(names, name, line) if is_header else None
     return Layout(delimiter, header, in_first_line=False)
 
 
 def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
-    """Translate the names of a header; those of other meaning stay as they are.
+    """Replace the names of a header by standard ones; unknown names stay as they are.
 
     Raises
     ------
     FormatError
-        Neither x nor y is among them, or a name is there twice.
+        x or y is missing, or a name occurs twice.
     """
     found = tuple(
         _MEANING.get(each.lower(), each or f"column_{k}") for k, each in enumerate(names, 1)
@@ -96,8 +96,8 @@ def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
     missing = [each for each in ("x", "y") if each not in found]
     if missing:
         raise FormatError(
-            f"{name}: line {line}: the header {shown(' '.join(names))} names no column "
-            f"{' or '.join(missing)}: call two of its columns x and y"
+            f"{name}: line {line}: the header {quoted(' '.join(names))} has no column "
+            f"{' or '.join(missing)}: name two of its columns x and y"
         )
     twice = next((each for each, count in Counter(found).items() if count > 1), None)
     if twice is not None:
@@ -114,7 +114,7 @@ def unnamed(width: int, name: str, line: int) -> tuple[str, ...]:
         There is only one column.
     """
     if width < 2:
-        raise FormatError(f"{name}: line {line}: one value a line: a point needs x and y at least")
+        raise FormatError(f"{name}: line {line}: only one value: a point needs x and y at least")
     return ("x", "y", "z", *(f"column_{k}" for k in range(4, width + 1)))[:width]
 
 
@@ -135,7 +135,7 @@ def _check(values: list[str], name: str, line: int) -> None:
     for value in values:
         if _DECIMAL_COMMA.fullmatch(value):
             raise FormatError(
-                f"{name}: line {line}: {shown(value)} has a decimal comma: "
+                f"{name}: line {line}: {quoted(value)} has a decimal comma: "
                 "save the file with decimal points"
             )
 
@@ -145,11 +145,11 @@ _UTF8_MARK = b"\xef\xbb\xbf"
 
 
 def read_text(stream: BinaryIO, name: str) -> Cloud:
-    """Read points from text, one a line.
+    """Read points from text, one per line.
 
-    Values stand between commas, semicolons, tabs or white space. Lines that begin with ``#`` or
-    ``//`` are comments; the last one before the first row counts as a header if it names as many
-    columns, x and y among them.
+    Values are separated by commas, semicolons, tabs or white space. Lines that begin with ``#`` or
+    ``//`` are comments; the last one before the first row is the header if it names as many columns
+    as the row has, x and y among them.
 
     Parameters
     ----------
@@ -161,17 +161,17 @@ def read_text(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        Columns x, y, z (also easting, northing, elevation and the like, in any case) become
-        coordinates, and a missing z is 0; red, green, blue (r, g, b) colours: uint8 or uint16 if
-        whole numbers, floats if none exceeds 1; nx, ny, nz normals; others float64 attributes by
-        their name. Without a header the columns are x, y, z, and further ones attributes
-        ``column_4`` and so on; of exactly six, the last three are colours if all are whole numbers
-        from 0 to 255.
+        Columns x, y, z (also easting, northing, elevation and the like, in upper or lower case)
+        become coordinates, and a missing z is 0; red, green, blue (r, g, b) become colours: uint8
+        or uint16 if they are whole numbers, floats if none exceeds 1; nx, ny, nz become normals;
+        all others float64 attributes of that name. Without a header the columns are x, y, z, and
+        further ones attributes ``column_4`` and so on; of exactly six, the last three are colours
+        if all are whole numbers from 0 to 255.
 
     Raises
     ------
     FormatError
-        The file is broken; the message names the line.
+        The file is invalid; the message gives the line.
     """
     table = _Table(stream, name)
     rows = np.concatenate([*table.blocks()])
@@ -181,9 +181,9 @@ def read_text(stream: BinaryIO, name: str) -> Cloud:
 
 
 def read_text_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-    """Read points from text piece by piece, as `read_text` reads them.
+    """Read points from text in chunks, otherwise like `read_text`.
 
-    What the columns are depends on all rows: the file is parsed once to find that, and once more.
+    The meaning of the columns depends on all rows, so the file is parsed twice.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def read_text_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     name : str
         The file's name for messages.
     rows : int
-        How many rows a chunk has at most.
+        Maximum number of rows of a chunk.
 
     Yields
     ------
@@ -219,14 +219,14 @@ class _Table:
         self._lines = Lines(stream, name, encoding="utf-8", comments=_COMMENTS)
         self._first = self._lines.take(1)
         if not len(self._first):
-            raise FormatError(f"{name}: no line holds numbers: the file has no points")
+            raise FormatError(f"{name}: the file has no points: no line holds numbers")
         self.name = name
         self.line = int(self._first.numbers[0])
         self.layout = sniff(self._first.texts[0], remark, name, self.line)
         self.width = len(self.layout.header) if self.layout.header else 0
 
     def blocks(self) -> Iterator[Floats]:
-        """Parse the rows, the first line among them unless it is the header."""
+        """Parse the rows, including the first line unless it is the header."""
         block = self._lines.take(BLOCK) if self.layout.in_first_line else self._first
         if not len(block):
             raise FormatError(f"{self.name}: the file has a header but no points")
@@ -239,7 +239,7 @@ class _Table:
 
 
 def _regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
-    """Cut tables anew: ``rows`` rows each, the last of fewer."""
+    """Regroup tables into tables of ``rows`` rows each; the last may have fewer."""
     held: list[Floats] = []
     count = 0
     for table in tables:
@@ -256,7 +256,7 @@ def _regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
 
 
 class _Meaning:
-    """What the columns of a table are: their names, and the type of colours, from all its rows."""
+    """Names of the columns, and the type of colours, as determined from all rows."""
 
     def __init__(self, table: _Table) -> None:
         self._header = table.layout.header
@@ -266,16 +266,16 @@ class _Meaning:
 
     @classmethod
     def of(cls, table: _Table) -> _Meaning:
-        """Look at all rows of a file, holding a block of them at a time."""
+        """Examine all rows of a file, one block in memory at a time."""
         blocks = table.blocks()
-        first = next(blocks)  # tells the width
+        first = next(blocks)  # determines the width
         meaning = cls(table)
         for block in chain([first], blocks):
             meaning.look_at(block)
         return meaning
 
     def look_at(self, table: Floats) -> None:
-        """Take further rows into account."""
+        """Examine further rows."""
         if self._maybe_colors:
             rest = table[:, len(POSITION) :]
             whole = (rest >= 0) & (rest <= 255) & (rest == np.rint(rest))
@@ -289,7 +289,7 @@ class _Meaning:
         return (*POSITION, *COLOR) if self._maybe_colors else self._names
 
     def cloud(self, table: Floats) -> Cloud:
-        """Make a cloud of rows that were looked at."""
+        """Make a cloud of rows that were examined."""
         columns = dict(zip(self.names, table.T, strict=True))
         points = np.zeros((len(table), 3))
         for position, each in enumerate(POSITION):
@@ -306,7 +306,7 @@ class _Meaning:
         return (*COLOR, ALPHA) if ALPHA in self.names else COLOR
 
     def _colors(self, columns: dict[str, Floats]) -> Array | None:
-        """Take the colours out; columns of that name which cannot be colours stay attributes."""
+        """Remove and return the colours; columns that cannot be colours stay attributes."""
         rest = dict(columns)
         values = _popped(rest, self._color_names())
         colors = None if values is None else self._scale.convert(values)
@@ -317,7 +317,7 @@ class _Meaning:
 
 
 def _first_remark(stream: BinaryIO, name: str) -> str:
-    """Return the last comment before the first row, and leave the stream where the text begins."""
+    """Return the last comment before the first row; leave the stream at the start of the text."""
     begin = stream.tell()
     mark = stream.read(3)
     if mark[:2] in (b"\xff\xfe", b"\xfe\xff"):
@@ -338,6 +338,6 @@ FORMAT = Format(
     suffixes=(".xyz", ".csv", ".txt", ".asc", ".tsv"),
     read=read_text,
     write=None,
-    description="points as text, one a line, with or without a header",
+    description="points as text, one per line, with or without a header",
     read_chunks=read_text_chunks,
 )

@@ -1,11 +1,11 @@
-"""Tables of numbers as text: lines read in blocks and parsed, rows written digit by digit.
+"""Tables of numbers as text: lines are read and parsed in blocks, rows written in blocks.
 
-Reading: ``numpy.loadtxt`` parses: fast, and every number rounds exactly as Python rounds it. When
-it refuses a block of lines, they are examined one by one for the line and the value to name.
+Reading: ``numpy.loadtxt`` is fast, and rounds every number exactly as Python does. When it rejects
+a block of lines, they are examined one by one to report the line and the value.
 
 Writing: doubles are written by Python's ``repr``, the shortest digits that round-trip. Single
-precision gets nine significant digits: these bring a float back even where a reader rounds to
-double first, which the shortest digits do not guarantee.
+precision gets nine significant digits: these round-trip even if a reader rounds to double first,
+which the shortest digits do not guarantee.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _BYTES = 1 << 22
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Lines without white space around them, and the number of each in the file, from 1."""
+    """Stripped lines, and the number of each in the file, counted from 1."""
 
     texts: list[str]
     numbers: Integers
@@ -50,11 +50,11 @@ class Block:
 
 
 class Lines:
-    """The lines of a stream that hold something, taken block by block.
+    """The non-empty lines of a stream, taken block by block.
 
-    Empty lines are passed over but counted. With ``comments``, so are lines that begin with one of
-    them, and what follows a ``#`` is cut off. With ``continued``, a backslash at the end of a line
-    joins it to the next. ``number`` is the last line taken.
+    Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
+    them, and a ``#`` and the text after it are removed. With ``continued``, a backslash at the end
+    of a line joins it to the next. ``number`` is that of the last line taken.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Lines:
         self._taken = 0
 
     def take(self, count: int) -> Block:
-        """Take at most ``count`` lines, fewer where that is quicker, none at the end."""
+        """Take at most ``count`` lines; fewer if that is faster, none at the end."""
         while self._taken == len(self._held) and count:
             data = self._chunk()
             if not data:
@@ -92,7 +92,7 @@ class Lines:
         return block
 
     def next(self) -> str:
-        """Take one line; an empty text at the end."""
+        """Take one line; an empty string at the end."""
         block = self.take(1)
         return block.texts[0] if len(block) else ""
 
@@ -114,7 +114,7 @@ class Lines:
             line = self._read + 1 + data.count(b"\n", 0, error.start)
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
-                f"(0x{data[error.start]:02x}) is not UTF-8: not a text file, or save it as UTF-8"
+                f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text"
             ) from error
 
     def _block(self, text: str) -> Block:
@@ -136,7 +136,7 @@ class Lines:
 
 
 def _joined(lines: list[str]) -> list[str]:
-    """Join lines that end in a backslash to the last of them; the others become empty."""
+    """Join continued lines: the last of them holds the text, the others become empty."""
     joined: list[str] = []
     held: list[str] = []
     for line in lines:
@@ -153,7 +153,7 @@ def _joined(lines: list[str]) -> list[str]:
 def leading_comments(
     stream: BinaryIO, name: str, *, encoding: str = "latin-1", marks: tuple[str, ...] = ("#",)
 ) -> list[str]:
-    """Read the comments before the first line that is none; the stream stays where it is."""
+    """Read the comments at the top of a file, and restore the position of the stream."""
     begin = stream.tell()
     lines = Lines(stream, name, encoding=encoding)
     found: list[str] = []
@@ -171,7 +171,7 @@ def number_table(
     Raises
     ------
     FormatError
-        A line has another number of values, or a value is no number.
+        A line has a different number of values, or a value is not a number.
     """
     if not block.texts:
         return np.empty((0, width or 0))
@@ -181,18 +181,18 @@ def number_table(
     try:
         table = np.loadtxt(texts, delimiter=delimiter, comments=None, ndmin=2, dtype=float)
     except ValueError as error:
-        _blame(block, name, width, delimiter)
+        _raise_for_line(block, name, width, delimiter)
         raise FormatError(f"{name}: line {block.numbers[0]} or later: {error}") from error
     if table.shape != (len(block), width or table.shape[1]):
-        _blame(block, name, width, delimiter)
-        raise FormatError(f"{name}: line {block.numbers[0]} or later: a line is broken")
+        _raise_for_line(block, name, width, delimiter)
+        raise FormatError(f"{name}: line {block.numbers[0]} or later: a line is invalid")
     return table
 
 
 def exact_column(
     column: Floats, dtype: np.dtype, name: str, what: str, numbers: Integers
 ) -> NDArray[np.generic]:
-    """Convert parsed numbers to the type a header promises, or name the line that cannot be."""
+    """Convert parsed numbers to the type in the header; raise if a value is not of that type."""
     with np.errstate(invalid="ignore", over="ignore"):
         converted = column.astype(dtype)
     if dtype.kind in "iu":
@@ -201,19 +201,20 @@ def exact_column(
         if len(wrong):
             row = int(wrong[0])
             raise FormatError(
-                f"{name}: line {numbers[row]}: {what} is {column[row]!s}, which is no {dtype}"
+                f"{name}: line {numbers[row]}: {what} is {column[row]!s}, which is not {dtype}"
             )
     return converted
 
 
-def _blame(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
+def _raise_for_line(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
+    """Raise for the first line that is not a row of numbers of the expected width."""
     expected = width or len(fields(block.texts[0], delimiter))
     for text, number in block:
         values = fields(text, delimiter)
         for position, value in enumerate(values, start=1):
             if not is_number(value):
                 raise FormatError(
-                    f"{name}: line {number}, value {position}: {shown(value)} is not a number"
+                    f"{name}: line {number}, value {position}: {quoted(value)} is not a number"
                 )
         if len(values) != expected:
             raise FormatError(
@@ -227,7 +228,7 @@ def fields(text: str, delimiter: str | None) -> list[str]:
 
 
 def is_number(text: str) -> bool:
-    """Say whether the text is a number as files spell them (Python also allows 1_000)."""
+    """Whether a string is a number as files write it (Python also allows 1_000)."""
     try:
         float(text)
     except ValueError:
@@ -236,11 +237,11 @@ def is_number(text: str) -> bool:
 
 
 def shortened(text: str) -> str:
-    """Cut a piece of a file for a message: broken files have long lines."""
+    """Shorten a piece of a file for a message: invalid files may have long lines."""
     return text if len(text) <= 40 else text[:37] + "..."
 
 
-def shown(text: str) -> str:
+def quoted(text: str) -> str:
     """Quote a piece of a file, shortened."""
     return repr(shortened(text))
 
@@ -251,13 +252,13 @@ ROWS = 1 << 15
 def write_rows(
     stream: BinaryIO, columns: Sequence[Array], *, prefix: str = "", template: str = ""
 ) -> None:
-    """Write one line a row: ``prefix``, then the values of all columns between single spaces.
+    """Write one line per row: ``prefix``, then the values of all columns, separated by spaces.
 
     Columns are (n,) or (n, k) arrays of float, integers, or ready-made strings (dtype object);
-    ``template`` replaces the whole line if it must look otherwise.
+    ``template`` replaces the format of the whole line.
     """
-    values_apart = " ".join(chain.from_iterable(map(_specifiers, columns)))
-    template = template or f"{prefix}{values_apart}\n"
+    specifiers = " ".join(chain.from_iterable(map(_specifiers, columns)))
+    template = template or f"{prefix}{specifiers}\n"
     for start in range(0, len(columns[0]), ROWS):
         flat = [part for each in columns for part in _flat(each[start : start + ROWS])]
         values = tuple(chain.from_iterable(zip(*flat, strict=True)))

@@ -1,11 +1,11 @@
 """Formats read and written through trimesh: STL, GLB and glTF.
 
-They hold single precision. A float has 24 bits: at 5,200,000 m its steps are half a metre. Where
-rounding the coordinates along an axis would move a vertex by more than a millionth of the model's
-size, an origin near the smallest coordinate is subtracted first: a round number, a multiple of one
-unit, or of a power of ten for models smaller than that. The file states it: an STL file in its
-header, ``liftmesh origin x y z``, a GLB or glTF file in the ``extras`` of its scene. Reading such a
-file here adds the origin again.
+These formats hold single precision. A float has 24 bits: at 5,200,000 m its steps are half a metre.
+If rounding the coordinates along an axis would move a vertex by more than a millionth of the
+model's size, an origin near the smallest coordinate is subtracted first: a round number, a multiple
+of one unit, or of a power of ten for models smaller than one unit. The file records it: an STL file
+in its header as ``liftmesh origin x y z``, a GLB or glTF file in the ``extras`` of its scene. The
+readers add it again.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        STL repeats a vertex for each triangle: equal ones are one row again, in the order of their
-        first appearance, and ``metadata["repeated_vertices"]`` counts the others.
+        STL repeats a vertex for each triangle: equal vertices are merged, in the order of first
+        appearance, and ``metadata["repeated_vertices"]`` counts the repetitions.
 
     Raises
     ------
     FormatError
-        The file is broken.
+        The file is invalid.
     """
     begin = stream.tell()
     header = stream.read(_HEADER_SIZE)
@@ -68,12 +68,12 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     stream : binary stream
         Where to write.
     cloud : Cloud
-        A mesh; STL has no place for anything but its triangles.
+        A mesh; STL holds its triangles only.
 
     Returns
     -------
     tuple of float, or None
-        The origin that was subtracted, as stated in the file's header.
+        The origin that was subtracted, as recorded in the file's header.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
 
 
 def read_glb(stream: BinaryIO, name: str) -> Cloud:
-    """Read a GLB file: the triangles and points of all its meshes in their places.
+    """Read a GLB file: the triangles and points of all its meshes, transformed into the scene.
 
     Parameters
     ----------
@@ -105,19 +105,18 @@ def read_glb(stream: BinaryIO, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        Vertices with their colours and normals, if every mesh has them; a scene of several meshes
-        as one.
+        Vertices, with colours and normals if every mesh has them; several meshes are combined.
 
     Raises
     ------
     FormatError
-        The file is broken.
+        The file is invalid.
     """
     return _read_gltf(stream, name, "glb")
 
 
 def read_gltf(stream: BinaryIO, name: str) -> Cloud:
-    """Read a glTF file, its buffers inside or beside it; see :func:`read_glb`."""
+    """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
     return _read_gltf(stream, name, "gltf")
 
 
@@ -129,12 +128,12 @@ def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     stream : binary stream
         Where to write.
     cloud : Cloud
-        What to write; attributes have no place.
+        The mesh or points; attributes are not written.
 
     Returns
     -------
     tuple of float, or None
-        The origin that was subtracted, as stated in the extras of the scene.
+        The origin that was subtracted, as recorded in the extras of the scene.
 
     Raises
     ------
@@ -155,15 +154,15 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
 
 
 def _read(stream: BinaryIO, name: str, kind: str) -> Cloud:
-    """Read what trimesh reads; every geometry of a scene in its place."""
+    """Read a file with trimesh; combine all geometries of the scene."""
     options: dict[str, Any] = {"file_type": kind, "process": False, "resolver": Resolver(name)}
     if kind in _GLTF_KINDS:
-        # Without materials no image is opened, and colours of vertices stay what they are.
+        # Without materials no image is opened, and vertex colours are kept unchanged.
         options |= {"resolver": checked_gltf(stream, name, kind), "skip_materials": True}
     trimesh = load("trimesh")
     try:
         with warnings.catch_warnings():
-            # NumPy only warns where text stops being numbers, and trimesh takes what came before.
+            # At text that is not a number NumPy only warns, and trimesh uses what came before.
             warnings.simplefilter("error", DeprecationWarning)
             scene = trimesh.load_scene(stream, **options)
         cloud = from_scene(scene, name)
@@ -171,7 +170,7 @@ def _read(stream: BinaryIO, name: str, kind: str) -> Cloud:
         raise
     except Exception as error:
         cause = f"{type(error).__name__}: {error}"
-        raise FormatError(f"{name}: not a whole {kind} file: {cause[:300]}") from error
+        raise FormatError(f"{name}: not a valid {kind} file: {cause[:300]}") from error
     if not len(cloud):
         raise FormatError(f"{name}: the file holds no vertices")
     return cloud
@@ -227,11 +226,11 @@ def _stated_origin(header: bytes, name: str) -> Array | None:
     try:
         return np.array(text[len(_STATED) :].split(), dtype=np.float64).reshape(3)
     except ValueError as error:
-        raise FormatError(f"{name}: the origin in the header is broken: {text!r}") from error
+        raise FormatError(f"{name}: the origin in the header is invalid: {text!r}") from error
 
 
 def _welded(cloud: Cloud) -> Cloud:
-    """Make equal vertices one, in the order of their first appearance."""
+    """Merge equal vertices, in the order of first appearance."""
     if cloud.faces is None:
         return cloud
     _, first, row = np.unique(cloud.points, axis=0, return_index=True, return_inverse=True)
@@ -243,7 +242,7 @@ def _welded(cloud: Cloud) -> Cloud:
 
 
 def needed_origin(points: Floats, what: str) -> Origin | None:
-    """Find the origin to subtract before coordinates are rounded to single precision.
+    """Compute the origin to subtract before coordinates are rounded to single precision.
 
     Parameters
     ----------
@@ -285,7 +284,7 @@ def needed_origin(points: Floats, what: str) -> Origin | None:
 
 
 def _moved(points: Floats) -> Floats:
-    """Measure how far rounding to single precision moves coordinates at most, for each axis."""
+    """Compute for each axis how far rounding to single precision moves coordinates at most."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         moved: Floats = np.abs(points - points.astype(np.float32)).max(axis=0)
     return moved
@@ -300,7 +299,7 @@ def _round_below(low: Floats, size: float) -> Floats:
 
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Points alone are written without their normals."""
+    """Points without faces are written without normals."""
     return () if _has_faces(cloud) else ("normals",)
 
 

@@ -70,7 +70,7 @@ def npy_lies() -> dict[str, tuple[bytes, str]]:
     }
     found = {name: (npy(*each), "shape") for name, each in shapes.items()}
     wide = [("x", "<f8", (2**27,)), ("y", "<f8")]
-    return found | {"a field that is wide": (npy(wide, (1,)), "header is broken|should take")}
+    return found | {"a field that is wide": (npy(wide, (1,)), "header is invalid|should take")}
 
 
 def zipped(members: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
@@ -90,12 +90,12 @@ def npz_lies() -> dict[str, tuple[bytes, str]]:
     plain = zipped({"points.npy": content})
     size = struct.pack("<L", len(content))
     for lie in (2**31, 2**32 - 2):
-        found[f"{lie} bytes"] = plain.replace(size, struct.pack("<L", lie)), "cannot come of"
+        found[f"{lie} bytes"] = plain.replace(size, struct.pack("<L", lie)), "cannot decompress to"
     bomb = npy("<f8", (2**18, 3), bytes(24 << 18))
     for method in (zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
         packed = zipped({"points.npy": bomb}, method)
-        found[f"a bomb of method {method}"] = packed, "cannot come of"
-    return found | {"members that overlap": (overlapping(content), "more bytes than the file")}
+        found[f"a bomb of method {method}"] = packed, "cannot decompress to"
+    return found | {"members that overlap": (overlapping(content), "larger than the file")}
 
 
 def overlapping(content: bytes) -> bytes:
@@ -194,7 +194,7 @@ def gltf_lies() -> dict[str, tuple[bytes, str]]:
         changes[f"offset {number!r}"] = {"accessors__0__byteOffset": number}
         changes[f"start {number!r}"] = {"bufferViews__0__byteOffset": number}
         changes[f"stride {number!r}"] = {"bufferViews__0__byteStride": number}
-    cause = "not a whole|no vertices"
+    cause = "not a valid|no vertices"
     found = {
         name: (json.dumps(gltf_tree(**change)).encode(), cause) for name, change in changes.items()
     }

@@ -64,7 +64,7 @@ def test_the_tree_that_the_lies_change_is_true(kind: str) -> None:
 
 def test_two_arrays_of_one_name_are_not_one() -> None:
     data = overlapping(b"").replace(b"0001.npy", b"0000.npy")
-    with pytest.raises(FormatError, match="two arrays of this name"):
+    with pytest.raises(FormatError, match="two arrays have this name"):
         loaded(data, "npz")
 
 

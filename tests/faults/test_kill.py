@@ -126,7 +126,8 @@ def test_a_folder_that_vanishes_amid_writing_is_told(what: str, way: str, folder
     code, out, err, _ = ended(child, signal.SIGCONT)
     assert (code, out) == (exit_codes.BAD_INPUT, "")
     assert err == (
-        f"liftmesh: error: {folder}: cannot write here: the folder was moved or removed meanwhile\n"
+        f"liftmesh: error: {folder}: cannot write here: "
+        "the folder was moved or removed in the meantime\n"
     )
     if what != "removed":
         assert names_in(elsewhere) == ["mesh.obj"]

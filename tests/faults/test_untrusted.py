@@ -111,7 +111,7 @@ def test_others_are_not(uri: str, folder: Path) -> None:
     (folder / "model.gltf").write_bytes(named(uri))
     (folder / "model.glb").write_bytes(glb(gltf_tree(buffers__0__uri=uri)))
     for name in ("model.gltf", "model.glb"):
-        with pytest.raises(FormatError, match=r"its buffer|not a whole") as caught:
+        with pytest.raises(FormatError, match=r"its buffer|not a valid") as caught:
             lm.read(folder / name)
         assert len(str(caught.value)) < 1000
 
@@ -122,14 +122,14 @@ def test_nor_from_a_folder_that_a_stream_does_not_have(folder: Path, monkeypatch
         (named("a b.bin"), "gltf"),
         (glb(gltf_tree(buffers__0__uri="a b.bin")), "glb"),
     ):
-        with pytest.raises(FormatError, match="only a file has others beside it"):
+        with pytest.raises(FormatError, match="which is unknown for a stream"):
             loaded(data, kind)
 
 
 def test_a_broken_file_does_not_turn_into_another_beside_it(tmp_path: Path) -> None:
     (tmp_path / "model.gltf").write_bytes(json.dumps(gltf_tree()).encode())
     (tmp_path / "broken.gltf").write_bytes(b'{"asset": ')
-    with pytest.raises(FormatError, match=r"broken\.gltf: not a whole gltf file"):
+    with pytest.raises(FormatError, match=r"broken\.gltf: not a valid gltf file"):
         lm.read(tmp_path / "broken.gltf")
 
 

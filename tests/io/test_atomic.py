@@ -134,7 +134,7 @@ except OSError as error:
 
 
 def test_messages_name_the_callers_path(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match=r"no such folder: '.*missing'"):
+    with pytest.raises(FileNotFoundError, match=r"the folder does not exist: '.*missing'"):
         liftmesh.write(tmp_path / "missing" / "mesh.ply", full_mesh())
     (tmp_path / "folder.ply").mkdir()
     with pytest.raises(FormatError, match=r"folder.ply: this is a folder"):

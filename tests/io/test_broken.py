@@ -155,5 +155,5 @@ def test_warnings_of_broken_files_are_errors_outside_of_tests_too() -> None:
         text = (
             b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 x 0\n"
         )
-        with pytest.raises(FormatError, match="not a whole stl file"):
+        with pytest.raises(FormatError, match="not a valid stl file"):
             loaded(text + b"endloop\nendfacet\nendsolid\n", "stl")

@@ -84,7 +84,7 @@ def test_to_cloud_must_give_a_cloud() -> None:
         def to_cloud(self) -> int:
             return 3
 
-    with pytest.raises(UnsupportedTypeError, match=r"gives a builtins\.int: it must give"):
+    with pytest.raises(UnsupportedTypeError, match=r"returns a builtins\.int: it must return"):
         liftmesh.as_cloud(Wrong())
 
 

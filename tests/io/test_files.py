@@ -80,15 +80,17 @@ def test_unknown_suffixes_list_the_known(tmp_path: Path, name: str) -> None:
         lambda: liftmesh.write(tmp_path / name, full_mesh()),
         lambda: liftmesh.read(io.BytesIO(b"ply"), format=name),
     ):
-        with pytest.raises(FormatError, match=r"known are \.asc, \.csv, \.glb.*\.ply"):
+        with pytest.raises(FormatError, match=r"known suffixes are \.asc, \.csv, \.glb.*\.ply"):
             call()
     assert not list(tmp_path.iterdir())
 
 
 def test_streams_without_a_name_need_a_format() -> None:
-    with pytest.raises(FormatError, match=r"<stream>: the name has no suffix .*: give format="):
+    with pytest.raises(
+        FormatError, match=r"<stream>: the name has no suffix: give the format with format="
+    ):
         liftmesh.read(io.BytesIO(b"ply\n"))
-    with pytest.raises(FormatError, match="give format="):
+    with pytest.raises(FormatError, match="give the format with format="):
         liftmesh.write(io.BytesIO(), full_mesh())
 
 
@@ -137,7 +139,7 @@ def test_everything_with_vertices_and_faces_can_be_written() -> None:
 
 @pytest.mark.parametrize("thing", [None, 3, SimpleNamespace(vertices=AWKWARD)])
 def test_what_cannot_be_written(tmp_path: Path, thing: object) -> None:
-    with pytest.raises(UnsupportedTypeError, match="is no point cloud: give an array"):
+    with pytest.raises(UnsupportedTypeError, match="is not a point cloud: give an array"):
         liftmesh.write(tmp_path / "mesh.ply", thing)
     assert not list(tmp_path.iterdir())
 

@@ -136,7 +136,7 @@ def test_nothing_is_unpickled() -> None:
 @pytest.mark.parametrize(
     ("arrays", "cause"),
     [
-        ({"a": AWKWARD, "b": AWKWARD}, "no array is called points: there are a, b"),
+        ({"a": AWKWARD, "b": AWKWARD}, "no array is named points: there are a, b"),
         ({}, "there are none"),
         ({"points": AWKWARD, "colors": np.zeros((4, 3))}, r"colors have shape \(4, 3\) for 5"),
         ({"points": AWKWARD, "colors": np.zeros((5, 2))}, r"colors have shape \(5, 2\)"),
@@ -164,11 +164,11 @@ def test_reserved_names_are_refused() -> None:
         ("{'descr': '<f8', 'fortran_order': False, 'shape': (1099511627776, 3)}", "should take"),
         (f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({10**30}, 3)}}", "should take"),
         ("{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 3)}", "shape"),
-        ("{'descr': '<f8', 'fortran_order': False, 'shape': (1.5, 3)}", "broken"),
-        ("{'descr': 'f99', 'fortran_order': False, 'shape': (1, 3)}", "broken"),
-        ("{'descr': '<f8'}", "broken"),
-        ("not python", "broken"),
-        ("(" * 5000, "broken"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (1.5, 3)}", "invalid"),
+        ("{'descr': 'f99', 'fortran_order': False, 'shape': (1, 3)}", "invalid"),
+        ("{'descr': '<f8'}", "invalid"),
+        ("not python", "invalid"),
+        ("(" * 5000, "invalid"),
     ],
 )
 def test_headers_that_lie(header: str, cause: str) -> None:
@@ -188,12 +188,12 @@ def test_archives_that_lie_about_their_size() -> None:
         archive.writestr("points.npy", npy(AWKWARD))
     size = struct.pack("<L", len(npy(AWKWARD)))
     data = stream.getvalue().replace(size, struct.pack("<L", 2**31))
-    with pytest.raises(FormatError, match="2147483648 bytes cannot come of"):
+    with pytest.raises(FormatError, match="bytes cannot decompress to 2147483648"):
         loaded(data, "npz")
 
 
 def test_neither_archive_nor_array() -> None:
-    with pytest.raises(FormatError, match="not a whole NPZ file"):
+    with pytest.raises(FormatError, match="not a valid NPZ file"):
         loaded(b"PK\x03\x04 and then nothing", "npz")
     with pytest.raises(FormatError, match="not an NPY file"):
         loaded(b"1 2 3\n4 5 6\n", "npy")

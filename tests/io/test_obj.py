@@ -153,8 +153,8 @@ def test_more_lines_than_a_block() -> None:
     ("text", "cause"),
     [
         ("", "empty"),
-        ("# nothing\n", "no line 'v x y z'"),
-        ("solid cube\nendsolid\n", "no line 'v x y z'"),
+        ("# nothing\n", "no 'v' line"),
+        ("solid cube\nendsolid\n", "no 'v' line"),
         ("v 1 2\n", "line 1: a vertex has 3 coordinates"),
         ("v 1 2 3\nv 1 2\n", "line 2: expected 3 values, found 2"),
         ("v 1 2 3\nv 1 2 3 4\n", "line 2: expected 3 values, found 4"),
@@ -163,14 +163,14 @@ def test_more_lines_than_a_block() -> None:
         ("v\n", "line 1: 'v' without values"),
         (SQUARE + "f\n", "line 5: 'f' without values"),
         (SQUARE + "vn 0 1\n", "line 5: expected 3 values, found 2"),
-        (SQUARE + "f 1 2 3\nf 1 2 0\n", "line 6: '0' is no corner"),
-        (SQUARE + "f 1 2 3\nf 1 2 1.5\n", "line 6: '1.5' is no corner"),
-        (SQUARE + "f 1 2 3\nf 1 2 x\n", "line 6: 'x' is no corner"),
-        (SQUARE + "f 1 2 3_0\n", "line 5: '3_0' is no corner"),
-        (SQUARE + "f 1/1/1/1 2 3\n", "line 5: '1/1/1/1' is no corner"),
-        (SQUARE + "f 1//0 2//1 3//1\n", "line 5: '1//0' is no corner"),
-        (SQUARE + "f 1 2 99999999999999999999\n", "line 5: '99999999999999999999' is no corner"),
-        (SQUARE + "f 1 2 inf\n", "line 5: 'inf' is no corner"),
+        (SQUARE + "f 1 2 3\nf 1 2 0\n", "line 6: '0' is not a corner"),
+        (SQUARE + "f 1 2 3\nf 1 2 1.5\n", "line 6: '1.5' is not a corner"),
+        (SQUARE + "f 1 2 3\nf 1 2 x\n", "line 6: 'x' is not a corner"),
+        (SQUARE + "f 1 2 3_0\n", "line 5: '3_0' is not a corner"),
+        (SQUARE + "f 1/1/1/1 2 3\n", "line 5: '1/1/1/1' is not a corner"),
+        (SQUARE + "f 1//0 2//1 3//1\n", "line 5: '1//0' is not a corner"),
+        (SQUARE + "f 1 2 99999999999999999999\n", "line 5: '99999999999999999999' is not a corner"),
+        (SQUARE + "f 1 2 inf\n", "line 5: 'inf' is not a corner"),
         (SQUARE + "f 1 2 5\n", "line 5: face refers to vertex 4 .* there are 4 vertices"),
         (SQUARE + "f 1 2 3\nf -5 2 3\n", "line 6: face refers to vertex -2"),
         (SQUARE + "vn 0 0 1\nf 1//1 2//1 3//2\n", "line 6: a corner refers to normal 1"),
@@ -185,5 +185,5 @@ def test_broken_files_name_the_line(text: str, cause: str) -> None:
 def test_bad_colours_and_comments_are_refused() -> None:
     with pytest.raises(InputError, match="row 0"):
         saved(Cloud(AWKWARD[:1], colors=np.array([[0.0, 2.0, 0.0]])), "obj")
-    with pytest.raises(FormatError, match="single lines"):
+    with pytest.raises(FormatError, match="not a single line"):
         saved(full_mesh(), "obj", comments=["v 1 2 3\nv 4 5 6"])

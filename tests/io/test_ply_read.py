@@ -187,12 +187,12 @@ def test_part_of_a_colour_is_an_attribute() -> None:
         ("element vertex\n", 3, "needs a name and a count"),
         ("element vertex 1 2\n", 3, "needs a name and a count"),
         ("element vertex 99999999999999999999\n", 3, "needs a name and a count"),
-        ("property float x\n", 3, "a property stands before any element"),
+        ("property float x\n", 3, "a property precedes the first element"),
         ("element vertex 1\nproperty real x\n", 4, "unknown type 'real'"),
         ("element vertex 1\nproperty x\n", 4, "needs a type and a name"),
         ("element vertex 1\nproperty list float int x\n", 4, "length of a list cannot be"),
-        ("element vertex 1\nproperty int x\nproperty int x\n", 5, "'x' of vertex is there twice"),
-        ("element vertex 1\nelement vertex 1\n", 4, "'vertex' is there twice"),
+        ("element vertex 1\nproperty int x\nproperty int x\n", 5, "'x' of vertex occurs twice"),
+        ("element vertex 1\nelement vertex 1\n", 4, "'vertex' occurs twice"),
         ("format ascii 2.0\n", 3, "unknown format 'ascii 2.0'"),
     ],
 )
@@ -206,8 +206,8 @@ def test_broken_headers_name_the_line(header: str, line: int, cause: str) -> Non
     [
         (b"solid cube\n", "not a PLY file"),
         (b"plywood is a long word\n", "not a PLY file"),
-        (b"ply\nformat ascii 1.0\nelement vertex 0\n", "no whole end_header line"),
-        (b"ply\nelement vertex 0\nend_header\n", "before the format line"),
+        (b"ply\nformat ascii 1.0\nelement vertex 0\n", "no complete end_header line"),
+        (b"ply\nelement vertex 0\nend_header\n", "precedes the format line"),
         (b"ply\nend_header\n", "no format line"),
         (b"ply\nformat ascii 1.0\nend_header\n", "no vertex element"),
         (

@@ -94,7 +94,7 @@ def test_attributes_of_several_columns_are_numbered() -> None:
         ({"": np.zeros(2)}, "'' cannot be a PLY property"),
         ({"a\nb": np.zeros(2)}, "cannot be a PLY property"),
         ({"x": np.zeros(2)}, "'x' has the name of a column"),
-        ({"uv": np.zeros((2, 2)), "uv_1": np.zeros(2)}, "two attributes are called 'uv_1'"),
+        ({"uv": np.zeros((2, 2)), "uv_1": np.zeros(2)}, "two attributes are named 'uv_1'"),
     ],
 )
 def test_what_ply_cannot_hold_is_refused(attributes: dict[str, np.ndarray], cause: str) -> None:

@@ -86,7 +86,9 @@ def test_objects_that_can_be_arrays():
 @pytest.mark.parametrize("source", [None, 3, object(), ROWS.append, Ellipsis])
 def test_other_objects_name_their_type_and_what_would_do(source):
     name = type(source).__qualname__
-    with pytest.raises(UnsupportedTypeError, match=rf"a builtins\.{name} is no point cloud: give"):
+    with pytest.raises(
+        UnsupportedTypeError, match=rf"a builtins\.{name} is not a point cloud: give"
+    ):
         as_cloud(source)
 
 

@@ -121,7 +121,7 @@ def test_more_lines_than_a_block() -> None:
         ("\n\n", "no line holds numbers"),
         ("# only a comment", "no line holds numbers"),
         ("x,y,z\n", "a header but no points"),
-        ("1\n2\n", "line 1: one value a line"),
+        ("1\n2\n", "line 1: only one value"),
         ("1 2 3\n4 5\n", "line 2: expected 3 values, found 2"),
         ("1 2 3\n\n4 5 6 7\n", "line 3: expected 3 values, found 4"),
         ("1 2 3\n4 five 6\n", "line 2, value 2: 'five' is not a number"),
@@ -131,8 +131,8 @@ def test_more_lines_than_a_block() -> None:
         ("1,5;2,5;3,5\n", "line 1: '1,5' has a decimal comma"),
         ("1,5 2,5 3,5\n", "line 1: '1,5' has a decimal comma"),
         ("x;y;z\n1;2;3,5\n", "line 2, value 3: '3,5' is not a number"),
-        ("name,value\n1,2\n", "line 1: the header 'name value' names no column x or y"),
-        ("x,z\n1,2\n", "names no column y"),
+        ("name,value\n1,2\n", "line 1: the header 'name value' has no column x or y"),
+        ("x,z\n1,2\n", "has no column y"),
         ("x,y,easting\n1,2,3\n", "two columns of the header mean 'x'"),
         ("x,y,z\n1,2\n", "line 2: expected 3 values, found 2"),
         ("1 2 1_000\n", "line 1, value 3: '1_000' is not a number"),
@@ -150,7 +150,7 @@ def test_wrong_encodings() -> None:
         loaded("1 2 3\n".encode("utf-16"), "txt")
     with pytest.raises(FormatError, match=r"line 2: byte 3 of the line \(0xf6\) is not UTF-8"):
         loaded("1 2 3\n# höhe\n4 5 6\n".encode("latin-1"), "txt")
-    with pytest.raises(FormatError, match=r"line 1: byte 0 .*not a text file"):
+    with pytest.raises(FormatError, match=r"line 1: byte 0 .*save the file as UTF-8"):
         loaded(b"\x89PNG\r\n\x1a\n", "xyz")
 
 

@@ -1,1 +1,1 @@
-"""Objects of other libraries, to and from `Cloud`: a module for each library."""
+"""Conversion between `Cloud` and objects of other libraries, one module per library."""

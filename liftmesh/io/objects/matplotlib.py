@@ -1,4 +1,4 @@
-"""matplotlib: triangles in the plane as a ``matplotlib.tri.Triangulation``."""
+"""matplotlib: conversion of planar triangles to ``matplotlib.tri.Triangulation``."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ if TYPE_CHECKING:
 
 
 def to_triangulation(x: Floats, y: Floats, triangles: Rows) -> matplotlib.tri.Triangulation:
-    """Triangles in the plane for matplotlib's plots and interpolators.
+    """Convert planar triangles to a ``Triangulation`` for matplotlib's plots and interpolators.
 
     Parameters
     ----------
     x, y : (n,) ndarray of float64
-        Planar coordinates; rows in no triangle may hold anything.
+        Planar coordinates; rows in no triangle may hold any value.
     triangles : (m, 3) ndarray of int32
         Rows of ``x`` and ``y``.
 
     Returns
     -------
     matplotlib.tri.Triangulation
-        What ``triplot``, ``tripcolor``, ``tricontourf`` and the interpolators take.
+        The argument of ``triplot``, ``tripcolor``, ``tricontourf`` and the interpolators.
 
     Raises
     ------

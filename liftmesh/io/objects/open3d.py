@@ -1,11 +1,11 @@
-"""Open3D: legacy and tensor clouds in, legacy and tensor meshes out.
+"""Open3D: conversion from legacy and tensor clouds and meshes, and to both types of mesh.
 
 The legacy classes hold float64 coordinates and colours from 0 to 1 in C++ vectors that are moved
-when they are reassigned, and take only writable arrays: everything is copied both ways. The tensor
-classes hold any named array of a row per point: positions go out as Float64 (their own conversion
-would make them Float32) and indices as Int64. A flat attribute of n values has the shape {n, 1}
-there, without which Open3D's writers refuse it. Integer colours go out as Float32 from 0 to 1,
-because tensor meshes otherwise turn into legacy ones with colours of 255.
+when they are reassigned, and accept only writable arrays: everything is copied both ways. The
+tensor classes hold any named array of one row per point: positions become Float64 (Open3D's own
+conversion would make them Float32) and indices Int64. A flat attribute of n values gets the shape
+{n, 1}, which Open3D's writers require. Integer colours become Float32 from 0 to 1, because tensor
+meshes otherwise turn into legacy ones with colours up to 255.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def to_cloud(source: Any) -> Cloud:
-    """Make a cloud of an Open3D point cloud, mesh or tensor of rows.
+    """Convert an Open3D point cloud, mesh or tensor of rows to a cloud.
 
     Parameters
     ----------
@@ -38,14 +38,14 @@ def to_cloud(source: Any) -> Cloud:
     Returns
     -------
     Cloud
-        One row a point, in the order of ``source``, with colours, normals and, of a tensor
-        cloud, every named array; a mesh keeps its faces. Float64 positions of tensor clouds on
-        the CPU are shared with ``source``, everything of legacy ones is copied.
+        One row per point, in the order of ``source``, with colours, normals and, for tensor
+        clouds, every named array; a mesh keeps its faces. Float64 positions of tensor clouds on
+        the CPU are shared with ``source``; data of legacy clouds is copied.
 
     Raises
     ------
     InputError
-        An array does not have one row a point.
+        An array does not have one row per point.
 
     Examples
     --------
@@ -64,13 +64,13 @@ def to_cloud(source: Any) -> Cloud:
 
 
 def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
-    """Make a legacy Open3D mesh of a cloud with faces.
+    """Convert a cloud with faces to a legacy Open3D mesh.
 
     Parameters
     ----------
     cloud : Cloud
-        Points and faces. Legacy meshes have room for RGB colours and normals only: alpha and
-        named values stay behind; ``to_tensor`` takes them along.
+        Points and faces. Legacy meshes hold RGB colours and normals only: alpha and named values
+        are dropped; ``to_tensor`` keeps them.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
 
 
 def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
-    """Make a tensor Open3D mesh of a cloud with faces.
+    """Convert a cloud with faces to a tensor Open3D mesh.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
     Raises
     ------
     InputError
-        A colour is outside its range, or an attribute has a type that tensors do not know.
+        A colour is outside its range, or an attribute has a type that tensors do not support.
     MissingDependencyError
         Open3D, or a system library it needs, is not installed.
 
@@ -170,12 +170,12 @@ def _numpy(tensor: Any) -> Array:
 
 
 def _flat(values: Array) -> Array:
-    """Flatten an attribute of one channel."""
+    """Flatten an attribute with a single channel."""
     return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
 
 
 def _writable(values: Array, dtype: type) -> Array:
-    """Contiguous and writable, as Open3D's vectors want it."""
+    """Make values contiguous and writable, as Open3D's vectors require."""
     return np.require(values, dtype=dtype, requirements=["C", "W"])
 
 
@@ -187,8 +187,7 @@ def _named_columns(cloud: Cloud) -> dict[str, Array]:
     taken = {"positions", "normals", "colors", "alpha"} & cloud.attributes.keys()
     if taken:
         raise InputError(
-            f"an attribute is called {min(taken)!r}, which Open3D tensors keep for themselves: "
-            "rename it"
+            f"an attribute is named {min(taken)!r}, which is reserved in Open3D meshes: rename it"
         )
     named = {name: _column(name, values) for name, values in cloud.attributes.items()}
     named["positions"] = cloud.points
@@ -198,7 +197,7 @@ def _named_columns(cloud: Cloud) -> dict[str, Array]:
 
 
 def _tensor_colors(cloud: Cloud) -> dict[str, Array]:
-    """RGB as floats, and alpha where it says something."""
+    """RGB as floats, and alpha unless it is opaque everywhere."""
     if cloud.colors is None:
         return {}
     single = cloud.colors.dtype.kind in "ui" or cloud.colors.dtype == np.float32
@@ -209,10 +208,10 @@ def _tensor_colors(cloud: Cloud) -> dict[str, Array]:
 
 
 def _column(name: str, values: Array) -> Array:
-    """Give an attribute a type and shape that tensors know, without loss."""
+    """Convert an attribute to a type and shape that tensors support, without loss."""
     if values.dtype.kind not in "biuf" or values.dtype.itemsize > 8:
         raise InputError(
-            f"attribute {name!r} has the type {values.dtype}, which Open3D tensors do not know: "
+            f"attribute {name!r} has the type {values.dtype}, which Open3D tensors do not support: "
             "convert it to integers or floats of at most 64 bits"
         )
     dtype = np.dtype(np.float32) if values.dtype == np.float16 else values.dtype

@@ -1,4 +1,4 @@
-"""Objects of no particular library: arrays, and what offers points under the usual names."""
+"""Objects of no particular library: arrays, and objects with attributes of common names."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def is_array(source: object) -> bool:
     Parameters
     ----------
     source : object
-        Anything.
+        Any object.
 
     Returns
     -------
@@ -36,17 +36,17 @@ def is_array(source: object) -> bool:
 
 
 def is_array_like(source: object) -> bool:
-    """Whether NumPy may make an array of an object.
+    """Whether NumPy may be able to convert an object to an array.
 
     Parameters
     ----------
     source : object
-        Anything.
+        Any object.
 
     Returns
     -------
     bool
-        True where it offers one of NumPy's protocols, or a length.
+        True if it supports one of NumPy's protocols, or has a length.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def is_array_like(source: object) -> bool:
 
 
 def from_array(source: Any) -> Cloud:
-    """Make a cloud of rows of coordinates.
+    """Convert rows of coordinates to a cloud.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def from_array(source: Any) -> Cloud:
     Raises
     ------
     InputError
-        Another shape, or other values.
+        The shape or the type of the values is wrong.
 
     Examples
     --------
@@ -83,17 +83,17 @@ def from_array(source: Any) -> Cloud:
 
 
 def has_to_cloud(source: object) -> bool:
-    """Whether an object makes its cloud itself.
+    """Whether an object converts itself to a cloud.
 
     Parameters
     ----------
     source : object
-        Anything.
+        Any object.
 
     Returns
     -------
     bool
-        True where it has a method ``to_cloud``.
+        True if it has a method ``to_cloud``.
 
     Examples
     --------
@@ -109,17 +109,17 @@ def converted(source: Any) -> Cloud:
     Parameters
     ----------
     source : object
-        Such as a `Surface`, or an object of a package that knows liftmesh.
+        For example a `Surface`, or an object of a package that supports liftmesh.
 
     Returns
     -------
     Cloud
-        What it gives.
+        The result.
 
     Raises
     ------
     UnsupportedTypeError
-        It gives no `Cloud`.
+        The result is not a `Cloud`.
 
     Examples
     --------
@@ -131,23 +131,23 @@ def converted(source: Any) -> Cloud:
     if isinstance(cloud, Cloud):
         return cloud
     raise UnsupportedTypeError(
-        f"to_cloud() of a {qualified_name(source)} gives a {qualified_name(cloud)}: "
-        "it must give a liftmesh.Cloud"
+        f"to_cloud() of a {qualified_name(source)} returns a {qualified_name(cloud)}: "
+        "it must return a liftmesh.Cloud"
     )
 
 
 def has_parts(source: object) -> bool:
-    """Whether an object looks like a mesh.
+    """Whether an object has the attributes of a mesh.
 
     Parameters
     ----------
     source : object
-        Anything.
+        Any object.
 
     Returns
     -------
     bool
-        True where it has ``vertices`` and ``faces``.
+        True if it has ``vertices`` and ``faces``.
 
     Examples
     --------
@@ -159,23 +159,22 @@ def has_parts(source: object) -> bool:
 
 
 def from_parts(source: Any) -> Cloud:
-    """Make a cloud of an object that looks like a mesh.
+    """Convert an object with the attributes of a mesh to a cloud.
 
     Parameters
     ----------
     source : object
-        With ``vertices`` and ``faces`` and, if it has them, ``colors``, ``normals`` and
-        ``attributes``.
+        Has ``vertices``, ``faces`` and optionally ``colors``, ``normals`` and ``attributes``.
 
     Returns
     -------
     Cloud
-        Its arrays.
+        The points with their values and faces.
 
     Raises
     ------
     InputError
-        They do not fit together.
+        The lengths of the arrays differ.
 
     Examples
     --------
@@ -193,17 +192,17 @@ def from_parts(source: Any) -> Cloud:
 
 
 def qualified_name(source: object) -> str:
-    """Name the type of an object in full.
+    """Return the full name of an object's type.
 
     Parameters
     ----------
     source : object
-        Anything.
+        Any object.
 
     Returns
     -------
     str
-        Module and name, as a message shows it.
+        Module and name, for messages.
 
     Examples
     --------

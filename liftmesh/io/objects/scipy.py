@@ -1,4 +1,4 @@
-"""A finished triangulation as a real ``scipy.spatial.Delaunay`` that never ran Qhull."""
+"""SciPy: conversion of a triangulation to ``scipy.spatial.Delaunay`` without running Qhull."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SHARED = (
 
 
 class Triangulated(Protocol):
-    """What bears SciPy's names, as `liftmesh.Triangulation` does."""
+    """An object with SciPy's attributes, such as `liftmesh.Triangulation`."""
 
     @property
     def points(self) -> Floats:
@@ -39,17 +39,17 @@ class Triangulated(Protocol):
 
 
 def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
-    """Make a real ``scipy.spatial.Delaunay``, for code that accepts only that.
+    """Convert a triangulation to ``scipy.spatial.Delaunay``, for code that requires this class.
 
     Parameters
     ----------
     triangulation : Triangulated
-        Its arrays are shared, not copied, where SciPy can use them as they are.
+        Its arrays are shared, not copied, if SciPy can use them as they are.
 
     Returns
     -------
     scipy.spatial.Delaunay
-        An instance whose attributes were set; points cannot be added to it.
+        An instance with its attributes set; points cannot be added to it.
 
     Examples
     --------

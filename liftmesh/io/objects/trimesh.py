@@ -1,9 +1,9 @@
-"""trimesh: point clouds, meshes and scenes in, meshes and point clouds out.
+"""trimesh: conversion from point clouds, meshes and scenes, and to meshes and point clouds.
 
-trimesh merges vertices and drops rows unless told ``process=False``, keeps colours as 8-bit RGBA,
-and makes up a grey for objects that have none, so colours are read only where some are defined.
-Vertex normals are read where the mesh already holds them; asking for them would compute them. What
-goes out is copied: trimesh edits meshes in place and locks the arrays of normals that it is given.
+trimesh merges vertices and drops rows unless given ``process=False``, keeps colours as 8-bit RGBA,
+and invents a grey for objects without colours, so colours are read only if some are defined.
+Vertex normals are read only if the mesh holds them; accessing them would compute them. Output is
+copied: trimesh edits meshes in place and makes the arrays of normals it is given read-only.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ if TYPE_CHECKING:
 
 
 def to_cloud(source: Any) -> Cloud:
-    """Make a cloud of a trimesh point cloud, mesh or scene.
+    """Convert a trimesh point cloud, mesh or scene to a cloud.
 
     Parameters
     ----------
     source : trimesh.PointCloud, trimesh.Trimesh or trimesh.Scene
         Vertices, with vertex colours, vertex normals, vertex attributes and metadata if any; the
-        text ``metadata["crs"]`` is the coordinate system. Of a scene, what `from_scene` gives.
+        string ``metadata["crs"]`` is the coordinate system. For a scene see `from_scene`.
 
     Returns
     -------
     Cloud
-        One row a vertex, in the order of ``source``; a mesh keeps its faces. Coordinates are
+        One row per vertex, in the order of ``source``; a mesh keeps its faces. Coordinates are
         shared with ``source``, not copied.
 
     Raises
     ------
     InputError
-        Colours or an attribute do not have one row a vertex.
+        Colours or an attribute do not have one row per vertex.
     FormatError
-        A face of a scene names a vertex that is not there.
+        A face of a scene refers to a vertex that does not exist.
 
     Examples
     --------
@@ -69,26 +69,26 @@ def to_cloud(source: Any) -> Cloud:
 
 
 def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
-    """Make one cloud of all meshes and point clouds of a scene, each in its place.
+    """Combine all meshes and point clouds of a scene into one cloud.
 
     Parameters
     ----------
     scene : trimesh.Scene
-        Its geometries and where they stand.
+        Geometries with their transformations.
     name : str
-        What messages call it.
+        Name of the scene for messages.
 
     Returns
     -------
     Cloud
-        All vertices and faces, in the order of the scene. Colours and normals are kept if every
-        geometry has them, named values are not. Lines are left out and counted in
+        All vertices, transformed, and all faces, in the order of the scene. Colours and normals are
+        kept if every geometry has them; named values are dropped. Lines are skipped and counted in
         ``metadata["skipped"]``.
 
     Raises
     ------
     FormatError
-        A face names a vertex that is not there.
+        A face refers to a vertex that does not exist.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
     16
     """
     placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
-    parts = [_moved(to_cloud(each), matrix) for each, matrix in placed if _holds_points(each)]
+    parts = [_transformed(to_cloud(each), matrix) for each, matrix in placed if _holds_points(each)]
     skipped = len(placed) - len(parts)
     described = _described(scene.metadata)
     if skipped:
@@ -113,7 +113,7 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
 
 
 def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
-    """Make a trimesh mesh of a cloud with faces.
+    """Convert a cloud with faces to a trimesh mesh.
 
     Parameters
     ----------
@@ -153,12 +153,13 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
 
 
 def to_points(cloud: Cloud) -> trimesh.PointCloud:
-    """Make a trimesh point cloud of the rows of a cloud.
+    """Convert the rows of a cloud to a trimesh point cloud.
 
     Parameters
     ----------
     cloud : Cloud
-        Points; colours become 8-bit RGBA. Point clouds have no place for normals and named values.
+        Points; colours become 8-bit RGBA. trimesh's point clouds do not hold normals and named
+        values.
 
     Returns
     -------
@@ -204,25 +205,25 @@ def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:
 
 
 def _holds_points(geometry: Any) -> bool:
-    """Tell meshes and point clouds from paths."""
+    """Whether a geometry is a mesh or a point cloud, not a path."""
     return hasattr(geometry, "vertices") and not hasattr(geometry, "entities")
 
 
-def _moved(cloud: Cloud, matrix: Floats) -> Cloud:
-    """Put a geometry in its place; normals turn with it."""
+def _transformed(cloud: Cloud, matrix: Floats) -> Cloud:
+    """Transform points and normals of a geometry."""
     if np.array_equal(matrix, np.eye(4)):
         return cloud
     points = cloud.points @ matrix[:3, :3].T + matrix[:3, 3]
-    return replace(cloud, points=points, normals=_turned(cloud.normals, matrix[:3, :3]))
+    return replace(cloud, points=points, normals=_rotated(cloud.normals, matrix[:3, :3]))
 
 
-def _turned(normals: Array | None, matrix: Floats) -> Array | None:
+def _rotated(normals: Array | None, matrix: Floats) -> Array | None:
     if normals is None or np.linalg.det(matrix) == 0:
         return None
-    turned: Floats = normals @ np.linalg.inv(matrix)
-    lengths = np.sqrt((turned * turned).sum(axis=1, keepdims=True))
-    np.divide(turned, lengths, out=turned, where=lengths > 0)
-    return turned
+    rotated: Floats = normals @ np.linalg.inv(matrix)
+    lengths = np.sqrt((rotated * rotated).sum(axis=1, keepdims=True))
+    np.divide(rotated, lengths, out=rotated, where=lengths > 0)
+    return rotated
 
 
 def _joined(parts: list[Array | None]) -> Array | None:
@@ -241,7 +242,7 @@ def _joined_faces(parts: list[Cloud], name: str) -> Rows | None:
 
 
 def _colors(source: Any) -> Array | None:
-    """Read the colours of the vertices where the object defines some."""
+    """Read the vertex colours if the object defines any."""
     if getattr(source.visual, "kind", None) != "vertex":
         return None
     colors = source.visual.vertex_colors
@@ -249,6 +250,6 @@ def _colors(source: Any) -> Array | None:
 
 
 def _normals(source: Any) -> Array | None:
-    """Read the vertex normals a mesh holds, by the test that trimesh's own exporters apply."""
+    """Read the vertex normals if the mesh holds them, by the test of trimesh's own exporters."""
     held = "vertex_normals" in getattr(source, "_cache", ())
     return np.asarray(source.vertex_normals) if held else None

@@ -1,4 +1,4 @@
-"""PLY, the format that keeps everything: doubles, colours, normals, attributes."""
+"""PLY, the format that preserves everything: doubles, colours, normals, attributes."""
 
 from __future__ import annotations
 

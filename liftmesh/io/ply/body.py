@@ -1,4 +1,4 @@
-"""The body of a PLY file, in text or in binary: the rows of its elements, in their order."""
+"""The body of a PLY file, text or binary: the rows of its elements in order."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class AsciiBody:
-    """Reads the elements of a text body in their order."""
+    """Reads the elements of a text body in order."""
 
     def __init__(self, stream: BinaryIO, name: str, lines: int) -> None:
         self._name = name
@@ -27,8 +27,8 @@ class AsciiBody:
         self._lines = Lines(stream, name, before=lines)
 
     def blocks(self, element: Element) -> Iterator[Mapping[str, Array]]:
-        """Yield the rows of an element without lists, some at a time, column by name."""
-        for block in self._taken(element):
+        """Yield the rows of an element without lists in blocks, as named columns."""
+        for block in self._lines_of(element):
             table = number_table(block, self._name, width=len(element.properties))
             yield {
                 each.name: self._column(table[:, position], each, block)
@@ -41,15 +41,15 @@ class AsciiBody:
             return {each.name: Ragged.empty(each.dtype) for each in element.properties}
         parts = [
             self._uniform(element, block) or self._by_line(element, block)
-            for block in self._taken(element)
+            for block in self._lines_of(element)
         ]
         return {
             each.name: Ragged.joined([part[position] for part in parts])
             for position, each in enumerate(element.properties)
         }
 
-    def _taken(self, element: Element) -> Iterator[Block]:
-        """Take the lines of an element, if the file can hold as many as the header promises."""
+    def _lines_of(self, element: Element) -> Iterator[Block]:
+        """Yield the lines of an element, if the file can hold as many as the header promises."""
         wanted = element.rows if element.properties else 0
         if wanted * 2 > self._size + 1:
             raise self._too_few(element)
@@ -61,7 +61,7 @@ class AsciiBody:
             wanted -= len(block)
 
     def check_end(self) -> None:
-        """Refuse rows beyond those that the header promises: they would be lost."""
+        """Raise for rows beyond those that the header promises: they would be lost."""
         block = self._lines.take(1)
         if len(block):
             raise FormatError(
@@ -95,8 +95,8 @@ class AsciiBody:
             shape = _shape(element, fields(text, None))
             if shape is None:
                 raise FormatError(
-                    f"{self._name}: line {number}: the lists of this row of element "
-                    f"{element.name} do not have the lengths that stand before them"
+                    f"{self._name}: line {number}: lists in this row of element "
+                    f"{element.name} do not have the lengths given before them"
                 )
             for part, each, place in zip(parts, element.properties, shape, strict=True):
                 part.append(Ragged.uniform(self._columns(table[:, place], each, line)))
@@ -133,24 +133,24 @@ def _shape(element: Element, values: list[str]) -> list[slice] | None:
 
 
 def _length(values: list[str], position: int) -> int:
-    """Read the length of a list, -1 if there is none."""
+    """Read the length of a list, -1 if it is missing or invalid."""
     text = values[position] if position < len(values) else ""
     return int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
 
 
-_BLOCK = 1 << 18  # bytes that stay in the cache of one core
+_BLOCK = 1 << 18  # bytes that fit in the cache of one core
 _LONGEST_UNIFORM = 255
 
 
 class BinaryBody:
-    """Reads the elements of a binary body in their order."""
+    """Reads the elements of a binary body in order."""
 
     def __init__(self, stream: BinaryIO, name: str) -> None:
         self._stream = stream
         self._name = name
 
     def blocks(self, element: Element) -> Iterator[Mapping[str, Array]]:
-        """Yield the rows of an element without lists, some at a time, column by name."""
+        """Yield the rows of an element without lists in blocks, as named columns."""
         layout = np.dtype([(each.name, each.dtype) for each in element.properties])
         if not element.properties:
             return
@@ -179,7 +179,7 @@ class BinaryBody:
         return found
 
     def check_end(self) -> None:
-        """Refuse rows beyond those that the header promises: they would be lost."""
+        """Raise for rows beyond those that the header promises: they would be lost."""
         here, left = self._stream.tell(), remaining(self._stream)
         if left and self._stream.read(left).strip(b"\0 \r\n"):
             raise FormatError(
@@ -188,18 +188,18 @@ class BinaryBody:
             )
 
     def _expect(self, element: Element, row: int) -> None:
-        """Compare what the header promises with what is there before anything is allocated."""
+        """Compare the size that the header promises with the file before memory is allocated."""
         here, left = self._stream.tell(), remaining(self._stream)
         if element.rows * row > left:
             raise FormatError(
                 f"{self._name}: byte {here}: the header promises {element.rows} rows of element "
                 f"{element.name}, at least {element.rows * row} bytes, but {left} are left: "
-                "the file is cut short, or its header is wrong"
+                "the file is truncated, or its header is wrong"
             )
 
 
 class _Walk:
-    """One element with lists in a buffer."""
+    """Parser of one element with lists in a buffer."""
 
     def __init__(self, element: Element, data: bytes, where: str) -> None:
         self._element = element
@@ -224,7 +224,7 @@ class _Walk:
         return {key: Ragged.uniform(rows) for key, rows in found.items()}, table.nbytes
 
     def rows(self) -> tuple[dict[str, Ragged], int]:
-        """Walk row by row."""
+        """Read row by row."""
         places: list[tuple[int, int]] = []
         position = 0
         for row in range(self._element.rows):
@@ -238,7 +238,7 @@ class _Walk:
         return found, position
 
     def _row(self, row: int, position: int) -> tuple[int, list[tuple[int, int]]]:
-        """Find where each property of a row begins and how many values it has."""
+        """Locate the properties of a row: where each begins, and its number of values."""
         lists: list[tuple[int, int]] = []
         try:
             for each, reader in zip(self._element.properties, self._readers, strict=True):
@@ -251,7 +251,7 @@ class _Walk:
                 if size < 0 or position > len(self._data):
                     raise self._error(row, f"{each.name} has {size} values")
         except struct.error as error:
-            raise self._error(row, "the row is not there") from error
+            raise self._error(row, "the row is missing") from error
         return position, lists
 
     def _gathered(self, dtype: np.dtype, starts: Integers, sizes: Integers) -> Ragged:
@@ -263,7 +263,7 @@ class _Walk:
     def _error(self, row: int, cause: str) -> FormatError:
         return FormatError(
             f"{self._where}: row {row} of element {self._element.name}: {cause}, "
-            "but the file ends before: it is cut short or damaged"
+            "but the file ends before: it is truncated or damaged"
         )
 
 

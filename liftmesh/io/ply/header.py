@@ -1,8 +1,8 @@
-"""The header of a PLY file: its encoding, and the elements and properties it announces.
+"""The header of a PLY file: its encoding, elements and properties.
 
 The format is Greg Turk's "The PLY Polygon File Format" (1994): a text header lists elements
 (vertex, face, and any other), each with a count and named properties; a property is a scalar, or a
-list whose length stands before it in every row. Both families of type names are in use, Turk's own
+list whose length precedes it in every row. Both families of type names are in use, Turk's own
 (uchar, float) and the explicit ones (uint8, float32).
 """
 
@@ -14,9 +14,9 @@ from typing import BinaryIO
 import numpy as np
 
 from liftmesh.errors import FormatError
-from liftmesh.io.text_tables import shown
+from liftmesh.io.text_tables import quoted
 
-# The last three rows are no part of the format, but other programs write them.
+# The last three rows are not part of the format, but other programs write them.
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
     "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
@@ -35,7 +35,7 @@ _LONGEST_LINE = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """A named value of each row; a list if ``length``, the type of its size, is set."""
+    """A named value of each row; a list if ``length``, the type of the list's length, is set."""
 
     name: str
     dtype: np.dtype
@@ -58,7 +58,7 @@ class Element:
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """What the header of a PLY file says; ``lines`` counts its lines."""
+    """Contents of the header of a PLY file; ``lines`` is its number of lines."""
 
     encoding: str
     elements: tuple[Element, ...]
@@ -73,13 +73,13 @@ def read_header(stream: BinaryIO, name: str) -> Header:
     Raises
     ------
     FormatError
-        The file is no PLY file or its header is broken; the message names the line.
+        The file is not a PLY file or its header is invalid; the message gives the line.
     """
     return _HeaderReader(stream, name).read()
 
 
 class _HeaderReader:
-    """Takes the header line by line; ``number`` is the line in hand."""
+    """Parses the header line by line; ``number`` is the current line."""
 
     def __init__(self, stream: BinaryIO, name: str) -> None:
         self._stream = stream
@@ -87,7 +87,7 @@ class _HeaderReader:
         self.number = 0
         self._encoding = ""
         self._elements: dict[str, tuple[int, dict[str, Property]]] = {}
-        self._remarks: dict[str, list[str]] = {"comment": [], "obj_info": []}
+        self._comments: dict[str, list[str]] = {"comment": [], "obj_info": []}
 
     def read(self) -> Header:
         if self._line(first=True) != "ply":
@@ -99,8 +99,8 @@ class _HeaderReader:
         return Header(
             self._encoding,
             tuple(Element(k, n, tuple(p.values())) for k, (n, p) in self._elements.items()),
-            tuple(self._remarks["comment"]),
-            tuple(self._remarks["obj_info"]),
+            tuple(self._comments["comment"]),
+            tuple(self._comments["obj_info"]),
             self.number,
         )
 
@@ -108,13 +108,13 @@ class _HeaderReader:
         raw = self._stream.readline(8 if first else _LONGEST_LINE)
         self.number += 1
         if not raw.endswith(b"\n") and not first:
-            raise self._error("the header does not end: the file has no whole end_header line")
+            raise self._error("the header does not end: there is no complete end_header line")
         return raw.decode("utf-8", "replace").strip()
 
     def _take(self, line: str) -> None:
         keyword, _, rest = line.partition(" ")
-        if keyword in self._remarks:
-            self._remarks[keyword].append(rest.strip())
+        if keyword in self._comments:
+            self._comments[keyword].append(rest.strip())
         elif keyword == "format":
             self._take_format(rest.split())
         elif keyword == "element":
@@ -122,31 +122,33 @@ class _HeaderReader:
         elif keyword == "property":
             self._take_property(rest.split())
         elif line:
-            raise self._error(f"unknown header line {shown(line)}")
+            raise self._error(f"unknown header line {quoted(line)}")
 
     def _take_format(self, words: list[str]) -> None:
         if len(words) != 2 or words[0] not in ORDERS or words[1] != "1.0":
-            raise self._error(f"unknown format {shown(' '.join(words))}: known are {[*ORDERS]} 1.0")
+            raise self._error(
+                f"unknown format {quoted(' '.join(words))}: known are {[*ORDERS]} 1.0"
+            )
         self._encoding = words[0]
 
     def _take_element(self, words: list[str]) -> None:
         if not self._encoding:
-            raise self._error("an element stands before the format line")
+            raise self._error("an element precedes the format line")
         count = words[-1] if len(words) == 2 else ""
         if not (count.isascii() and count.isdigit() and len(count) < 19):
             raise self._error("an element line needs a name and a count")
         if words[0] in self._elements:
-            raise self._error(f"element {shown(words[0])} is there twice")
+            raise self._error(f"element {quoted(words[0])} occurs twice")
         self._elements[words[0]] = (int(count), {})
 
     def _take_property(self, words: list[str]) -> None:
         if not self._elements:
-            raise self._error("a property stands before any element")
+            raise self._error("a property precedes the first element")
         element = next(reversed(self._elements))
         _, properties = self._elements[element]
         added = self._property(words)
         if added.name in properties:
-            raise self._error(f"property {shown(added.name)} of {element} is there twice")
+            raise self._error(f"property {quoted(added.name)} of {element} occurs twice")
         properties[added.name] = added
 
     def _property(self, words: list[str]) -> Property:
@@ -161,7 +163,7 @@ class _HeaderReader:
 
     def _type(self, word: str) -> np.dtype:
         if word not in TYPES:
-            raise self._error(f"unknown type {shown(word)}")
+            raise self._error(f"unknown type {quoted(word)}")
         return np.dtype(ORDERS[self._encoding] + TYPES[word])
 
     def _error(self, cause: str) -> FormatError:

@@ -1,7 +1,7 @@
-"""PLY to Cloud: the vertex element becomes rows, the face element triangles.
+"""PLY reader: the vertex element becomes rows, the face element triangles.
 
-What a Cloud has no place for (other elements, properties of faces, lists of vertices) is passed
-over, and named in the metadata.
+Data that a Cloud cannot hold (other elements, properties of faces, lists of vertices) is skipped,
+and listed in the metadata.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import CloudBuilder, built_in_chunks
 from liftmesh.io.comments import stated_crs
-from liftmesh.io.faces import remarks, triangulated
+from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.ply.body import AsciiBody, BinaryBody
 from liftmesh.io.ply.header import Element, read_header
 from liftmesh.io.text_tables import shortened
@@ -44,22 +44,22 @@ def read_ply(stream: BinaryIO, name: str) -> Cloud:
         Coordinates as float64; nx, ny, nz as normals, red, green, blue (alpha) as colours, other
         scalar properties as attributes, all in the file's types; polygons as fans of triangles.
         A comment ``crs "EPSG:25832"`` is the coordinate system.
-        ``metadata`` holds ``comments``, ``obj_info``, and, where there are any, the number of
-        ``polygons`` cut into triangles, of ``degenerate_faces`` of fewer than three corners left
-        out, and the names of properties and elements that were ``skipped``.
+        ``metadata`` holds ``comments``, ``obj_info``, and, if there are any, the number of
+        ``polygons`` split into triangles, of omitted ``degenerate_faces`` of fewer than three
+        vertices, and the names of ``skipped`` properties and elements.
 
     Raises
     ------
     FormatError
-        The file is broken; the message names the line or byte.
+        The file is invalid; the message gives the line or byte.
     """
     return _Reading(stream, name).cloud()
 
 
 def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-    """Read the vertices of a PLY file piece by piece.
+    """Read the vertices of a PLY file in chunks.
 
-    What stands behind the vertices, faces too, is neither read nor checked.
+    Data after the vertices, including faces, is neither read nor checked.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     name : str
         The file's name for messages.
     rows : int
-        How many rows a chunk has at most.
+        Maximum number of rows of a chunk.
 
     Yields
     ------
     Cloud
-        Consecutive rows, as `read_ply` reads them. Where vertices have lists, all are read first.
+        Consecutive rows, as for `read_ply`. If vertices have lists, all are read first.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
 
 
 class _Reading:
-    """One PLY file on its way into a Cloud."""
+    """State of reading one PLY file."""
 
     def __init__(self, stream: BinaryIO, name: str) -> None:
         self._header = read_header(stream, name)
@@ -105,7 +105,7 @@ class _Reading:
             elif element.name == "face":
                 faces = self._faces(element)
             else:
-                self._pass_over(element)
+                self._skip_element(element)
         if builder is None:
             raise self._no_vertices()
         self._body.check_end()
@@ -118,7 +118,7 @@ class _Reading:
                 for builder in self._vertices(element, rows):
                     yield builder.cloud(None, self._metadata(None), self._crs())
                 return
-            self._pass_over(element)
+            self._skip_element(element)
         raise self._no_vertices()
 
     def _vertices(self, element: Element, rows: int) -> Iterator[CloudBuilder]:
@@ -128,7 +128,9 @@ class _Reading:
                 f"{self._name}: the vertex element has no x and y: its properties are "
                 f"{shortened(', '.join(each.name for each in element.properties)) or 'none'}"
             )
-        self._skip(element, [each.name for each in element.properties if each.length is not None])
+        self._note_skipped(
+            element, [each.name for each in element.properties if each.length is not None]
+        )
         if element.is_table:
             blocks = self._body.blocks(element)
         else:
@@ -137,14 +139,16 @@ class _Reading:
         return built_in_chunks(scalars, element.rows, blocks, rows)
 
     def _no_vertices(self) -> FormatError:
-        return FormatError(f"{self._name}: the header announces no vertex element")
+        return FormatError(f"{self._name}: the header has no vertex element")
 
     def _crs(self) -> str | None:
         return stated_crs(self._header.comments)
 
     def _faces(self, element: Element) -> Ragged | None:
         usable = [each for each in element.properties if each.name in _INDICES and each.length]
-        self._skip(element, [each.name for each in element.properties if each not in usable[:1]])
+        self._note_skipped(
+            element, [each.name for each in element.properties if each not in usable[:1]]
+        )
         if element.is_table:
             self._exhaust(element)
             return None
@@ -155,7 +159,7 @@ class _Reading:
             raise FormatError(f"{self._name}: {usable[0].name} of faces must be integers")
         return lists[usable[0].name]
 
-    def _pass_over(self, element: Element) -> None:
+    def _skip_element(self, element: Element) -> None:
         self._skipped.append(f"element {element.name} ({element.rows} rows)")
         if element.is_table:
             self._exhaust(element)
@@ -166,7 +170,7 @@ class _Reading:
         for _ in self._body.blocks(element):
             pass
 
-    def _skip(self, element: Element, names: list[str]) -> None:
+    def _note_skipped(self, element: Element, names: list[str]) -> None:
         self._skipped += [f"{element.name} property {each} ({element.rows} rows)" for each in names]
 
     def _metadata(self, faces: Ragged | None) -> dict[str, Any]:
@@ -176,7 +180,7 @@ class _Reading:
             "skipped": tuple(self._skipped),
         }
         return {key: value for key, value in found.items() if value} | (
-            remarks(faces) if faces is not None else {}
+            face_counts(faces) if faces is not None else {}
         )
 
 

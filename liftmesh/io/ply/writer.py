@@ -1,9 +1,9 @@
-"""Cloud to PLY: doubles bit for bit, every attribute, the same bytes every time.
+"""PLY writer: exact doubles, every attribute, and the same bytes every time.
 
 Of PLY's eight types, readers in wide use agree on uint8, uint16, int32, float and double only: one
-skips int8, int16 and uint32, another cannot open a file that has int16, and 64-bit integers
-are no part of the format. So values are written in the type they have if it is one of the five,
-and otherwise in the smallest of them that holds every value exactly.
+skips int8, int16 and uint32, another cannot open a file with int16, and 64-bit integers are not
+part of the format. So values keep their type if it is one of these five, and are otherwise written
+in the smallest of them that holds every value exactly.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _ENCODINGS = {"binary": "binary_little_endian", "ascii": "ascii"}
 _COLORS = ("uint8", "exact")
-_ROWS = 1 << 13  # a block that stays in the cache of one core
+_ROWS = 1 << 13  # a block that fits in the cache of one core
 
 
 def write_ply(
@@ -46,13 +46,13 @@ def write_ply(
         Where to write.
     cloud : Cloud
         Coordinates are written as double. Attributes keep the types uint8, uint16, int32, float and
-        double, and are written in the smallest of these that holds their values otherwise; an
-        (n, k) attribute becomes properties name_0 to name_{k-1}.
+        double; all others are written in the smallest of these that holds their values. An (n, k)
+        attribute becomes properties name_0 to name_{k-1}.
     encoding : {"binary", "ascii"}
-        Little-endian binary, or text of the digits that bring every value back.
+        Little-endian binary, or text with digits that round-trip.
     colors : {"uint8", "exact"}
-        ``"uint8"`` rounds colours to eight bits, all that PLY readers in wide use understand;
-        it loses nothing of colours that came from eight bits. ``"exact"`` keeps their type.
+        ``"uint8"`` rounds colours to eight bits, the only type that PLY readers in wide use
+        support; colours that came from eight bits lose nothing. ``"exact"`` keeps their type.
     comments : sequence of str
         Lines for the header: provenance, licence, coordinate system.
 
@@ -93,7 +93,7 @@ def _columns(cloud: Cloud, *, exact: bool) -> dict[str, Array]:
 def _header(
     cloud: Cloud, columns: dict[str, Array], encoding: str, comments: Sequence[str]
 ) -> bytes:
-    lines = ["ply", f"format {encoding} 1.0", *_remarks(cloud, comments)]
+    lines = ["ply", f"format {encoding} 1.0", *_comments(cloud, comments)]
     lines.append(f"element vertex {len(cloud)}")
     lines += [f"property {PORTABLE[v.dtype.str[1:]]} {name}" for name, v in columns.items()]
     if cloud.faces is not None:
@@ -102,12 +102,12 @@ def _header(
     return "\n".join([*lines, "end_header", ""]).encode("ascii")
 
 
-def _remarks(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
+def _comments(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
     yield "comment liftmesh"
     yield from (f"comment {comment}" for comment in crs_comment(cloud.crs))
     for comment in [comments] if isinstance(comments, str) else comments:
         if not comment.isascii() or not comment.isprintable():
-            raise FormatError(f"comment {comment!r} cannot stand in a PLY header: one line, ASCII")
+            raise FormatError(f"comment {comment!r} is not one line of ASCII, as PLY requires")
         yield f"comment {comment}"
 
 
@@ -118,7 +118,7 @@ def _write_text(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> No
 
 
 def _write_binary(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> None:
-    """Interleave columns block by block: the mesh is never in memory a second time."""
+    """Interleave columns block by block, without a second copy of the mesh in memory."""
     little = [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]
     block = np.empty(min(len(cloud), _ROWS), np.dtype(little))
     for start in range(0, len(cloud), _ROWS):
@@ -136,7 +136,7 @@ def _write_triangles(stream: BinaryIO, faces: Array) -> None:
     for start in range(0, len(faces), _ROWS):
         corners = np.ascontiguousarray(faces[start : start + _ROWS], dtype="<i4")
         part = block[: len(corners)]
-        part["corners"] = corners.view("V12")[:, 0]  # as one item, which copies fastest
+        part["corners"] = corners.view("V12")[:, 0]  # copying single items is fastest
         stream.write(part.tobytes())
 
 
@@ -147,12 +147,12 @@ _EXACT = 1 << 53
 
 
 def portable(values: Array, what: str) -> Array:
-    """Convert an array, if need be, to a portable type that holds every value.
+    """Convert an array, if necessary, to a portable type that holds every value.
 
     Raises
     ------
     FormatError
-        The values are no numbers, or integers that a double cannot hold.
+        The values are not numbers, or are integers that a double cannot represent.
     """
     code = values.dtype.str[1:]
     if code in PORTABLE:
@@ -175,28 +175,28 @@ def _integers(values: Array, what: str) -> Array:
     if low >= -_EXACT and high <= _EXACT:
         return values.astype(np.float64)
     raise FormatError(
-        f"{what} reaches from {low} to {high}: PLY has no type for integers beyond 2**53; "
+        f"{what} ranges from {low} to {high}: PLY has no type for integers beyond 2**53; "
         "write NPZ, or split it in two"
     )
 
 
 def scalar_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
-    """Spread (n, k) attributes over columns name_0, name_1 and so on.
+    """Split (n, k) attributes into columns name_0, name_1 and so on.
 
     Raises
     ------
     FormatError
-        A name cannot be a PLY property, or two columns get one name.
+        A name cannot be a PLY property, or two columns get the same name.
     """
     columns: dict[str, Array] = {}
     for name, values in attributes.items():
         _check_name(name)
-        width = math.prod(values.shape[1:])  # which numpy cannot tell where there are no rows
+        width = math.prod(values.shape[1:])  # reshape cannot infer it without rows
         flat = portable(np.asarray(values).reshape(len(values), width), f"attribute {name!r}")
         names = [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(flat.shape[1])]
         taken = columns.keys() & set(names)
         if taken:
-            raise FormatError(f"two attributes are called {min(taken)!r}: rename one")
+            raise FormatError(f"two attributes are named {min(taken)!r}: rename one")
         columns |= dict(zip(names, flat.T, strict=True))
     return columns
 

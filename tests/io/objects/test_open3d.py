@@ -202,7 +202,7 @@ def test_alpha_that_says_something_becomes_an_attribute():
 @pytest.mark.parametrize("name", ["positions", "normals", "colors", "alpha"])
 def test_names_that_tensors_keep_for_themselves(name):
     cloud = Cloud(POINTS, attributes={name: np.arange(4.0)}, faces=FACES)
-    with pytest.raises(InputError, match=f"called '{name}', .*: rename it"):
+    with pytest.raises(InputError, match=f"named '{name}', .*: rename it"):
         to_tensor(cloud)
 
 
