@@ -1,4 +1,4 @@
-"""What the paper's procedures did: planes tried, points evaluated, points rejected unseen."""
+"""Counters of the paper's procedures: planes tried, points evaluated, points rejected."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ REJECTIONS = ("4.3 (i)", "4.3 (ii)", "4.3 (iii)", "4.3 (iv)", "4.3 (v)", "4.4")
 
 @dataclass(frozen=True, slots=True)
 class Counters:
-    """How much work gift wrapping took, in the paper's own terms.
+    """The work of a gift wrapping run, in the paper's terms.
 
     Parameters
     ----------
     calls : int
-        Calls of the procedure, one for each edge that was wrapped around.
+        Calls of the procedure, one for each edge processed.
     candidate_planes : int
         Planes (a, b, p) with a downward normal that were tried.
     evaluations : int
-        Points held against a plane by a dot product: without a, b and p themselves, but for
-        "lfres-indexed" every point of the cells it looks through.
+        Points compared with a plane by a dot product, not counting a, b and p themselves; for
+        "lfres-indexed" every point of the grid cells searched.
     rejected : dict of str to int
-        Points decided by comparing coordinates alone, by the proposition that did it:
-        ``"4.3 (i)"`` to ``"4.3 (v)"`` say above, ``"4.4"`` says below.
+        Points classified by comparing coordinates alone, by proposition: above the plane for
+        ``"4.3 (i)"`` to ``"4.3 (v)"``, below it for ``"4.4"``.
     undecided : int
-        Evaluations whose sign rounding left open, so that the exact predicate decided.
+        Evaluations whose sign was uncertain due to rounding, decided by the exact predicate.
 
     Examples
     --------
@@ -46,7 +46,7 @@ class Counters:
 
     @classmethod
     def from_kernel(cls, counts: _kernel.Counts) -> Counters:
-        """Name the numbers that the kernel returns.
+        """Convert the numbers that the kernel returns.
 
         Parameters
         ----------
@@ -56,7 +56,7 @@ class Counters:
         Returns
         -------
         Counters
-            The same.
+            The same numbers by name.
 
         Examples
         --------
@@ -69,12 +69,12 @@ class Counters:
 
     @property
     def points(self) -> int:
-        """Points looked at, by a dot product or by their coordinates alone.
+        """Number of points examined, by a dot product or by their coordinates alone.
 
         Returns
         -------
         int
-            Evaluations and rejections together.
+            The sum of evaluations and rejections.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""delaunay(): planar Delaunay triangulation, and Delaunay: the same behind SciPy's interface.
+"""delaunay(): planar Delaunay triangulation; Delaunay: the same with SciPy's interface.
 
 Each set of points has one canonical triangulation, and every method finds it.
 """
@@ -33,54 +33,52 @@ def delaunay(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Triangulation:
-    """Triangulate planar points: exact for every finite double, and one result for one set.
+    """Compute the Delaunay triangulation of planar points, exact for every finite double.
 
-    Where four or more points lie on a circle, the triangulation is the one of the symbolic
-    perturbation that lifts lexicographically larger points (by x, then y) more. So the triangles,
-    as sets of coordinates, depend on nothing but the points.
+    The result is unique. If four or more points lie on a circle, it is the triangulation of the
+    symbolic perturbation that lifts lexicographically larger points (by x, then y) more. So the
+    triangles, as sets of coordinates, depend on the points alone.
 
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
-        Planar points, n at most 357,913,941; of three columns the third is ignored. float64 and
-        float32 arrays of any strides are read in place; integers must be exact as doubles. Masked
+        Planar points, n at most 357,913,941; a third column is ignored. float64 and float32 arrays
+        of any strides are read in place; integers must be exactly representable as float64. Masked
         entries count as not finite.
     method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
-        The engine. All give the same triangles; "auto" picks divide and conquer. The others wrap
-        the lower hull of the lifted points facet by facet: "lf" and "lfres" are the paper's
-        procedures as printed, in quadratic to cubic time; "lfres-indexed" asks a grid for the
-        points of the restricted region, in linear expected time where points are evenly spread, and
-        in quadratic time or worse where they crowd, as in clusters or on a circle.
+        The algorithm. All give the same triangles; "auto" is divide and conquer. The others
+        construct the lower hull of the lifted points facet by facet (gift wrapping): "lf" and
+        "lfres" are the paper's procedures as printed, in quadratic to cubic time; "lfres-indexed"
+        searches the restricted region with a grid, in linear expected time for evenly distributed
+        points, and in quadratic time or worse for clusters or points on a circle.
     q : {"origin", "median"} or (2,) array_like, default "origin"
-        The vertex of the paraboloid on which "lf" and "lfres" lift the points: the origin, the
-        coordinate-wise median, or any finite point. It changes their work, and never a triangle;
-        the other methods do without.
+        The vertex of the paraboloid to which "lf" and "lfres" lift the points: the origin, the
+        coordinate-wise median, or any finite point. It changes their work, but never a triangle;
+        the other methods do not use it.
     nonfinite : {"error", "skip"}, default "error"
-        Rows with NaN or infinity raise, or stay unused and are listed in ``skipped``.
+        Whether rows with NaN or infinity raise an error, or are skipped and listed in ``skipped``.
     order : {"engine", "canonical"}, default "engine"
-        With "canonical" the order of the triangles, and the first vertex of each, are functions of
-        the coordinates alone too, at the price of a sort.
+        With "canonical" the order of the triangles, and the first vertex of each, depend on the
+        coordinates alone too, at the cost of a sort.
     threads : int, optional
-        How many threads divide and conquer may take; the result is bit for bit the same for any
-        number. By default the environment variable ``LIFTMESH_NUM_THREADS`` says it, or else one
-        for each core is taken, and runs from several Python threads share them. Gift wrapping
-        itself runs on one.
+        Number of threads for divide and conquer; the result is bit for bit the same for any
+        number. By default the value of the environment variable ``LIFTMESH_NUM_THREADS``, or else
+        one per core, shared by concurrent runs. Gift wrapping uses a single thread.
     progress : callable, optional
-        Called now and then, some twenty times a second at most, with the share of the work that is
-        done, and at last with 1.0. What it raises ends the run. Gift wrapping tells its end only.
+        Called at most about twenty times a second with the fraction of the work done, and with 1.0
+        at the end. An exception that it raises aborts the run. Gift wrapping reports only its end.
 
     Returns
     -------
     Triangulation
         Indices are rows of `points`; nothing is reordered or dropped. Of rows at one position the
-        lowest is the vertex; the others are in ``duplicates``. Gift wrapping leaves its
-        ``counters``.
+        first is the vertex; the others are in ``duplicates``. Gift wrapping sets ``counters``.
 
     Raises
     ------
     InputError
-        `points` has another shape, other values than real numbers, or too many rows; or an option
-        is unknown.
+        `points` has the wrong shape, values that are not real numbers, or too many rows; or an
+        option is unknown.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
@@ -90,7 +88,7 @@ def delaunay(
     -----
     Divide and conquer on the lifted lower hull: F. P. Preparata and S. J. Hong (1977), D. T. Lee
     and B. J. Schachter (1980), with cuts across both axes (R. A. Dwyer, 1987). O(n log n) on every
-    input. Some 120 bytes a point beyond the points at the peak, 48 of them the result.
+    input. Peak memory is about 120 bytes per point beyond the points, 48 of them the result.
 
     Gift wrapping with LF and LFRes: "The Lifting Projection of Convex Polyhedra for Finding
     Delaunay Triangulations", Procedures 1 and 3 and Algorithm 2.
@@ -106,9 +104,9 @@ def delaunay(
 
 
 class Delaunay(Triangulation):
-    """The door for code written for ``scipy.spatial.Delaunay``: the same call, the same attributes.
+    """Drop-in replacement for ``scipy.spatial.Delaunay`` with the same call and attributes.
 
-    What differs: points are planar only and cannot be added, arrays are read-only, and degenerate
+    Differences: points are planar only and cannot be added, arrays are read-only, and degenerate
     input raises `DegenerateInputError`, a ValueError, where SciPy raises its QhullError.
 
     Parameters
@@ -116,14 +114,14 @@ class Delaunay(Triangulation):
     points : array_like of shape (n, 2)
         Planar points.
     furthest_site, incremental : bool, default False
-        Accepted as False only.
+        Must be False.
     qhull_options : str, optional
-        Accepted and without effect: there is no Qhull.
+        Ignored: Qhull is not used.
 
     Raises
     ------
     InputError
-        As `delaunay`, or an option is asked for that liftmesh does not have.
+        As for `delaunay`, or an option is set that liftmesh does not support.
     NonFiniteError
         A row is not finite.
     DegenerateInputError
@@ -195,7 +193,7 @@ def _run(
     run: _kernel.Run, method: Method, q: ParaboloidVertex, planar: Reals
 ) -> tuple[_kernel.Outcome, Counters | None]:
     if method not in _WRAPPING:
-        given_vertex(q)  # divide and conquer does without q, but a wrong one is told
+        given_vertex(q)  # unused by divide and conquer, but an invalid one is an error
         return _kernel.delaunay(*run), None
     outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
     return outcome, Counters.from_kernel(counts)
@@ -216,7 +214,7 @@ def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> Degener
 
 
 def _canonical_order(rows: Array, simplices: Rows, neighbors: Rows) -> tuple[Rows, Rows]:
-    """Turn each triangle to begin with its least point, and sort the triangles by their points."""
+    """Rotate each triangle to start at its least point, and sort the triangles by their points."""
     rank = np.empty(len(rows), dtype=np.int32)
     rank[np.lexsort((rows[:, 1], rows[:, 0]))] = np.arange(len(rows), dtype=np.int32)
     turn = (rank[simplices].argmin(axis=1)[:, None] + np.arange(3)) % 3

@@ -1,4 +1,4 @@
-"""Lifting planar points to a paraboloid, and the lower hull that lies on it.
+"""Lifting of planar points to a paraboloid, and the lower hull of the lifted points.
 
 A planar point p is lifted to z = (x - qx)^2 + (y - qy)^2, where q is the vertex of the paraboloid.
 The lower facets of the convex hull of the lifted points project to the Delaunay triangles. q
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
-    """Give the vertex of the paraboloid as a pair of numbers.
+    """Convert the option q to the coordinates of the paraboloid's vertex.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
     Raises
     ------
     InputError
-        q is none of these.
+        q is not one of these.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
 
 
 def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
-    """Check the option q, and give the point that it names.
+    """Validate the option q, and return the point if it is one.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
     Raises
     ------
     InputError
-        q is none of these.
+        q is not one of these.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
 
 
 def _median(points: Reals) -> tuple[float, float]:
-    """The coordinate-wise median of the finite rows, halved on the way where it would overflow."""
+    """Coordinate-wise median of the finite rows, computed at half scale if it would overflow."""
     finite = points[np.isfinite(points).all(axis=1)].astype(np.float64)
     if len(finite) == 0:
         return 0.0, 0.0
@@ -115,12 +115,12 @@ def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
     Returns
     -------
     (n, 3) ndarray of float64
-        x and y as given, z rounded to the nearest doubles on the way (infinite where it overflows).
+        x and y as given; z computed in float64, with rounding (infinite if it overflows).
 
     Raises
     ------
     InputError
-        Points or q cannot be used.
+        Points or q are invalid.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def project(points: ArrayLike) -> Floats:
     Raises
     ------
     InputError
-        Points cannot be used.
+        Points are invalid.
 
     Examples
     --------
@@ -170,16 +170,16 @@ class LowerHull:
     Parameters
     ----------
     vertices : (n, 3) ndarray of float64
-        All points, by the caller's rows.
+        All points, in the order of the caller's rows.
     faces : (m, 3) ndarray of int32
         The lower facets, counter-clockwise seen from above. Those of lifted points project to the
         Delaunay triangles.
     q : tuple of float, optional
-        The vertex of the paraboloid, where the points were lifted to one.
+        The vertex of the paraboloid, if the points were lifted to one.
     neighbors : (m, 3) ndarray of int32, optional
-        The facet across the edge that faces vertex k; -1 at the rim.
+        The facet across the edge opposite vertex k; -1 at the boundary.
     counters : Counters, optional
-        What the paper's procedure took, where it found the hull.
+        Work counters, if the hull was computed by the paper's procedure.
 
     Examples
     --------
@@ -197,7 +197,7 @@ class LowerHull:
 
     @property
     def above(self) -> Rows:
-        """Rows that are no vertex of a facet, in ascending order.
+        """Rows that are not a vertex of any facet, in ascending order.
 
         Returns
         -------
@@ -215,7 +215,7 @@ class LowerHull:
         return np.flatnonzero(unused).astype(np.int32)
 
     def to_cloud(self) -> Cloud:
-        """Give the hull as a cloud with faces.
+        """Convert the hull to a cloud with faces.
 
         Returns
         -------
@@ -232,7 +232,7 @@ class LowerHull:
         return Cloud(self.vertices, faces=self.faces, metadata=metadata)
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """Give the hull as a trimesh mesh, vertices and faces untouched.
+        """Convert the hull to a trimesh mesh with the same vertices and faces.
 
         Returns
         -------
@@ -255,14 +255,14 @@ class LowerHull:
         Parameters
         ----------
         path : path or binary file
-            Where to; the suffix names the format.
+            Where to write; the suffix determines the format.
         **options
             As for `liftmesh.write`.
 
         Returns
         -------
         Written
-            What was written.
+            Summary of what was written.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""The result: triangles over the caller's rows, under the names SciPy gave them."""
+"""`Triangulation`: triangles of the caller's rows, with SciPy's attribute names."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 
 class Triangulation:
-    """A Delaunay triangulation of planar points. Made by `delaunay`.
+    """A Delaunay triangulation of planar points, as returned by `delaunay`.
 
-    Every index is a row of the caller's array. What costs memory is computed when first asked for.
-    The arrays are read-only: take a copy to change one, and leave the points as they are while the
+    Every index is a row of the caller's array. Attributes that cost memory are computed on first
+    access. The arrays are read-only: copy one to change it, and do not modify the points while the
     triangulation is in use.
 
     Parameters
@@ -33,29 +33,29 @@ class Triangulation:
     points : (n, 2) ndarray of float64 or float32
         The planar points.
     simplices, neighbors : (m, 3) ndarray of int32
-        As the attributes.
+        See the attributes.
     hull : (h,) ndarray of int32
         The rows on the convex hull, counter-clockwise.
     duplicates : (k, 2) ndarray of int32
-        As the attribute.
+        See the attribute.
     skipped : (j,) ndarray of int32
-        As the attribute.
+        See the attribute.
     counters : Counters, optional
-        As the attribute.
+        See the attribute.
 
     Attributes
     ----------
     simplices : (m, 3) ndarray of int32
         The triangles, counter-clockwise.
     neighbors : (m, 3) ndarray of int32
-        The triangle across the edge that faces vertex k; -1 outside.
+        The triangle across the edge opposite vertex k; -1 outside.
     duplicates : (k, 2) ndarray of int32
-        Rows that are no vertex because a lower row has the same position, by ascending row, each
-        with the row that is kept.
+        Rows that are not a vertex because an earlier row has the same position, in ascending order,
+        each with the row that is kept.
     skipped : (j,) ndarray of int32
-        Rows left out as not finite.
+        Rows skipped because they are not finite.
     counters : Counters or None
-        What a procedure of the paper took; None for divide and conquer.
+        Work counters of the paper's procedures; None for divide and conquer.
     paraboloid_scale, paraboloid_shift : float
         1 and 0: the lift is z = x^2 + y^2.
     ndim : int
@@ -88,7 +88,7 @@ class Triangulation:
         skipped: Rows,
         counters: Counters | None = None,
     ) -> None:
-        # What point location rests on must not change under it.
+        # Point location relies on these arrays: they must not change.
         for array in (simplices, neighbors, hull, duplicates, skipped):
             if array.flags.writeable:
                 array.setflags(write=False)
@@ -121,27 +121,27 @@ class Triangulation:
 
     @cached_property
     def points(self) -> Floats:
-        """The planar points, (n, 2) float64: the caller's memory where it is float64."""
+        """The planar points, (n, 2) float64: a view of the caller's array if it is float64."""
         return self._rows.astype(np.float64, copy=False)
 
     @property
     def convex_hull(self) -> Rows:
-        """The edges of the hull, (h, 2) int32.
+        """The edges of the convex hull, (h, 2) int32.
 
-        One after the other counter-clockwise, from the lexicographically least point. Points on the
-        sides of the hull are vertices of it.
+        Consecutive and counter-clockwise, from the lexicographically least point. Points on the
+        boundary between two corners of the hull are vertices of it too.
         """
         return np.stack([self._hull, np.roll(self._hull, -1)], axis=1)
 
     @property
     def coplanar(self) -> Rows:
-        """The duplicates as SciPy gives them, (k, 3) int32: row, a triangle there, row kept."""
+        """The duplicates in SciPy's form, (k, 3) int32: row, a triangle at the row, row kept."""
         row, kept = self.duplicates.T
         return np.stack([row, self.vertex_to_simplex[kept], kept], axis=1)
 
     @property
     def good(self) -> Rows:
-        """Ones, (m,) int32, as SciPy has them."""
+        """Ones, (m,) int32, for compatibility with SciPy."""
         return np.ones(self.nsimplex, dtype=np.int32)
 
     @cached_property
@@ -158,10 +158,10 @@ class Triangulation:
 
     @cached_property
     def vertex_to_simplex(self) -> Rows:
-        """The first triangle at each row, (n,) int32; -1 for rows that are no vertex."""
+        """The first triangle at each row, (n,) int32; -1 for rows that are not a vertex."""
         first = np.full(self.npoints, -1, dtype=np.int32)
         names = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 3)
-        # Of repeated assignments the last stays: backwards, that is the first triangle.
+        # The last of repeated assignments wins: in reverse order, that is the first triangle.
         first[self.simplices.reshape(-1)[::-1]] = names[::-1]
         return first
 
@@ -173,7 +173,7 @@ class Triangulation:
         """
         a, b, c = self.simplices.T
         following = np.roll(self._hull, -1)
-        # Each triangle gives its three edges in one direction; hull edges lack the other.
+        # Each triangle yields its three edges in one direction; hull edges lack the other.
         start = np.concatenate([a, b, c, following])
         end = np.concatenate([b, c, a, self._hull])
         indptr = np.zeros(self.npoints + 1, dtype=np.int32)
@@ -200,7 +200,7 @@ class Triangulation:
 
     @cached_property
     def equations(self) -> Floats:
-        """The planes of the lifted triangles, (m, 4) float64: unit normal, down, and offset."""
+        """The planes of the lifted triangles, (m, 4) float64: downward unit normal and offset."""
         a, b, c = (self.points[corner] for corner in self.simplices.T)
         u, v = b - a, c - a
         with np.errstate(all="ignore"):
@@ -215,7 +215,7 @@ class Triangulation:
         return unit
 
     def lift_points(self, x: ArrayLike) -> Floats:
-        """Lift planar points to the paraboloid that `equations` speak of.
+        """Lift planar points to the paraboloid of `equations`.
 
         Parameters
         ----------
@@ -242,7 +242,7 @@ class Triangulation:
         return lift(pairs.reshape(-1, 2)).reshape(*pairs.shape[:-1], 3)
 
     def plane_distance(self, xi: ArrayLike) -> Floats:
-        """Measure how far lifted points are from the plane of each triangle.
+        """Compute the distances of lifted points from the plane of each triangle.
 
         Parameters
         ----------
@@ -252,7 +252,7 @@ class Triangulation:
         Returns
         -------
         (..., m) ndarray of float64
-            Signed distances, positive below the plane. Rounded: ask `incircle` for exact sides.
+            Signed distances, positive below the plane. Rounded: use `incircle` for exact signs.
 
         Raises
         ------
@@ -276,19 +276,19 @@ class Triangulation:
         bruteforce: bool = False,  # noqa: ARG002 - part of SciPy's signature
         tol: float | None = None,  # noqa: ARG002 - part of SciPy's signature
     ) -> Rows:
-        """Find the triangles that hold the given points, exactly.
+        """Find the triangles that contain the given points, exactly.
 
         Parameters
         ----------
         xi : array_like of shape (..., 2)
             Planar points.
         bruteforce, tol
-            Accepted for SciPy's sake; without effect, as the answer is exact.
+            Accepted for compatibility with SciPy; ignored, as the result is exact.
 
         Returns
         -------
         (...) ndarray of int32
-            The triangle that holds each point; on an edge or a vertex, the first of those that do;
+            The triangle that contains each point; on an edge or a vertex, the first such triangle;
             -1 outside the convex hull and for points that are not finite.
 
         Raises
@@ -321,7 +321,7 @@ class Triangulation:
         )
 
     def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
-        """Give the lower hull of the lifted points, whose projection this triangulation is.
+        """Return the lower hull of the lifted points; its projection is this triangulation.
 
         Parameters
         ----------
@@ -336,7 +336,7 @@ class Triangulation:
         Raises
         ------
         InputError
-            q is none of these.
+            q is not one of these.
 
         Examples
         --------
@@ -348,7 +348,7 @@ class Triangulation:
         return LowerHull(lift(self.points, vertex), self.simplices, vertex, self.neighbors)
 
     def verify(self, *, threads: int | None = None) -> Certificate:
-        """Verify the triangles from scratch, as `liftmesh.verify` does for any triangles.
+        """Verify the triangles from scratch, as `liftmesh.verify` does for any triangulation.
 
         Parameters
         ----------
@@ -358,12 +358,12 @@ class Triangulation:
         Returns
         -------
         Certificate
-            True where the triangles are a Delaunay triangulation of the points.
+            True if the triangles are a Delaunay triangulation of the points.
 
         Raises
         ------
         InputError
-            `threads` is no such number.
+            `threads` is not a valid number.
 
         Examples
         --------
@@ -372,18 +372,18 @@ class Triangulation:
         >>> certificate.valid, certificate.canonical
         (True, True)
         """
-        from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are seldom needed
+        from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are rarely needed
 
         nonfinite: NonFinite = "skip" if len(self.skipped) else "error"
         return verify(self._rows, self.simplices, nonfinite=nonfinite, threads=threads)
 
     def to_scipy(self) -> scipy.spatial.Delaunay:
-        """Give a ``scipy.spatial.Delaunay``, for code that accepts only that.
+        """Convert to ``scipy.spatial.Delaunay``, for code that requires this class.
 
         Returns
         -------
         scipy.spatial.Delaunay
-            A real instance that never ran Qhull.
+            An instance created without running Qhull.
 
         Examples
         --------

@@ -19,33 +19,33 @@ from liftmesh.planar.lifting import LowerHull
 
 
 def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
-    """Find the lower convex hull of points in space: exact for every finite double.
+    """Compute the lower convex hull of points in space, exact for every finite double.
 
-    Where four or more points lie on one plane, the facets are those of the symbolic perturbation
-    that lifts lexicographically larger points (by x, then y) more: the placing triangulation in
-    that order. So every point that lies on the lower hull is a vertex of it, and the facets are a
-    function of the points alone.
+    The result is unique. If four or more points lie on one plane, the facets are those of the
+    symbolic perturbation that lifts lexicographically larger points (by x, then y) more: the
+    placing triangulation in that order. So every point on the lower hull is a vertex of it, and
+    the facets depend on the points alone.
 
     Parameters
     ----------
     points : array_like of shape (n, 3)
-        Points in space; z may be any height. Of points over one planar position only the lowest can
-        be on the lower hull, and of several equal ones the first row is.
+        Points in space; z may be any height. Of points at one planar position only the lowest can
+        be on the lower hull, and of equal points the first row.
     method : {"auto", "lf"}, default "auto"
-        The engine; both find the same facets. "auto" is randomised incremental construction, in
-        O(n log n) expected steps on every input; "lf" is gift wrapping by the paper's procedure LF,
+        The algorithm; both find the same facets. "auto" is randomised incremental construction, in
+        O(n log n) expected time on every input; "lf" is gift wrapping by the paper's procedure LF,
         in quadratic to cubic time.
 
     Returns
     -------
     LowerHull
-        A mesh over the caller's rows. ``above`` lists the rows that are no vertex of it.
+        A mesh of the caller's rows. ``above`` lists the rows that are not a vertex of it.
 
     Raises
     ------
     InputError
-        `points` has another shape, other values than real numbers, or too many rows; or the method
-        is unknown, or needs planar points.
+        `points` has the wrong shape, values that are not real numbers, or too many rows; or the
+        method is unknown, or needs planar points.
     NonFiniteError
         A row is not finite.
     DegenerateInputError
@@ -53,7 +53,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
 
     Notes
     -----
-    The hull of lifted points is that of their *rounded* heights: ``lower_hull(lift(p))`` can differ
+    The hull of lifted points is that of their *rounded* heights: ``lower_hull(lift(p))`` may differ
     from ``delaunay(p)``, which is exact for the planar points.
 
     Incremental construction with conflict lists: K. L. Clarkson and P. W. Shor (1989), in the
@@ -75,9 +75,9 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
         )
     check_finite(rows, skippable=False)
     outcome, counts = _kernel.lower_hull(rows, method)
-    status, _, distinct, faces, neighbors, rim, *_ = outcome
+    status, _, distinct, faces, neighbors, boundary, *_ = outcome
     if status != "ok":
-        raise _upright(distinct, rim)
+        raise _degenerate(distinct, boundary)
     counters = Counters.from_kernel(counts) if method == "lf" else None
     return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
 
@@ -93,12 +93,12 @@ def _check_hull_method(method: str) -> None:
     check_option("method", method, HullMethod)
 
 
-def _upright(distinct: int, rim: Rows) -> DegenerateInputError:
+def _degenerate(distinct: int, boundary: Rows) -> DegenerateInputError:
     if distinct < 3:
         return DegenerateInputError(
             f"the points have {distinct} distinct planar positions: a lower facet needs three"
         )
     return DegenerateInputError(
-        f"all {distinct} planar positions lie on one line, from row {int(rim[0])} to row "
-        f"{int(rim[1])}: points in a vertical plane have no lower facet; turn them first"
+        f"all {distinct} planar positions lie on one line, from row {int(boundary[0])} to row "
+        f"{int(boundary[1])}: points in a vertical plane have no lower facet; rotate them first"
     )
