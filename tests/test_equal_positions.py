@@ -1,4 +1,4 @@
-"""Which row carries the surface where several share a planar position, against plain Python."""
+"""The row used as the vertex where several share a planar position, against plain Python."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 
 from liftmesh.errors import DuplicateHeightError, InputError
 from liftmesh.options import Duplicates
-from liftmesh.terrain.equal_positions import choose_carriers
+from liftmesh.terrain.equal_positions import choose_rows
 
 CHOOSING = [policy for policy in get_args(Duplicates) if policy != "error"]
 
@@ -38,7 +38,7 @@ def groups_of(positions):
     return [rows for rows in groups.values() if len(rows) > 1]
 
 
-def carrier_of(rows, heights, policy):
+def chosen_of(rows, heights, policy):
     if policy == "last":
         return rows[-1]
     if policy == "lowest":
@@ -56,18 +56,18 @@ def exact_mean(rows, heights):
 def choose(positions, heights, policy):
     heights = np.array(heights, dtype=np.float64)
     planar = np.column_stack([positions, np.zeros(len(heights))]).astype(np.float64)
-    return choose_carriers(pairs_of(positions), heights, planar, policy)
+    return choose_rows(pairs_of(positions), heights, planar, policy)
 
 
 @pytest.mark.parametrize("policy", CHOOSING)
 @given(cloud=clouds)
-def test_carriers_are_those_of_the_policy(policy, cloud):
+def test_chosen_rows_are_those_of_the_policy(policy, cloud):
     positions, heights = [row[0] for row in cloud], [row[1] for row in cloud]
     choice = choose(positions, heights, policy)
     groups = groups_of(positions)
-    expected = {rows[0]: carrier_of(rows, heights, policy) for rows in groups}
+    expected = {rows[0]: chosen_of(rows, heights, policy) for rows in groups}
     assert choice.kept.tolist() == sorted(expected)
-    assert choice.carriers.tolist() == [expected[kept] for kept in sorted(expected)]
+    assert choice.chosen.tolist() == [expected[kept] for kept in sorted(expected)]
     left = {row: expected[rows[0]] for rows in groups for row in rows if row != expected[rows[0]]}
     assert choice.left_out.tolist() == sorted(left)
     assert choice.representatives.tolist() == [left[row] for row in sorted(left)]
@@ -135,7 +135,7 @@ def test_the_mean_of_many_heights_keeps_its_digits():
 
 def test_equal_heights_are_no_error_and_no_overhang():
     choice = choose([0, 1, 0, 0], [0.0, 1.0, -0.0, 0.0], "error")
-    assert choice.carriers.tolist() == [0]
+    assert choice.chosen.tolist() == [0]
     assert choice.left_out.tolist() == [2, 3]
     assert not choice.overhanging.any()
 
@@ -154,7 +154,7 @@ def test_no_shared_position(policy):
     choice = choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
     for values in (
         choice.kept,
-        choice.carriers,
+        choice.chosen,
         choice.left_out,
         choice.representatives,
         choice.moved,
@@ -177,6 +177,6 @@ def test_a_million_rows_take_no_loop(policy, groups):
     pairs = np.column_stack([rows, rows % groups]).astype(np.int32)
     heights = np.random.default_rng(3).random(groups + count)
     start = time.perf_counter()
-    choice = choose_carriers(pairs, heights, np.zeros((groups + count, 2)), policy)
+    choice = choose_rows(pairs, heights, np.zeros((groups + count, 2)), policy)
     assert time.perf_counter() - start < 5
     assert len(choice.left_out) == count

@@ -208,7 +208,7 @@ class TestFit:
     @pytest.mark.parametrize("count", [0, 1, 2])
     def test_fewer_than_three_finite_rows_are_refused(self, count):
         points = np.vstack([rows(count), [[np.nan, 0, 0]]])
-        with pytest.raises(DegenerateInputError, match=f"{count} finite rows: it takes three"):
+        with pytest.raises(DegenerateInputError, match=f"{count} finite rows: it needs three"):
             resolve_plane("fit", points)
 
     @pytest.mark.parametrize("direction", [(0, 0, 1), (1, 2, 3), (5, -7, 11), (1e-3, 1, 0)])
@@ -269,7 +269,7 @@ class TestMatrix:
             ((0, 0), 1.00001, "not rigid, its rotation is off by 2e-05"),
             ((0, 1), 0.5, "not rigid"),
             ((2, 2), 1e200, "not rigid"),
-            ((2, 2), -1.0, "mirrors"),
+            ((2, 2), -1.0, "is a reflection"),
             ((3, 0), 5.0, r"last row \[5.0, 0.0, 0.0, 1.0\].*transpose"),
             ((3, 3), 2.0, "last row"),
             ((1, 3), np.inf, "not finite"),

@@ -29,11 +29,11 @@ class TestDuplicates:
             "lowest": lambda rows: min(rows, key=lambda row: (points[row, 2], row)),
             "highest": lambda rows: min(rows, key=lambda row: (-points[row, 2], row)),
         }.get(policy, lambda rows: rows[0])
-        carriers = {position: choose(rows) for position, rows in planar_groups(points).items()}
-        assert used == set(carriers.values())
+        chosen = {position: choose(rows) for position, rows in planar_groups(points).items()}
+        assert used == set(chosen.values())
         report = surface.report
         for row, representative in zip(report.left_out, report.representatives, strict=True):
-            assert representative == carriers[tuple(points[row, :2].tolist())]
+            assert representative == chosen[tuple(points[row, :2].tolist())]
         same = points[report.left_out, 2] == points[report.representatives, 2]
         assert (report.duplicates, report.overhangs) == (same.sum(), (~same).sum())
 

@@ -1,1 +1,1 @@
-"""Clouds to surfaces: projection planes, equal planar positions, triangulated surfaces."""
+"""Triangulation of clouds: projection planes, rows at equal planar positions, surfaces."""

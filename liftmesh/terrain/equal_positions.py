@@ -1,9 +1,9 @@
-"""What to do with rows that share one planar position.
+"""Policies for rows at equal planar positions.
 
-The triangulation keeps the lowest row of each position. Rows equal in height too are plain
-duplicates: merged and counted. Rows at another height are overhangs, as on walls, trees or two
-passes of a scanner, and a policy says which row of the position carries the surface. All rows stay
-vertices; the others are left out of the faces. A *group* here is all rows of one shared position.
+The triangulation keeps the first row at each position. Rows equal in height too are plain
+duplicates: merged and counted. Rows at another height are overhangs, as on walls, in trees or in
+two passes of a scanner, and a policy chooses the row that is used as the vertex. All rows remain
+vertices of the surface; the others appear in no face. A *group* is all rows at one shared position.
 """
 
 from __future__ import annotations
@@ -19,22 +19,23 @@ from liftmesh.options import Duplicates, check_option
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """Which row carries the surface at each shared planar position.
+    """The row that is used as the vertex at each shared planar position.
 
     Parameters
     ----------
     kept : (g,) ndarray of int32
         The row of each group that the triangulation kept, increasing.
-    carriers : (g,) ndarray of int32
-        The row of each group that carries the surface.
+    chosen : (g,) ndarray of int32
+        The row of each group that is used as the vertex.
     left_out : (k,) ndarray of int32
         The other rows of the groups, increasing.
     representatives : (k,) ndarray of int32
-        For each row left out, the carrier of its group.
+        For each row in ``left_out``, the chosen row of its group.
     overhanging : (k,) ndarray of bool
-        Whether the row left out is at another height than its carrier; else it is a duplicate.
+        Whether the row in ``left_out`` is at another height than its representative; else it is a
+        duplicate.
     moved : (j,) ndarray of int32
-        Carriers whose height changes: with the policy ``"mean"``, those of groups of several
+        Chosen rows whose height changes: with the policy ``"mean"``, those of groups with several
         heights.
     new_heights : (j,) ndarray of float64
         Their new heights.
@@ -42,13 +43,13 @@ class Choice:
     Examples
     --------
     >>> pairs = np.array([[2, 0]], dtype=np.int32)
-    >>> choice = choose_carriers(pairs, np.array([1.0, 5.0, 3.0]), np.zeros((3, 2)), "highest")
-    >>> choice.carriers, choice.left_out, choice.overhanging
+    >>> choice = choose_rows(pairs, np.array([1.0, 5.0, 3.0]), np.zeros((3, 2)), "highest")
+    >>> choice.chosen, choice.left_out, choice.overhanging
     (array([2], dtype=int32), array([0], dtype=int32), array([ True]))
     """
 
     kept: Rows
-    carriers: Rows
+    chosen: Rows
     left_out: Rows
     representatives: Rows
     overhanging: Mask
@@ -56,55 +57,55 @@ class Choice:
     new_heights: Floats
 
 
-def choose_carriers(duplicates: Rows, heights: Floats, planar: Floats, policy: str) -> Choice:
-    """Choose the row that carries the surface at each shared planar position.
+def choose_rows(duplicates: Rows, heights: Floats, planar: Floats, policy: str) -> Choice:
+    """Choose the row that is used as the vertex at each shared planar position.
 
     Parameters
     ----------
     duplicates : (k, 2) ndarray of int32
-        Pairs (row, kept row) as a triangulation reports them: the kept row is the lowest of its
+        Pairs (row, kept row) as a triangulation reports them: the kept row is the first at its
         position.
     heights : (n,) ndarray of float64
         The height of every row.
     planar : (n, 2) ndarray of float64
         The planar position of every row, for messages.
     policy : {"first", "last", "lowest", "highest", "mean", "error"}
-        ``first`` and ``last`` take the row with the lowest and highest number; ``lowest`` and
-        ``highest`` the row with the least and greatest height, of several the one with the lowest
-        number; ``mean`` takes the first row and gives it the mean of the different heights of
-        its position; ``error`` allows plain duplicates only.
+        ``first`` and ``last`` choose the first and last row; ``lowest`` and ``highest`` the row
+        with the least and greatest height, the first of several; ``mean`` chooses the first row and
+        sets its height to the mean of the different heights at its position; ``error`` allows plain
+        duplicates only.
 
     Returns
     -------
     Choice
-        The carriers, the rows left out, and the heights that change.
+        The chosen rows, the other rows, and the heights that change.
 
     Raises
     ------
     InputError
         The policy is unknown.
     DuplicateHeightError
-        The policy is ``"error"`` and two rows of one position have different heights.
+        The policy is ``"error"`` and two rows at one position have different heights.
 
     Examples
     --------
     >>> pairs = np.array([[1, 0], [2, 0]], dtype=np.int32)
-    >>> choice = choose_carriers(pairs, np.array([1.0, 1.0, 4.0]), np.zeros((3, 2)), "mean")
-    >>> choice.carriers, choice.new_heights
+    >>> choice = choose_rows(pairs, np.array([1.0, 1.0, 4.0]), np.zeros((3, 2)), "mean")
+    >>> choice.chosen, choice.new_heights
     (array([0], dtype=int32), array([2.5]))
     """
     check_option("duplicates", policy, Duplicates)
     if policy == "error":
         _refuse_overhangs(duplicates, heights, planar)
     groups = _Groups.of(duplicates, heights)
-    carriers = groups.carriers(policy)
-    moved, new_heights = groups.means() if policy == "mean" else (carriers[:0], heights[:0])
-    representatives = groups.spread(carriers)
+    chosen = groups.chosen(policy)
+    moved, new_heights = groups.means() if policy == "mean" else (chosen[:0], heights[:0])
+    representatives = groups.spread(chosen)
     left = groups.rows != representatives
     left_out, representatives = _sorted_pairs(groups.rows[left], representatives[left])
     return Choice(
         kept=groups.firsts(),
-        carriers=carriers,
+        chosen=chosen,
         left_out=left_out,
         representatives=representatives,
         overhanging=heights[left_out] != heights[representatives],
@@ -114,7 +115,7 @@ def choose_carriers(duplicates: Rows, heights: Floats, planar: Floats, policy: s
 
 
 def _refuse_overhangs(duplicates: Rows, heights: Floats, planar: Floats) -> None:
-    """Raise for the first row at another height than the kept row of its position."""
+    """Raise for the first row at another height than the kept row at its position."""
     unequal = heights[duplicates[:, 0]] != heights[duplicates[:, 1]]
     if not unequal.any():
         return
@@ -123,7 +124,7 @@ def _refuse_overhangs(duplicates: Rows, heights: Floats, planar: Floats) -> None
     raise DuplicateHeightError(
         f"rows {kept} and {row} share the planar position ({x!r}, {y!r}) at the heights "
         f"{float(heights[kept])!r} and {float(heights[row])!r}: give duplicates='first', 'last', "
-        "'lowest', 'highest' or 'mean' to say which one carries the surface",
+        "'lowest', 'highest' or 'mean' to choose the vertex",
         rows=(kept, row),
     )
 
@@ -150,10 +151,10 @@ class _Groups:
         return np.diff(self.starts, append=len(self.rows))
 
     def spread(self, values: Array) -> Array:
-        """Repeat one value a group for each row of it."""
+        """Repeat the value of each group for all its rows."""
         return np.repeat(values, self.lengths())
 
-    def carriers(self, policy: str) -> Rows:
+    def chosen(self, policy: str) -> Rows:
         if policy == "last":
             lasts: Rows = self.rows[self.starts + self.lengths() - 1]
             return lasts
@@ -162,14 +163,14 @@ class _Groups:
         return self.firsts()
 
     def _at_extreme(self, extreme: np.ufunc) -> Rows:
-        """Find the lowest row of each group among those of extreme height."""
+        """Return the first row of extreme height in each group."""
         reached = self.heights == self.spread(extreme.reduceat(self.heights, self.starts))
         beyond = np.iinfo(self.rows.dtype).max
-        carriers: Rows = np.minimum.reduceat(np.where(reached, self.rows, beyond), self.starts)
-        return carriers
+        chosen: Rows = np.minimum.reduceat(np.where(reached, self.rows, beyond), self.starts)
+        return chosen
 
     def means(self) -> tuple[Rows, Floats]:
-        """Average the groups of several heights: their first rows, and the means."""
+        """Compute the means of groups with several heights; return their first rows and means."""
         labels = self.spread(np.arange(len(self.starts)))
         ordered = self.heights[np.lexsort((self.heights, labels))]
         distinct = np.ones(len(ordered), dtype=np.bool_)
@@ -183,14 +184,14 @@ class _Groups:
 
 
 def _sorted_pairs(first: Rows, second: Rows) -> tuple[Rows, Rows]:
-    """Sort pairs of rows by the first, then the second: as one number each, which sorts fastest."""
+    """Sort pairs of rows lexicographically, each packed into one integer for speed."""
     pairs = first.astype(np.int64) << 32 | second
     pairs.sort()
     return (pairs >> 32).astype(np.int32), (pairs & 0xFFFFFFFF).astype(np.int32)
 
 
 def _means(heights: Floats, starts: Integers) -> Floats:
-    """Average each run of increasing heights, within the run's range.
+    """Compute the mean of each run of increasing heights, clipped to the run's range.
 
     Runs of huge heights are scaled down by a power of two, so that no sum overflows.
     """

@@ -1,14 +1,14 @@
-"""How rows in space become planar input: the plane, its axes, and heights above it.
+"""Frame of a projection plane: planar coordinates and heights of points in space.
 
 For ``"xy"`` the planar coordinates are x and y themselves: a view, no arithmetic. Every other plane
 is a rigid frame, an origin and three right-handed unit axes u, v and normal: a row p has the planar
 coordinates (p - origin).u and (p - origin).v and the height (p - origin).normal, each rounded. The
 triangulation is exact for those rounded coordinates.
 
-The origin is taken from amid the rows, so that far from zero little is lost to rounding; where the
-axes are parallel to those of space it is zero, and the coordinates are the caller's own numbers.
+The origin is the centre of the rows, which keeps rounding errors small far from zero; if the axes
+are parallel to the coordinate axes it is zero, and the coordinates are the caller's own numbers.
 Products are summed column by column, not by a matrix product, so that equal rows have equal
-coordinates wherever they stand in the array, and on every machine.
+coordinates at any place in the array, and on every machine.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.errors import DegenerateInputError, InputError
 
-_ROWS = 1 << 14  # measured at a time: what is computed on the way stays in the cache
+_ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 _DECOMPOSED_AT_ONCE = 1 << 19
 _RIGID = 1e-9
 _NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding, not tilt
@@ -30,14 +30,14 @@ _NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A plane with its axes: turns rows in space into planar coordinates and heights.
+    """A projection plane with its axes: converts points to planar coordinates and heights.
 
     Parameters
     ----------
     name : str
-        ``"xy"``, ``"fit"``, ``"normal"`` or ``"matrix"``: how the plane was given.
+        ``"xy"``, ``"fit"``, ``"normal"`` or ``"matrix"``: how the plane was specified.
     origin : (3,) ndarray of float64
-        The point in space that has planar coordinates (0, 0) and height 0.
+        The point in space with planar coordinates (0, 0) and height 0.
     axes : (3, 3) ndarray of float64
         The rows u, v and normal: unit vectors, right-handed.
 
@@ -54,20 +54,20 @@ class Frame:
 
     @property
     def normal(self) -> Floats:
-        """(3,) ndarray of float64: the unit vector that points up from the plane."""
+        """(3,) ndarray of float64: the upward unit normal of the plane."""
         normal: Floats = self.axes[2]
         return normal
 
     @property
     def matrix(self) -> Floats:
-        """(4, 4) ndarray of float64: the rigid transformation from space to the plane."""
+        """(4, 4) ndarray of float64: the rigid transformation from space to plane coordinates."""
         matrix: Floats = np.eye(4)
         matrix[:3, :3] = self.axes
         matrix[:3, 3] = -self.axes @ self.origin
         return matrix
 
     def planar(self, points: Floats) -> Floats:
-        """Planar coordinates of rows in space.
+        """Project points to planar coordinates.
 
         Parameters
         ----------
@@ -87,12 +87,12 @@ class Frame:
         if self.name == "xy":
             return points[:, :2]
         planar = np.empty((len(points), 2))
-        self._measure(points, 0, planar[:, 0])
-        self._measure(points, 1, planar[:, 1])
+        self._project(points, 0, planar[:, 0])
+        self._project(points, 1, planar[:, 1])
         return planar
 
     def heights(self, points: Floats) -> Floats:
-        """Heights of rows above the plane.
+        """Compute the heights of points above the plane.
 
         Parameters
         ----------
@@ -112,18 +112,18 @@ class Frame:
         if self.name == "xy":
             return points[:, 2]
         heights = np.empty(len(points))
-        self._measure(points, 2, heights)
+        self._project(points, 2, heights)
         return heights
 
     def raised(self, points: Floats, old: Floats, new: Floats) -> Floats:
-        """Rows moved along the normal from one height to another.
+        """Move points along the normal from one height to another.
 
         Parameters
         ----------
         points : (n, 3) ndarray of float64
             Rows in space.
         old, new : (n,) ndarray of float64
-            Their heights, and the heights they are to have.
+            Their present heights and their new heights.
 
         Returns
         -------
@@ -140,8 +140,8 @@ class Frame:
             return np.column_stack([points[:, :2], new])
         return points + (new - old)[:, None] * self.normal
 
-    def _measure(self, points: Floats, axis: int, along: Floats) -> None:
-        """Measure the rows along one axis, rounding; NaN and infinity pass silently."""
+    def _project(self, points: Floats, axis: int, along: Floats) -> None:
+        """Compute coordinates along one axis, rounded; NaN and infinity raise no warning."""
         with np.errstate(invalid="ignore", over="ignore"):
             for start in range(0, len(points), _ROWS):
                 rows = slice(start, start + _ROWS)
@@ -157,18 +157,18 @@ class Frame:
 
 
 def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
-    """Make the frame that an option ``plane`` stands for.
+    """Convert the option ``plane`` to a frame.
 
     Parameters
     ----------
     plane : "xy", "fit", (3,) or (4, 4) array-like
-        ``"xy"``: x and y as they are. ``"fit"``: the plane with the least sum of squared distances
-        to the finite rows; its normal has n_z > 0, or n_z = 0 and n_y > 0, or both zero and
-        n_x > 0. Being computed in floating point, it may differ by rounding for another order of
-        the rows. A vector: the normal, of any length but zero. A matrix: the rigid transformation
-        from space to the plane, as ``trimesh.geometry.plane_transform`` returns it.
+        ``"xy"``: x and y as they are. ``"fit"``: the least squares plane of the finite rows; its
+        normal has n_z > 0, or n_z = 0 and n_y > 0, or both zero and n_x > 0. It is computed in
+        floating point and may differ by rounding for another order of the rows. A vector: the
+        normal, of any length but zero. A matrix: the rigid transformation from space to plane
+        coordinates, as ``trimesh.geometry.plane_transform`` returns it.
     points : (n, 3) ndarray of float64
-        The rows that will be turned into planar coordinates; non-finite ones are ignored.
+        The rows to be projected; non-finite ones are ignored.
 
     Returns
     -------
@@ -178,14 +178,14 @@ def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
     Raises
     ------
     InputError
-        The option is none of these, the normal is zero, or the matrix is not rigid.
+        The option is not one of these, the normal is zero, or the matrix is not rigid.
     DegenerateInputError
-        A plane is to be fitted to fewer than three finite rows, or to rows on one line.
+        The plane is to be fitted to fewer than three finite rows, or to collinear rows.
 
     Notes
     -----
-    For every plane but ``"xy"`` the planar coordinates are rounded, and the triangulation is exact
-    relative to them.
+    For every plane except ``"xy"`` the planar coordinates are rounded, and the triangulation is
+    exact for the rounded coordinates.
 
     Examples
     --------
@@ -211,7 +211,7 @@ def _named(plane: str, points: Floats) -> Frame:
 
 
 def _numbers(plane: ArrayLike) -> Floats:
-    """Read a normal or a matrix as an array of finite numbers."""
+    """Convert a normal or a matrix to an array of finite numbers."""
     remedy = "give 'xy', 'fit', a normal of three numbers or a rigid 4x4 matrix"
     try:
         values = np.asarray(plane, dtype=np.float64)
@@ -225,18 +225,18 @@ def _numbers(plane: ArrayLike) -> Floats:
 
 
 def _normalized(vector: Floats) -> Floats:
-    """Bring a vector to length one, by a power of two first, so that no square overflows."""
+    """Scale a vector to length one, by a power of two first, so that no square overflows."""
     largest = np.abs(vector).max()
     if largest == 0:
-        raise InputError("the plane's normal is (0, 0, 0): give a vector that points up from it")
+        raise InputError("the plane's normal is (0, 0, 0): give an upward vector")
     scaled = np.ldexp(vector, -np.frexp(largest)[1])
     unit: Floats = scaled / np.sqrt((scaled * scaled).sum())
     return unit
 
 
 def _around(name: str, normal: Floats, centre: Floats) -> Frame:
-    """Make the frame of a unit normal, with origin zero where its axes are those of space."""
-    axes = _axes(normal + 0.0)  # the sum turns -0.0 into 0.0: it must not choose the axes
+    """Make the frame of a unit normal; its origin is zero if it has the coordinate axes."""
+    axes = _axes(normal + 0.0)  # the sum turns -0.0 into 0.0: the axes must not depend on it
     exact = bool(np.isin(axes, (-1.0, 0.0, 1.0)).all())
     return Frame(name, np.zeros(3) if exact else centre, axes)
 
@@ -244,8 +244,8 @@ def _around(name: str, normal: Floats, centre: Floats) -> Frame:
 def _axes(normal: Floats) -> Floats:
     """Right-handed unit axes (u, v, normal) without branches or cancellation.
 
-    Duff and others, Building an Orthonormal Basis, Revisited, JCGT 6 (1), 2017: u and v are x and y
-    for the normal z, and turn continuously with it through each half of the sphere.
+    T. Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6 (1), 2017: u and v are x and y
+    for the normal z, and depend continuously on the normal in each hemisphere.
     """
     x, y, z = normal
     sign = np.copysign(1.0, z)
@@ -257,31 +257,31 @@ def _axes(normal: Floats) -> Floats:
 
 
 def _finite(points: Floats) -> Floats:
-    """Select the finite rows; the array itself where all are."""
+    """Select the finite rows; return the array itself if all are finite."""
     finite = np.isfinite(points)
     return points if finite.all() else points[finite.all(axis=1)]
 
 
 def _centre(points: Floats) -> Floats:
-    """Find the centre of the finite rows' bounding box, whatever their order."""
+    """Compute the centre of the finite rows' bounding box, independent of their order."""
     rows = _finite(points)
     if len(rows) == 0:
         return np.zeros(3)
-    # Column by column: along axis 0 NumPy takes ten times as long.
+    # Column by column: reductions along axis 0 take ten times as long.
     return np.array([column.min() / 2 + column.max() / 2 for column in rows.T])
 
 
 def _fit(points: Floats) -> tuple[Floats, Floats]:
-    """Fit the plane of least squared distances to the finite rows: its normal and the centroid.
+    """Fit the least squares plane of the finite rows: its normal and the centroid.
 
-    The rows are taken relative to one of them before anything is summed, so that a large offset
-    costs no digits, and scaled by a power of two, so that nothing overflows. The normal is the last
-    right singular vector, which the rows share with the triangle of their QR decomposition.
+    The rows are taken relative to one of them before any sum, so that a large offset costs no
+    digits, and scaled by a power of two, so that nothing overflows. The normal is the last right
+    singular vector; the rows have the same one as the triangular factor of their QR decomposition.
     """
     rows = _finite(points)
     if len(rows) < 3:
         raise DegenerateInputError(
-            f"a plane cannot be fitted to {len(rows)} finite rows: it takes three or more"
+            f"a plane cannot be fitted to {len(rows)} finite rows: it needs three or more"
         )
     exponent = int(np.frexp(np.abs(rows).max())[1])
     base = np.ldexp(rows[0], -exponent)
@@ -299,7 +299,7 @@ def _fit(points: Floats) -> tuple[Floats, Floats]:
 
 
 def _triangle(rows: Floats) -> Floats:
-    """Make the triangle of the QR decomposition, in parts between which Ctrl-C is heard."""
+    """Compute the triangular factor of the QR decomposition in parts; Ctrl-C works in between."""
     triangle: Any = rows[:0]
     for start in range(0, len(rows), _DECOMPOSED_AT_ONCE):
         part = rows[start : start + _DECOMPOSED_AT_ONCE]
@@ -308,14 +308,14 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _upward(normal: Floats) -> Floats:
-    """Free a fitted normal from noise and make its last component that is not zero positive."""
+    """Remove noise from a fitted normal and make its last nonzero component positive."""
     cleaned = _normalized(np.where(np.abs(normal) < _NOISE, 0.0, normal))
     last = cleaned[np.flatnonzero(cleaned)[-1]]
     return cleaned if last > 0 else -cleaned
 
 
 def _from_matrix(matrix: Floats) -> Frame:
-    """Make the frame of a rigid matrix, with the point that it takes to zero as origin."""
+    """Make the frame of a rigid matrix; its origin is the point that is mapped to zero."""
     _check_rigid(matrix)
     axes = matrix[:3, :3].copy()
     origin: Floats = np.linalg.solve(axes, -matrix[:3, 3]).astype(np.float64)
@@ -334,9 +334,9 @@ def _check_rigid(matrix: Floats) -> None:
     if not error <= _RIGID:
         raise InputError(
             f"the plane's matrix is not rigid, its rotation is off by {error:.3g}: "
-            "take scale and shear out of it"
+            "remove scale and shear"
         )
     if np.linalg.det(axes) < 0:
         raise InputError(
-            "the plane's matrix mirrors (its determinant is -1): negate one row of its rotation"
+            "the plane's matrix is a reflection (determinant -1): negate one row of its rotation"
         )

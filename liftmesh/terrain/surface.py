@@ -1,8 +1,8 @@
-"""A surface: all of the caller's rows as vertices, the triangles over them, and an account of both.
+"""`Surface`: the caller's rows as vertices, with faces and a report on the use of every row.
 
-Vertices are the rows as they were given, in their order; faces index them. The planar problem that
-was solved stands beside them as a `Triangulation`, with the frame that led to it. The methods hand
-a surface to other libraries and to files.
+Vertices are the rows as given, in their order; faces index them. A surface also holds the solved
+planar problem as a `Triangulation`, and the frame of the projection. Its methods convert it to
+objects of other libraries and write it to files.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """What became of every row of the input: ``rows`` is the sum of the next four counts.
+    """Summary of the use of every input row: ``rows`` is the sum of the next four counts.
 
     Parameters
     ----------
@@ -40,21 +40,21 @@ class Report:
     used : int
         Rows that are vertices of faces.
     duplicates : int
-        Rows left out because a used row equals them in position and height, as they were given.
+        Rows not used because a used row has the same position and height in the input.
     overhangs : int
-        Rows left out because a used row has their planar position, at another height.
+        Rows not used because a used row has the same planar position at another height.
     skipped : int
-        Rows left out because they are not finite.
+        Rows not used because they are not finite.
     triangles : int
-        Faces.
+        Number of faces.
     policy : str
-        Which row of a shared planar position is used: the option ``duplicates``.
+        The option ``duplicates``: which row is used at a shared planar position.
     seconds : mapping of str to float
-        Time that each stage took.
+        Duration of each stage.
     left_out : (k,) ndarray of int32
-        The rows in no face, increasing: duplicates, overhangs and skipped ones.
+        The rows in no face, increasing: duplicates, overhangs and skipped rows.
     representatives : (k,) ndarray of int32
-        For each row left out, the used row of the same planar position; -1 for skipped ones.
+        For each row in ``left_out``, the used row at the same planar position; -1 for skipped rows.
 
     Examples
     --------
@@ -110,24 +110,24 @@ class Surface:
     Parameters
     ----------
     vertices : (n, 3) ndarray of float64
-        All rows of the input in their order; shared with the caller's array where it was float64.
+        All rows of the input in their order; shared with the caller's array if it is float64.
     faces : (m, 3) ndarray of int32
         Triangles as rows of ``vertices``, counter-clockwise seen from above the plane.
     triangulation : Triangulation
-        The planar problem and its solution. Of a shared planar position it keeps the lowest row,
-        where ``faces`` may name another: see ``report``.
+        The planar problem and its solution. At a shared planar position it keeps the first row,
+        while ``faces`` may use another: see ``report``.
     frame : Frame
-        The plane and its axes.
+        The projection plane and its axes.
     report : Report
-        What became of every row.
+        Summary of the use of every row.
     colors : (n, 3) or (n, 4) ndarray, optional
         Colours of the vertices.
     normals : (n, 3) ndarray, optional
-        Normals of the input's rows, as they were given.
+        Normals of the input's rows, unchanged.
     attributes : mapping of str to (n, ...) ndarray
         Further named values of the vertices.
     metadata : mapping
-        What belongs to the whole input.
+        Information about the input as a whole.
     crs : str, optional
         The coordinate reference system of the input: WKT or ``EPSG:n``.
 
@@ -157,12 +157,12 @@ class Surface:
         return f"<Surface of {triangles} over {len(self.vertices):,} vertices>"
 
     def to_cloud(self) -> Cloud:
-        """Make a cloud with faces.
+        """Convert the surface to a cloud with faces.
 
         Returns
         -------
         Cloud
-            The same arrays, without the planar problem and the report.
+            The same arrays, without the triangulation and the report.
 
         Examples
         --------
@@ -182,13 +182,13 @@ class Surface:
         )
 
     def to_trimesh(self) -> trimesh_package.Trimesh:
-        """Make a trimesh mesh.
+        """Convert the surface to a trimesh mesh.
 
         Returns
         -------
         trimesh.Trimesh
             Unprocessed: every vertex in its place, used or not, with 8-bit RGBA colours, normals
-            and vertex attributes. Coordinates are copied: edits do not reach the surface.
+            and vertex attributes. Coordinates are copied: edits do not affect the surface.
 
         Raises
         ------
@@ -204,7 +204,7 @@ class Surface:
         return trimesh.to_mesh(self.to_cloud())
 
     def to_open3d(self) -> o3d.geometry.TriangleMesh:
-        """Make a legacy Open3D mesh.
+        """Convert the surface to a legacy Open3D mesh.
 
         Returns
         -------
@@ -228,7 +228,7 @@ class Surface:
         return open3d.to_legacy(self.to_cloud())
 
     def to_open3d_t(self) -> o3d.t.geometry.TriangleMesh:
-        """Make a tensor Open3D mesh.
+        """Convert the surface to a tensor Open3D mesh.
 
         Returns
         -------
@@ -239,7 +239,7 @@ class Surface:
         Raises
         ------
         InputError
-            A colour is outside its range, or an attribute has a type that tensors do not know.
+            A colour is outside its range, or an attribute has a type that tensors do not support.
         MissingDependencyError
             Open3D, or a system library it needs, is not installed.
 
@@ -253,13 +253,13 @@ class Surface:
         return open3d.to_tensor(self.to_cloud())
 
     def to_matplotlib(self) -> matplotlib_tri.Triangulation:
-        """Make a matplotlib triangulation of the triangles in the plane.
+        """Convert the planar triangles to a matplotlib triangulation.
 
         Returns
         -------
         matplotlib.tri.Triangulation
-            Planar coordinates and faces: plot with ``surface.vertices[:, 2]`` or any other values
-            of one a vertex.
+            Planar coordinates and faces, for plots of ``surface.vertices[:, 2]`` or of any array
+            of one value per vertex.
 
         Raises
         ------
@@ -281,14 +281,14 @@ class Surface:
         Parameters
         ----------
         path : path or binary file
-            Where to; the suffix says which format.
+            Where to write; the suffix determines the format.
         **options
-            What `liftmesh.write` takes.
+            As for `liftmesh.write`.
 
         Returns
         -------
         Written
-            What was written, as `liftmesh.write` returns it.
+            Summary of what was written, as returned by `liftmesh.write`.
 
         Raises
         ------

@@ -1,9 +1,9 @@
-"""From a cloud to a surface: the main job, stage by stage.
+"""triangulate(): from a cloud to a surface, in stages.
 
-The cloud becomes rows with what is known of each; the plane turns them into planar coordinates and
-heights; the planar points are triangulated, exactly; where several rows share a planar position the
-policy says which one carries the surface. The vertices are the caller's rows, all of them, in their
-order: only the faces choose among them.
+The input is converted to a `Cloud`; its rows are projected to planar coordinates and heights; the
+planar points are triangulated, exactly; if several rows share a planar position, a policy selects
+the row that is used as the vertex. The surface's vertices are all of the caller's rows, in their
+order: the selection concerns the faces only.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
 from liftmesh.options import Duplicates, Method, NonFinite, check_option
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.equal_positions import Choice, choose_carriers
+from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.surface import Report, Surface
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
 
 
-# The share of the whole work that is done when a stage is: the triangulation is the bulk of it.
+# Fraction of the whole work that is done at the end of each stage.
 DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
 
 
@@ -50,39 +50,38 @@ def triangulate(
     cloud : object
         An array-like of shape (n, 3), or (n, 2) for z = 0; a ``trimesh.PointCloud`` or
         ``trimesh.Trimesh`` (its vertices); an Open3D point cloud, legacy or tensor; a path; a
-        `Cloud`; or what an installed adapter accepts. Never modified.
+        `Cloud`; or an object that an installed adapter accepts. Never modified.
     plane : "xy", "fit", (3,) or (4, 4) array-like
-        What the cloud is seen from above of: the xy plane; the plane that fits it best (its normal
-        has n_z > 0; then n_y, then n_x); a normal; or the rigid transformation from space to the
-        plane, as ``trimesh.geometry.plane_transform`` returns it. For all but ``"xy"`` the planar
-        coordinates are rounded, and the result is exact relative to them.
+        Projection plane: the xy plane; the least squares plane (its normal has n_z > 0; if zero,
+        n_y > 0, then n_x > 0); a normal; or the rigid transformation from space to plane
+        coordinates, as ``trimesh.geometry.plane_transform`` returns it. Except for ``"xy"`` the
+        planar coordinates are rounded, and the result is exact for the rounded coordinates.
     duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
-        Which of several rows of one planar position, at different heights, carries the surface:
-        the first or last row; the lowest or highest one; the first one, raised to the mean of the
-        different heights, nothing else of it changed; or none, as an error. Rows equal in height
-        too are merged and counted.
+        Policy for rows at one planar position with different heights: use the first or last row as
+        the vertex; the lowest or highest one; the first one, moved to the mean of the different
+        heights and otherwise unchanged; or raise an error. Rows equal in height too are merged and
+        counted.
     nonfinite : {"error", "skip"}
-        What to do with rows that hold NaN or infinity: refuse them, or leave them unused.
+        Policy for rows that hold NaN or infinity: raise an error, or skip them.
     method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
-        The engine, as `delaunay` names it: the same triangles by any.
+        The algorithm, as for `delaunay`; all give the same triangles.
     q : {"origin", "median"} or (2,) array_like
-        The vertex of the paraboloid, in the coordinates of the plane; only "lf" and "lfres" use it.
+        The vertex of the paraboloid in plane coordinates; only "lf" and "lfres" use it.
     threads : int, optional
-        How many threads the triangulation may take, from 1 to 1024; the surface is bit for bit the
-        same for any number. By default the environment variable ``LIFTMESH_NUM_THREADS`` says it,
-        or else one for each core is taken, and runs from several Python threads share them.
+        Number of threads for the triangulation, from 1 to 1024; the surface is bit for bit the
+        same for any number. By default the value of the environment variable
+        ``LIFTMESH_NUM_THREADS``, or else one per core, shared by concurrent runs.
     progress : callable, optional
-        Called with the share of the whole work that is done, a float from 0 to 1 that never falls:
-        after each stage, some twenty times a second at most while divide and conquer is at work,
-        and with 1.0 when all is done. It is called from the thread that called `triangulate`. What
-        it raises ends the run and comes out of `triangulate` as it is; the cloud stays as it was,
-        and nothing of the run remains.
+        Called with the fraction of the work done, a float from 0 to 1 that never decreases: after
+        each stage, at most about twenty times a second during divide and conquer, and with 1.0 at
+        the end. It is called in the thread that called `triangulate`. An exception that it raises
+        aborts the run and propagates unchanged; the cloud stays as it was, and no result remains.
 
     Returns
     -------
     Surface
-        All rows as vertices, in their order; faces counter-clockwise seen from above; colours,
-        normals and named values; and a report on what became of every row.
+        All rows as vertices, in their order; faces, counter-clockwise seen from above; colours,
+        normals and named values; and a report on the use of every row.
 
     Raises
     ------
@@ -91,15 +90,15 @@ def triangulate(
     NonFiniteError
         A row is not finite and ``nonfinite`` is ``"error"``.
     DuplicateHeightError
-        Rows collide and ``duplicates`` is ``"error"``.
+        Rows at one planar position have different heights and ``duplicates`` is ``"error"``.
     DegenerateInputError
-        Fewer than three distinct planar positions, or all on one line.
+        There are fewer than three distinct planar positions, or all lie on one line.
     UnsupportedTypeError
-        No adapter turns the object into a cloud.
+        No adapter can convert the object to a cloud.
     FormatError
-        The file is of an unknown format or broken.
+        The format of the file is unknown, or the file is invalid.
     OSError
-        The file is not there or cannot be opened.
+        The file does not exist or cannot be opened.
 
     Examples
     --------
@@ -112,39 +111,39 @@ def triangulate(
     check_option("duplicates", duplicates, Duplicates)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("method", method, Method)
-    course = _Course(progress)
+    stages = _Stages(progress)
     source = read_cloud(cloud)
-    course.lap("read")
+    stages.finish("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
-        check_finite(source.points)  # a fit passes over such rows: the engine never saw them
+        check_finite(source.points)  # a fit ignores such rows, and its errors would hide them
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
-    course.lap("plane")
+    stages.finish("plane")
     options: _Options = {"nonfinite": nonfinite, "method": method, "q": q, "threads": threads}
-    solution = _solve(source.points, planar, heights, options, course.within("triangulation"))
-    course.lap("triangulation")
-    choice = choose_carriers(solution.duplicates, heights, planar, duplicates)
+    solution = _solve(source.points, planar, heights, options, stages.within("triangulation"))
+    stages.finish("triangulation")
+    choice = choose_rows(solution.duplicates, heights, planar, duplicates)
     faces = _faces(solution, choice)
     vertices = _vertices(source.points, heights, frame, choice)
-    course.lap("heights")
+    stages.finish("heights")
     surface = Surface(
         vertices=vertices,
         faces=faces,
         triangulation=solution,
         frame=frame,
-        report=_report(solution, choice, duplicates, course.seconds),
+        report=_report(solution, choice, duplicates, stages.seconds),
         colors=source.colors,
         normals=source.normals,
         attributes=source.attributes,
         metadata=source.metadata,
         crs=source.crs,
     )
-    course.end()
+    stages.end()
     return surface
 
 
 class _Options(TypedDict):
-    """What the engine is told."""
+    """Options of `delaunay`."""
 
     nonfinite: NonFinite
     method: Method
@@ -152,8 +151,8 @@ class _Options(TypedDict):
     threads: int | None
 
 
-class _Course:
-    """How a run goes: seconds by stage, and the share of the whole work that is done."""
+class _Stages:
+    """Progress of a run: seconds by stage, and the fraction of the work done."""
 
     def __init__(self, progress: Progress | None) -> None:
         self.seconds: dict[str, float] = {}
@@ -161,26 +160,26 @@ class _Course:
         self._done = 0.0
         self._last = time.perf_counter()
 
-    def lap(self, stage: str) -> None:
-        """End a stage."""
+    def finish(self, stage: str) -> None:
+        """Record the end of a stage."""
         now = time.perf_counter()
         self.seconds[stage] = now - self._last
         self._last = now
-        self._tell(DONE_AFTER[stage])
+        self._report(DONE_AFTER[stage])
 
     def within(self, stage: str) -> Progress | None:
-        """Make what a stage tells of itself, from 0 to 1, a share of the whole."""
+        """Return a callback that scales a stage's own progress, from 0 to 1, to the whole run."""
         if self._progress is None:
             return None
         start, size = self._done, DONE_AFTER[stage] - self._done
-        return lambda share: self._tell(start + share * size)
+        return lambda fraction: self._report(start + fraction * size)
 
     def end(self) -> None:
-        """Tell that all is done."""
-        self._tell(1.0)
+        """Report the end of the run."""
+        self._report(1.0)
 
-    def _tell(self, done: float) -> None:
-        # Rounding may put the end of a stage, told from within it, an ulp beyond.
+    def _report(self, done: float) -> None:
+        # Rounding may put the scaled end of a stage an ulp beyond its nominal end.
         self._done = max(self._done, done)
         if self._progress is not None:
             self._progress(self._done)
@@ -193,10 +192,10 @@ def _solve(
     options: _Options,
     progress: Progress | None,
 ) -> Triangulation:
-    """Triangulate the planar points; a row whose height is not finite is not finite either.
+    """Triangulate the planar points; a row whose height is not finite counts as not finite.
 
-    The engine looks at planar coordinates itself, so only the heights take a pass here, and only
-    where one is not finite is the array of planar coordinates copied, to mark that row.
+    `delaunay` checks the planar coordinates itself, so only the heights are checked here. If one is
+    not finite, the planar coordinates are copied to mark that row.
     """
     if not np.isfinite(heights).all():
         if options["nonfinite"] == "error":
@@ -207,14 +206,14 @@ def _solve(
         solution = delaunay(planar, **options, progress=progress)
     except NonFiniteError:
         if np.isfinite(planar).all():
-            raise  # it is not about these points, but what `progress` raised
+            raise  # not about these points: raised by `progress`
         raise _nonfinite_error(points, planar, heights) from None
     _refuse_overflow(points, solution.skipped)
     return solution
 
 
 def _nonfinite_error(points: Floats, planar: Floats, heights: Floats) -> InputError:
-    """Make the error for the first row that is not finite, in the caller's coordinates."""
+    """Return the error for the first row that is not finite, in the caller's coordinates."""
     finite = np.isfinite(planar).all(axis=1) & np.isfinite(heights)
     row = int(np.argmin(finite))
     if np.isfinite(points[row]).all():
@@ -231,23 +230,23 @@ def _refuse_overflow(points: Floats, skipped: Rows) -> None:
 
 def _overflow(row: int, points: Floats) -> InputError:
     return InputError(
-        f"row {row}, {tuple(points[row].tolist())}, overflows in the coordinates of the plane: "
+        f"row {row}, {tuple(points[row].tolist())}, overflows in plane coordinates: "
         "scale the cloud down"
     )
 
 
 def _faces(solution: Triangulation, choice: Choice) -> Rows:
-    """Put the triangles over the carriers; the engine's own array where that changes nothing."""
-    changed = choice.kept != choice.carriers
+    """Replace kept rows by chosen rows; return the same array if there is no change."""
+    changed = choice.kept != choice.chosen
     if not changed.any():
         return solution.simplices
-    carrier_of = np.arange(solution.npoints, dtype=np.int32)
-    carrier_of[choice.kept[changed]] = choice.carriers[changed]
-    return carrier_of[solution.simplices]
+    vertex_of = np.arange(solution.npoints, dtype=np.int32)
+    vertex_of[choice.kept[changed]] = choice.chosen[changed]
+    return vertex_of[solution.simplices]
 
 
 def _vertices(points: Floats, heights: Floats, frame: Frame, choice: Choice) -> Floats:
-    """Give the caller's rows, or a copy where the height of one changes."""
+    """Return the caller's rows, or a copy if a height changes."""
     moved = choice.moved
     if len(moved) == 0:
         return points
