@@ -100,7 +100,7 @@ def _is_ctrl_c(error: BaseException | None) -> bool:
 def _in_options(message: str) -> str:
     """A message of the library, its Python options as those of the command line."""
     message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
-    return message.replace("give format=", "give --from FORMAT")
+    return message.replace("with format=", "with --from FORMAT")
 
 
 def _where_to_look(error: BaseException) -> str:
