@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, Mask, Reals
+from liftmesh._typing import Array, Floats, Mask, Reals, Rows
 from liftmesh.errors import InputError, NonFiniteError
 
 MOST_ROWS: int = _kernel.MOST_ROWS
@@ -168,6 +168,31 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
         f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,
     )
+
+
+def used_rows(length: int, triangles: Rows) -> Rows:
+    """List the rows that are corners of triangles.
+
+    Parameters
+    ----------
+    length : int
+        Number of all rows.
+    triangles : (m, 3) ndarray of int
+        Triangles.
+
+    Returns
+    -------
+    (k,) ndarray of int32
+        Ascending, each row once.
+
+    Examples
+    --------
+    >>> used_rows(5, np.array([[4, 0, 1], [4, 1, 0]])).tolist()
+    [0, 1, 4]
+    """
+    used = np.zeros(length, dtype=np.bool_)
+    used[triangles] = True
+    return np.flatnonzero(used).astype(np.int32)
 
 
 def _as_array(points: ArrayLike) -> Array:

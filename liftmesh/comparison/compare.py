@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex
+from liftmesh.arrays import used_rows
 from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.evidence import Evidence
 from liftmesh.comparison.hull_facets import trimesh_hull
-from liftmesh.comparison.matching import used_rows
 from liftmesh.comparison.report import Comparison
 from liftmesh.io.files import read_cloud
 from liftmesh.options import NonFinite

@@ -74,28 +74,3 @@ def first_of_each(indices: Indices) -> Mask:
     first[indices[::-1]] = np.arange(len(indices))[::-1]
     mark: Mask = (first[indices] == np.arange(len(indices))) & (indices >= 0)
     return mark
-
-
-def used_rows(length: int, triangles: Rows) -> Rows:
-    """List the rows that are corners of triangles.
-
-    Parameters
-    ----------
-    length : int
-        Number of all rows.
-    triangles : (m, 3) ndarray of int32
-        Triangles.
-
-    Returns
-    -------
-    (k,) ndarray of int32
-        Ascending, each row once.
-
-    Examples
-    --------
-    >>> used_rows(5, np.array([[4, 0, 1], [4, 1, 0]])).tolist()
-    [0, 1, 4]
-    """
-    used = np.zeros(length, dtype=bool)
-    used[triangles] = True
-    return np.flatnonzero(used).astype(np.int32)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from liftmesh._typing import Rows
+from liftmesh.arrays import used_rows
 from liftmesh.cloud import Cloud, constructed_from
-from liftmesh.comparison.matching import used_rows
 from liftmesh.planar.lifting import LowerHull, lift
 
 if TYPE_CHECKING:

@@ -63,8 +63,6 @@ def triangulated(
         Vertices of each face, counted from 0.
     vertices : int
         Number of vertices.
-    name : str
-        The file's name for messages.
     where : callable, optional
         Describes face number i in messages.
 

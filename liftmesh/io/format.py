@@ -3,17 +3,22 @@
 A format declares what a cloud must have to be written (`Format.needs`) and which parts of a cloud
 the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the
 needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
+
+PLY and OBJ have no place for a coordinate system but comments: there it is ``crs`` and a JSON
+string.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+import json
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Floats, Indices
+from liftmesh._typing import Floats, Rows
+from liftmesh.arrays import used_rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import fits_eight_bits, is_opaque
@@ -23,6 +28,8 @@ Reader: TypeAlias = Callable[[BinaryIO, str], Cloud]
 ChunkReader: TypeAlias = Callable[[BinaryIO, str, int], Iterator[Cloud]]
 Writer: TypeAlias = Callable[..., Origin | None]
 Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
+
+_CRS = "crs "  # begins the comment that states a coordinate system
 
 NEEDS = ("points", "faces", "finite")
 
@@ -154,7 +161,7 @@ def _has(cloud: Cloud, word: str, origin: Origin | None) -> bool:
     """Whether a cloud has a part that could be lost."""
     colors = cloud.colors
     if word == "points":
-        return _unused(cloud)
+        return _has_unused_rows(cloud)
     if word == "float64":
         return not _fits_single(cloud.points, origin)
     if word == "alpha":
@@ -166,18 +173,15 @@ def _has(cloud: Cloud, word: str, origin: Origin | None) -> bool:
     return getattr(cloud, word) is not None
 
 
-def _held(found: Format, cloud: Cloud) -> Indices:
-    """Return the rows that a file holds: all, or those of the faces."""
+def _held(found: Format, cloud: Cloud) -> Rows:
+    """The rows that a file holds: all, or those of the faces."""
     if "points" in found.keeps or cloud.faces is None:
-        return np.arange(len(cloud))
-    return np.unique(cloud.faces).astype(np.intp)
+        return np.arange(len(cloud), dtype=np.int32)
+    return used_rows(len(cloud), cloud.faces)
 
 
-def _unused(cloud: Cloud) -> bool:
-    used = np.zeros(len(cloud), dtype=np.bool_)
-    if cloud.faces is not None:
-        used[cloud.faces] = True
-    return not used.all()
+def _has_unused_rows(cloud: Cloud) -> bool:
+    return cloud.faces is None or len(used_rows(len(cloud), cloud.faces)) < len(cloud)
 
 
 def _fits_single(points: Floats, origin: Origin | None) -> bool:
@@ -188,7 +192,7 @@ def _fits_single(points: Floats, origin: Origin | None) -> bool:
     return np.array_equal(again, points, equal_nan=True)
 
 
-def _check_finite(cloud: Cloud, rows: Indices, name: str) -> None:
+def _check_finite(cloud: Cloud, rows: Rows, name: str) -> None:
     bad = ~np.isfinite(cloud.points[rows]).all(axis=1)
     if bad.any():
         row = int(rows[np.argmax(bad)])
@@ -196,3 +200,30 @@ def _check_finite(cloud: Cloud, rows: Indices, name: str) -> None:
             f"vertex {row} is {cloud.points[row].tolist()}: {name} holds finite coordinates only: "
             "remove such rows, or write PLY or OBJ"
         )
+
+
+def crs_comment(crs: str | None) -> list[str]:
+    """Comments that state a coordinate system: one, in ASCII whatever the text holds, or none.
+
+    >>> crs_comment("EPSG:25832")
+    ['crs "EPSG:25832"']
+    """
+    return [] if crs is None else [_CRS + json.dumps(crs)]
+
+
+def stated_crs(comments: Iterable[str]) -> str | None:
+    """The coordinate system that comments state; None for comments that only look alike.
+
+    >>> stated_crs(["liftmesh", 'crs "EPSG:25832"'])
+    'EPSG:25832'
+    """
+    found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
+    return next((crs for crs in found if crs is not None), None)
+
+
+def _crs(comment: str) -> str | None:
+    try:
+        crs = json.loads(comment.removeprefix(_CRS))
+    except (ValueError, RecursionError):
+        return None
+    return crs if isinstance(crs, str) and crs else None

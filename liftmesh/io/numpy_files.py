@@ -46,13 +46,6 @@ _BROKEN = (
 def read_npy(stream: BinaryIO, name: str) -> Cloud:
     """Read points from an NPY file.
 
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-
     Returns
     -------
     Cloud
@@ -69,15 +62,6 @@ def read_npy(stream: BinaryIO, name: str) -> Cloud:
 
 def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     """Read points from an NPY file in chunks.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-    rows : int
-        Maximum number of rows of a chunk.
 
     Yields
     ------
@@ -100,13 +84,6 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
 def read_npz(stream: BinaryIO, name: str) -> Cloud:
     """Read a cloud or mesh from an NPZ file.
 
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-
     Returns
     -------
     Cloud
@@ -126,15 +103,6 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
 
 def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     """Read the points of an NPZ file, with all their data, in chunks.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-    rows : int
-        Maximum number of rows of a chunk.
 
     Yields
     ------
@@ -160,8 +128,6 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
 
     Parameters
     ----------
-    stream : binary stream
-        Where to write.
     cloud : Cloud
         Written as ``points`` and, if present, ``colors``, ``normals``, ``faces``, ``crs`` and each
         attribute by its name.

@@ -22,9 +22,8 @@ from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, recognized
-from liftmesh.io.comments import crs_comment, stated_crs
 from liftmesh.io.faces import Ragged, face_counts, triangulated
-from liftmesh.io.format import Format
+from liftmesh.io.format import Format, crs_comment, stated_crs
 from liftmesh.io.text_tables import (
     BLOCK,
     Block,
@@ -48,13 +47,6 @@ _EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=obj
 
 def read_obj(stream: BinaryIO, name: str) -> Cloud:
     """Read an OBJ file.
-
-    Parameters
-    ----------
-    stream : binary stream
-        At the first byte of the file.
-    name : str
-        The file's name for messages.
 
     Returns
     -------
@@ -204,8 +196,6 @@ def _parse_corners(
     ----------
     faces : Block
         The text after the keyword ``f``.
-    name : str
-        The file's name for messages.
     numbers : pair of arrays of int
         The lines of the block's vertices and of its normals: backward indices count from there.
     before : pair of int
@@ -368,10 +358,6 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
 
     Parameters
     ----------
-    stream : binary stream
-        Where to write.
-    cloud : Cloud
-        What to write.
     comments : sequence of str
         Lines for the top of the file.
 

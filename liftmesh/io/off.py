@@ -27,13 +27,6 @@ _HEAD = re.compile(r"(?:ST)?C?N?OFF(?:\s+(.*))?")
 def read_off(stream: BinaryIO, name: str) -> Cloud:
     """Read an OFF file.
 
-    Parameters
-    ----------
-    stream : binary stream
-        At the first byte of the file.
-    name : str
-        The file's name for messages.
-
     Returns
     -------
     Cloud
@@ -65,8 +58,6 @@ def write_off(stream: BinaryIO, cloud: Cloud) -> None:
 
     Parameters
     ----------
-    stream : binary stream
-        Where to write.
     cloud : Cloud
         A mesh; colours, normals and attributes are not written.
     """

@@ -102,7 +102,7 @@ ADAPTERS = (
 # Tried after the adapters of other packages.
 FALLBACKS = (
     Adapter("object with to_cloud()", plain.has_to_cloud, plain.converted),
-    Adapter("object with vertices and faces", plain.has_parts, plain.from_parts),
+    Adapter("object with vertices and faces", plain.is_mesh_like, plain.from_mesh_like),
     Adapter("array-like", plain.is_array_like, plain.from_array),
 )
 

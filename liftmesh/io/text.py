@@ -151,13 +151,6 @@ def read_text(stream: BinaryIO, name: str) -> Cloud:
     ``//`` are comments; the last one before the first row is the header if it names as many columns
     as the row has, x and y among them.
 
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-
     Returns
     -------
     Cloud
@@ -184,15 +177,6 @@ def read_text_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     """Read points from text in chunks, otherwise like `read_text`.
 
     The meaning of the columns depends on all rows, so the file is parsed twice.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
-    rows : int
-        Maximum number of rows of a chunk.
 
     Yields
     ------

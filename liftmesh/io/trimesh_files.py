@@ -18,6 +18,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from liftmesh._typing import Array, Floats
+from liftmesh.arrays import used_rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.format import Format, Origin
@@ -34,13 +35,6 @@ _STATED = "liftmesh origin"
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
     """Read an STL file, binary or text.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
 
     Returns
     -------
@@ -65,8 +59,6 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
 
     Parameters
     ----------
-    stream : binary stream
-        Where to write.
     cloud : Cloud
         A mesh; STL holds its triangles only.
 
@@ -81,7 +73,7 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
         The coordinates do not fit single precision.
     """
     faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
-    origin = needed_origin(cloud.points[np.unique(faces)], "stl")
+    origin = needed_origin(cloud.points[used_rows(len(cloud), faces)], "stl")
     shown = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(shown) > _HEADER_SIZE:
         raise FormatError(f"the origin {origin} does not fit the header of STL: write PLY or OBJ")
@@ -94,13 +86,6 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
 
 def read_glb(stream: BinaryIO, name: str) -> Cloud:
     """Read a GLB file: the triangles and points of all its meshes, transformed into the scene.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Seekable, at the first byte of the file.
-    name : str
-        The file's name for messages.
 
     Returns
     -------
@@ -125,8 +110,6 @@ def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
 
     Parameters
     ----------
-    stream : binary stream
-        Where to write.
     cloud : Cloud
         The mesh or points; attributes are not written.
 

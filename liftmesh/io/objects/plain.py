@@ -1,4 +1,4 @@
-"""Objects of no particular library: arrays, and objects with attributes of common names."""
+"""Objects of no particular library: arrays, and objects with points under the usual names."""
 
 from __future__ import annotations
 
@@ -15,118 +15,27 @@ _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "
 
 
 def is_array(source: object) -> bool:
-    """Whether an object is an array or a list of rows.
-
-    Parameters
-    ----------
-    source : object
-        Any object.
-
-    Returns
-    -------
-    bool
-        True for NumPy arrays, lists and tuples.
-
-    Examples
-    --------
-    >>> is_array([[0, 1, 2]])
-    True
-    """
+    """Whether an object is an array or a list of rows."""
     return isinstance(source, np.ndarray | list | tuple)
 
 
 def is_array_like(source: object) -> bool:
-    """Whether NumPy may be able to convert an object to an array.
-
-    Parameters
-    ----------
-    source : object
-        Any object.
-
-    Returns
-    -------
-    bool
-        True if it supports one of NumPy's protocols, or has a length.
-
-    Examples
-    --------
-    >>> is_array_like(memoryview(b"")), is_array_like(1)
-    (True, False)
-    """
+    """Whether NumPy may make an array of an object: it has one of its protocols, or a length."""
     return any(hasattr(source, name) for name in _ARRAY_LIKE)
 
 
 def from_array(source: Any) -> Cloud:
-    """Convert rows of coordinates to a cloud.
-
-    Parameters
-    ----------
-    source : array_like of shape (n, 2) or (n, 3)
-        Real numbers.
-
-    Returns
-    -------
-    Cloud
-        The rows; a missing z is 0.
-
-    Raises
-    ------
-    InputError
-        The shape or the type of the values is wrong.
-
-    Examples
-    --------
-    >>> from_array([[1, 2]]).points
-    array([[1., 2., 0.]])
-    """
+    """Make a cloud of rows of two or three coordinates; a missing z is 0."""
     return Cloud(arrays.as_rows3(source))
 
 
 def has_to_cloud(source: object) -> bool:
-    """Whether an object converts itself to a cloud.
-
-    Parameters
-    ----------
-    source : object
-        Any object.
-
-    Returns
-    -------
-    bool
-        True if it has a method ``to_cloud``.
-
-    Examples
-    --------
-    >>> has_to_cloud(1)
-    False
-    """
+    """Whether an object converts itself."""
     return hasattr(source, "to_cloud")
 
 
 def converted(source: Any) -> Cloud:
-    """Call an object's own ``to_cloud()``.
-
-    Parameters
-    ----------
-    source : object
-        For example a `Surface`, or an object of a package that supports liftmesh.
-
-    Returns
-    -------
-    Cloud
-        The result.
-
-    Raises
-    ------
-    UnsupportedTypeError
-        The result is not a `Cloud`.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> len(converted(liftmesh.triangulate([[0, 0], [1, 0], [0, 1]])))
-    3
-    """
+    """Call an object's own ``to_cloud()``."""
     cloud = source.to_cloud()
     if isinstance(cloud, Cloud):
         return cloud
@@ -136,52 +45,13 @@ def converted(source: Any) -> Cloud:
     )
 
 
-def has_parts(source: object) -> bool:
-    """Whether an object has the attributes of a mesh.
-
-    Parameters
-    ----------
-    source : object
-        Any object.
-
-    Returns
-    -------
-    bool
-        True if it has ``vertices`` and ``faces``.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> has_parts(trimesh.creation.box())
-    True
-    """
+def is_mesh_like(source: object) -> bool:
+    """Whether an object has the attributes of a mesh."""
     return hasattr(source, "vertices") and hasattr(source, "faces")
 
 
-def from_parts(source: Any) -> Cloud:
-    """Convert an object with the attributes of a mesh to a cloud.
-
-    Parameters
-    ----------
-    source : object
-        Has ``vertices``, ``faces`` and optionally ``colors``, ``normals`` and ``attributes``.
-
-    Returns
-    -------
-    Cloud
-        The points with their values and faces.
-
-    Raises
-    ------
-    InputError
-        The lengths of the arrays differ.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> len(from_parts(SimpleNamespace(vertices=[[0, 0, 5]], faces=None)))
-    1
-    """
+def from_mesh_like(source: Any) -> Cloud:
+    """Make a cloud of ``vertices``, ``faces`` and, if present, colours, normals and attributes."""
     return Cloud(
         arrays.as_rows3(source.vertices),
         colors=_optional(source, "colors"),
@@ -192,24 +62,7 @@ def from_parts(source: Any) -> Cloud:
 
 
 def qualified_name(source: object) -> str:
-    """Return the full name of an object's type.
-
-    Parameters
-    ----------
-    source : object
-        Any object.
-
-    Returns
-    -------
-    str
-        Module and name, for messages.
-
-    Examples
-    --------
-    >>> from fractions import Fraction
-    >>> qualified_name(Fraction(1, 2))
-    'fractions.Fraction'
-    """
+    """The type of an object with its module, as messages show it."""
     kind = type(source)
     return f"{kind.__module__}.{kind.__qualname__}"
 

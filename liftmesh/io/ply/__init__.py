@@ -1,16 +1,177 @@
-"""PLY, the format that preserves everything: doubles, colours, normals, attributes."""
+"""PLY, the format that preserves everything: doubles, colours, normals, attributes, a crs.
+
+Reading starts here: the vertex element becomes rows, the face element triangles. Data that a Cloud
+cannot hold (other elements, properties of faces, lists of vertices) is skipped, and listed in the
+metadata.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
-from liftmesh.io.format import Format
-from liftmesh.io.ply.reader import read_ply, read_ply_chunks
+import numpy as np
+
+from liftmesh.errors import FormatError
+from liftmesh.io.columns import CloudBuilder, built_in_chunks
+from liftmesh.io.faces import face_counts, triangulated
+from liftmesh.io.format import Format, stated_crs
+from liftmesh.io.ply.body import AsciiBody, BinaryBody
+from liftmesh.io.ply.header import Element, read_header
 from liftmesh.io.ply.writer import write_ply
+from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
+    from liftmesh.io.faces import Ragged
+
+_INDICES = ("vertex_indices", "vertex_index")
+
+Body: TypeAlias = AsciiBody | BinaryBody
+
+
+def read_ply(stream: BinaryIO, name: str) -> Cloud:
+    """Read a PLY file, text or binary of either byte order.
+
+    Returns
+    -------
+    Cloud
+        Coordinates as float64; nx, ny, nz as normals, red, green, blue (alpha) as colours, other
+        scalar properties as attributes, all in the file's types; polygons as fans of triangles.
+        A comment ``crs "EPSG:25832"`` is the coordinate system.
+        ``metadata`` holds ``comments``, ``obj_info``, and, if there are any, the number of
+        ``polygons`` split into triangles, of omitted ``degenerate_faces`` of fewer than three
+        vertices, and the names of ``skipped`` properties and elements.
+
+    Raises
+    ------
+    FormatError
+        The file is invalid; the message gives the line or byte.
+    """
+    return _Reading(stream, name).cloud()
+
+
+def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+    """Read the vertices of a PLY file in chunks.
+
+    Data after the vertices, including faces, is neither read nor checked.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows, as for `read_ply`. If vertices have lists, all are read first.
+
+    Raises
+    ------
+    FormatError
+        As `read_ply`.
+    """
+    yield from _Reading(stream, name).chunks(rows)
+
+
+class _Reading:
+    """State of reading one PLY file."""
+
+    def __init__(self, stream: BinaryIO, name: str) -> None:
+        self._header = read_header(stream, name)
+        self._body: Body = (
+            AsciiBody(stream, name, self._header.lines)
+            if self._header.encoding == "ascii"
+            else BinaryBody(stream, name)
+        )
+        self._name = name
+        self._skipped: list[str] = []
+
+    def cloud(self) -> Cloud:
+        builder, faces = None, None
+        for element in self._header.elements:
+            if element.name == "vertex":
+                builders = self._vertices(element, max(element.rows, 1))
+                builder = next(builders, None) or CloudBuilder(_scalars(element), 0)
+            elif element.name == "face":
+                faces = self._faces(element)
+            else:
+                self._skip_element(element)
+        if builder is None:
+            raise self._no_vertices()
+        self._body.check_end()
+        triangles = None if faces is None else triangulated(faces, builder.rows, self._name)
+        return builder.cloud(triangles, self._metadata(faces), self._crs())
+
+    def chunks(self, rows: int) -> Iterator[Cloud]:
+        for element in self._header.elements:
+            if element.name == "vertex":
+                for builder in self._vertices(element, rows):
+                    yield builder.cloud(None, self._metadata(None), self._crs())
+                return
+            self._skip_element(element)
+        raise self._no_vertices()
+
+    def _vertices(self, element: Element, rows: int) -> Iterator[CloudBuilder]:
+        scalars = _scalars(element)
+        if not {"x", "y"} <= scalars.keys():
+            raise FormatError(
+                f"{self._name}: the vertex element has no x and y: its properties are "
+                f"{shortened(', '.join(each.name for each in element.properties)) or 'none'}"
+            )
+        self._note_skipped(
+            element, [each.name for each in element.properties if each.length is not None]
+        )
+        if element.is_table:
+            blocks = self._body.blocks(element)
+        else:
+            lists = self._body.lists(element)
+            blocks = iter([{each: lists[each].values for each in scalars}])
+        return built_in_chunks(scalars, element.rows, blocks, rows)
+
+    def _no_vertices(self) -> FormatError:
+        return FormatError(f"{self._name}: the header has no vertex element")
+
+    def _crs(self) -> str | None:
+        return stated_crs(self._header.comments)
+
+    def _faces(self, element: Element) -> Ragged | None:
+        usable = [each for each in element.properties if each.name in _INDICES and each.length]
+        self._note_skipped(
+            element, [each.name for each in element.properties if each not in usable[:1]]
+        )
+        if element.is_table:
+            self._exhaust(element)
+            return None
+        lists = self._body.lists(element)
+        if not usable:
+            return None
+        if usable[0].dtype.kind not in "iu":
+            raise FormatError(f"{self._name}: {usable[0].name} of faces must be integers")
+        return lists[usable[0].name]
+
+    def _skip_element(self, element: Element) -> None:
+        self._skipped.append(f"element {element.name} ({element.rows} rows)")
+        if element.is_table:
+            self._exhaust(element)
+        else:
+            self._body.lists(element)
+
+    def _exhaust(self, element: Element) -> None:
+        for _ in self._body.blocks(element):
+            pass
+
+    def _note_skipped(self, element: Element, names: list[str]) -> None:
+        self._skipped += [f"{element.name} property {each} ({element.rows} rows)" for each in names]
+
+    def _metadata(self, faces: Ragged | None) -> dict[str, Any]:
+        found: dict[str, Any] = {
+            "comments": self._header.comments,
+            "obj_info": self._header.obj_info,
+            "skipped": tuple(self._skipped),
+        }
+        return {key: value for key, value in found.items() if value} | (
+            face_counts(faces) if faces is not None else {}
+        )
+
+
+def _scalars(element: Element) -> dict[str, np.dtype]:
+    return {each.name: each.dtype for each in element.properties if each.length is None}
 
 
 def _lost(_cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_uint8
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.comments import crs_comment
+from liftmesh.io.format import crs_comment
 from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:
@@ -42,8 +42,6 @@ def write_ply(
 
     Parameters
     ----------
-    stream : binary stream
-        Where to write.
     cloud : Cloud
         Coordinates are written as double. Attributes keep the types uint8, uint16, int32, float and
         double; all others are written in the smallest of these that holds their values. An (n, k)
