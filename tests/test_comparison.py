@@ -118,7 +118,7 @@ def test_tiny_spacing_makes_trimesh_drop_points():
     [
         (np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), "not enough points"),
         (uniform(50) * 1e200, "exceed float64"),
-        (uniform(50) * 1e-9, "none of its facets"),
+        (uniform(50) * 1e-9, "drops all its facets"),
     ],
 )
 def test_a_hull_that_fails_is_reported(points, words):
@@ -211,7 +211,7 @@ def test_proofs_read_well():
         "trimesh's facet (0, 1, 3) is wrong: row 4 lies strictly inside its circle, "
         "in-circle determinant 48 > 0"
     )
-    assert str(result.proofs[2]).startswith("liftmesh's triangle (2, 0, 4) is right and missing")
+    assert str(result.proofs[2]).startswith("liftmesh's triangle (2, 0, 4) is correct and missing")
     assert "1 point lost" in result.conclusion()
     for proof in result.proofs:
         assert str(proof) in str(result)

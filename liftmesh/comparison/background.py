@@ -1,8 +1,8 @@
-"""Waiting for foreign code so that Ctrl-C ends the wait.
+"""Calls of foreign code that Ctrl-C can interrupt.
 
-Qhull lets other threads run but never looks for Ctrl-C, and a million points take it minutes. It
-works in a thread of its own; an interrupted caller goes on at once, and the thread, a daemon, ends
-with Qhull or with the process.
+Qhull lets other threads run but never checks for Ctrl-C, and takes minutes for a million points. It
+runs in its own thread; an interrupted caller continues at once, and the thread, a daemon, ends with
+Qhull or with the process.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def interruptible(work: Callable[[], Result]) -> Result:
     Returns
     -------
     Result
-        What it returns; what it raises is raised here.
+        The function's result; its exceptions are raised here.
 
     Raises
     ------

@@ -1,15 +1,15 @@
-"""Delaunay cells: triangles glued together wherever an edge between them is exactly cocircular.
+"""Delaunay cells: triangles merged across edges that are exactly cocircular.
 
-The points on one empty circle span a convex polygon, the cell. Each way to cut it into triangles
-is a Delaunay triangulation, so two right answers differ inside cells and nowhere else:
+The points on one empty circle span a convex polygon, the cell. Every triangulation of it is
+Delaunay, so two correct triangulations differ only inside cells:
 
 - A triangle of input points has an empty circle if and only if its corners belong to one cell.
 - Triangles of one cell, all counter-clockwise, cover it exactly once if and only if their
   boundary, the sum of their directed edges in which opposite ones cancel, is the boundary of the
-  cell. Two sets of triangles of a cell are therefore both right, or both wrong, when the
-  boundary of the one minus the boundary of the other is zero.
+  cell. So two sets of triangles of a cell are both correct, or both wrong, if the difference of
+  their boundaries is zero.
 
-Both are decided by integers and exact signs alone.
+Both tests use integers and exact signs only.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Cells:
 
     @cached_property
     def _corners(self) -> Indices:
-        """Pairs (row, cell) of all cells of two triangles or more, sorted, as one integer each."""
+        """Sorted pairs (row, cell) of all cells of two or more triangles, as one integer each."""
         large = np.bincount(self.labels, minlength=self.count) > 1
         chosen = large[self.labels]
         rows = self.simplices[chosen].astype(np.int64).ravel()
@@ -68,7 +68,7 @@ class Cells:
         return pairs[is_new]
 
     def containing(self, triangles: Rows) -> Rows:
-        """Find the cell of two triangles or more that has all three corners of a triangle.
+        """Find the cell of two or more triangles that has all three corners of a triangle.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class Cells:
         Returns
         -------
         (t,) ndarray of int32
-            Cells, -1 where there is none: the triangle's circle is then not empty.
+            Cells, or -1 if there is none: the triangle's circle is then not empty.
 
         Examples
         --------
@@ -90,7 +90,7 @@ class Cells:
         """
         low = np.searchsorted(self._corners, triangles * np.int64(self.count))
         high = np.searchsorted(self._corners, (triangles + np.int64(1)) * self.count)
-        # The corner with the fewest cells proposes them; all three must have the cell.
+        # Candidates are the cells of the corner with the fewest; all three must have the cell.
         every = np.arange(len(triangles))
         pivot = np.argmin(high - low, axis=1)
         counts = (high - low)[every, pivot]
@@ -105,7 +105,7 @@ class Cells:
         return found
 
     def _has(self, keys: Indices) -> Mask:
-        """Whether (row, cell) is among the corners."""
+        """Whether each key (row, cell) is among the corners."""
         if len(self._corners) == 0:
             return np.zeros(len(keys), dtype=bool)
         place = np.searchsorted(self._corners, keys).clip(max=len(self._corners) - 1)
@@ -114,7 +114,7 @@ class Cells:
 
 
 def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
-    """Glue triangles across all edges whose in-circle sign is exactly zero.
+    """Merge triangles across all edges whose in-circle sign is exactly zero.
 
     Parameters
     ----------
@@ -130,43 +130,43 @@ def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
 
     Examples
     --------
-    The square cut along its diagonal is one cell:
+    A square split along its diagonal is one cell:
 
     >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     >>> neighbors = np.array([[-1, 1, -1], [-1, -1, 0]])
     >>> find_cells(square, np.array([[0, 1, 2], [0, 2, 3]]), neighbors).labels.tolist()
     [0, 0]
     """
-    triangle, side = np.nonzero(neighbors > np.arange(len(simplices))[:, None])
-    other = neighbors[triangle, side]
-    apex = opposite_rows(simplices, triangle, side, other)
+    triangle, edge = np.nonzero(neighbors > np.arange(len(simplices))[:, None])
+    other = neighbors[triangle, edge]
+    apex = opposite_rows(simplices, triangle, edge, other)
     a, b, c = points[simplices[triangle].T]
     sign = incircle(a, b, c, points[apex])
     csgraph, sparse = load("scipy.sparse.csgraph"), load("scipy.sparse")
-    glued = sign == 0
-    pairs = (np.ones(int(glued.sum()), dtype=bool), (triangle[glued], other[glued]))
+    merged = sign == 0
+    pairs = (np.ones(int(merged.sum()), dtype=bool), (triangle[merged], other[merged]))
     graph = sparse.coo_array(pairs, shape=(len(simplices), len(simplices)))
     _, labels = csgraph.connected_components(graph, directed=False)
     inside = sign > 0
     return Cells(simplices, labels, np.column_stack([triangle[inside], apex[inside]]))
 
 
-def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows) -> Rows:
-    """Find the apexes of neighbours: their corners' sum less the two on the common edge.
+def opposite_rows(simplices: Rows, triangle: Indices, edge: Indices, other: Rows) -> Rows:
+    """Find the apexes of neighbours: the sum of their corners minus those of the common edge.
 
     Parameters
     ----------
     simplices : (m, 3) ndarray of int32
         Triangles.
-    triangle, side : (k,) ndarray of int
-        Triangles and their sides: side i is opposite to corner i.
+    triangle, edge : (k,) ndarray of int
+        Triangles and their edges: edge i is opposite corner i.
     other : (k,) ndarray of int32
         The neighbours across them.
 
     Returns
     -------
     (k,) ndarray of int32
-        The corners of the neighbours that are not on the side.
+        The corners of the neighbours that are not on the common edge.
 
     Examples
     --------
@@ -176,14 +176,14 @@ def opposite_rows(simplices: Rows, triangle: Indices, side: Indices, other: Rows
     [3]
     """
     total = simplices[other].sum(axis=1, dtype=np.int64)
-    edge = simplices[triangle, (side + 1) % 3].astype(np.int64)
-    edge += simplices[triangle, (side + 2) % 3]
-    apex: Rows = (total - edge).astype(np.int32)
+    common = simplices[triangle, (edge + 1) % 3].astype(np.int64)
+    common += simplices[triangle, (edge + 2) % 3]
+    apex: Rows = (total - common).astype(np.int32)
     return apex
 
 
 def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> Mask:
-    """Find the cells in which two sets of triangles do not have the same boundary.
+    """Find the cells in which two sets of triangles have different boundaries.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Row
 
     Examples
     --------
-    The square cut along its two diagonals, and half of it:
+    A square split along either diagonal, and half of it:
 
     >>> one, other = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 1, 3], [1, 2, 3]])
     >>> unbalanced_cells(1, (one, np.array([0, 0])), (other, np.array([0, 0])))
@@ -213,16 +213,16 @@ def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Row
     keys = np.column_stack([cell, low, high])[order]
     starts = np.ones(len(keys), dtype=bool)
     starts[1:] = (keys[1:] != keys[:-1]).any(axis=1)
-    flawed = np.zeros(cells, dtype=bool)
+    unbalanced = np.zeros(cells, dtype=bool)
     if len(keys):
         begin = np.flatnonzero(starts)
         total = np.add.reduceat(sign[order], begin)
-        flawed[keys[begin[total != 0], 0]] = True
-    return flawed
+        unbalanced[keys[begin[total != 0], 0]] = True
+    return unbalanced
 
 
 def _directed_edges(triangles: Rows, cell: Rows, weight: int) -> tuple[Rows, Rows, Rows, Rows]:
-    """Edges as (cell, lower row, higher row, sign of their direction)."""
+    """Return edges as (cell, lower row, higher row, sign of the direction)."""
     tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     sign = np.where(tail < head, weight, -weight).astype(np.int32)
     return np.repeat(cell, 3), np.minimum(tail, head), np.maximum(tail, head), sign

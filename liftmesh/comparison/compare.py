@@ -33,43 +33,42 @@ def compare(
     nonfinite: NonFinite = "error",
     max_proofs: int = 10,
 ) -> Comparison:
-    """Hold liftmesh's triangles against the lower facets of trimesh's convex hull.
+    """Compare liftmesh's triangles with the lower facets of trimesh's convex hull.
 
     Parameters
     ----------
     source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
         The points, or their triangulation.
     q : "median", "origin" or (qx, qy), default "median"
-        Vertex of the paraboloid. Around the median the heights |p - q|^2 are as small as they
-        get wherever the points lie, so that Qhull, which computes in rounded numbers, has its
-        best chance; with the origin, points far away show what it does without. liftmesh's
-        triangles do not depend on q.
+        Vertex of the paraboloid. With the median, the heights |p - q|^2 are small wherever the
+        points lie, which is the best case for Qhull, which rounds; with the origin, the heights of
+        points far away lose digits. liftmesh's triangles do not depend on q.
     plane : str, normal or matrix, default "xy"
-        How 3-D points become planar ones, as in `triangulate`. Not used for a Triangulation or
-        a Surface.
+        Projection plane for 3-D points, as for `triangulate`. Not used for a Triangulation or a
+        Surface.
     nonfinite : {"error", "skip"}, default "error"
-        What to do with rows that are NaN or infinite.
+        Policy for rows that hold NaN or infinity.
     max_proofs : int, default 10
-        How many really different triangles get an exact proof. Counts are always complete.
+        Maximum number of exact proofs for really different triangles. Counts are always complete.
 
     Returns
     -------
     Comparison
-        Counts, rows, proofs and times; ``print`` shows it.
+        Counts, rows, proofs and times, with a text form for ``print``.
 
     Raises
     ------
     InputError
-        Points, `q` or an option that cannot be used.
+        Points, `q` or an option are invalid.
     DegenerateInputError
-        No three points, or all on one line.
+        There are fewer than three distinct points, or all lie on one line.
     FormatError
         `source` is a path to a file that cannot be read.
 
     Notes
     -----
-    trimesh merges vertices closer than 1e-8, and Qhull rounds: that a point is missing from its
-    hull is reported in ``lost``, that it finds no hull at all in ``error``.
+    trimesh merges vertices closer than 1e-8, and Qhull rounds: points missing from its hull are
+    listed in ``lost``; if it finds no hull at all, ``error`` gives the reason.
 
     Examples
     --------
@@ -109,7 +108,7 @@ def compare(
 def _triangulate(
     source: object, plane: ArrayLike, nonfinite: NonFinite
 ) -> tuple[Triangulation, float]:
-    """The triangulation and the seconds it takes; a given one is timed by computing it again."""
+    """Return the triangulation and its time; a given one is recomputed to measure the time."""
     if isinstance(source, Surface):
         source = source.triangulation
     if isinstance(source, Triangulation):

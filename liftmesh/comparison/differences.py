@@ -1,4 +1,4 @@
-"""Sorting the triangles of two sides into identical, cocircular and really different ones."""
+"""Classification of two sets of triangles as identical, cocircular or really different."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from liftmesh.comparison.matching import first_of_each, match_triangles
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Differences:
-    """Where two sets of triangles differ.
+    """Differences between two sets of triangles.
 
     Parameters
     ----------
     identical : int
-        Triangles of both sides.
+        Triangles in both sets.
     cocircular : int
-        Triangles of one side that the other replaces by as many in the same cell.
+        Triangles of one set that the other replaces by as many in the same cell.
     cells : int
         Number of such cells.
     missing : (k,) ndarray of int
@@ -28,7 +28,7 @@ class Differences:
     wrong : (w,) ndarray of int
         Indices of trimesh's lower facets that are really different.
     wrong_cell : (w,) ndarray of int32
-        The cell that holds each of them, -1 for none: its circle is not empty.
+        The cell that contains each of them, or -1 if there is none: its circle is not empty.
     """
 
     identical: int
@@ -40,7 +40,7 @@ class Differences:
 
 
 def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
-    """Hold trimesh's lower facets against liftmesh's triangles.
+    """Compare trimesh's lower facets with liftmesh's triangles.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
     cells : Cells
         Their cocircular cells.
     lower : (l, 3) ndarray of int32
-        Lower facets of the other side, counter-clockwise.
+        trimesh's lower facets, counter-clockwise.
 
     Returns
     -------
     Differences
-        Complete: every triangle of either side is counted once.
+        Complete: every triangle of either set is counted once.
 
     Examples
     --------
@@ -70,10 +70,10 @@ def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
     ours, theirs = _others(match[first], len(triangles)), np.flatnonzero(~first)
     our_cell, their_cell = cells.labels[ours], _cells_of(cells, lower, match, theirs)
     inside = their_cell >= 0
-    flawed = unbalanced_cells(
+    unbalanced = unbalanced_cells(
         cells.count, (triangles[ours], our_cell), (lower[theirs[inside]], their_cell[inside])
     )
-    missing, wrong = flawed[our_cell], ~inside | flawed[their_cell]
+    missing, wrong = unbalanced[our_cell], ~inside | unbalanced[their_cell]
     return Differences(
         identical=int(first.sum()),
         cocircular=int((~missing).sum()),
@@ -85,14 +85,14 @@ def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
 
 
 def _others(indices: Indices, length: int) -> Indices:
-    """All indices below ``length`` that are not given."""
+    """Return all indices below ``length`` that are not given."""
     mark = np.ones(length, dtype=bool)
     mark[indices] = False
     return np.flatnonzero(mark)
 
 
 def _cells_of(cells: Cells, lower: Rows, match: Indices, theirs: Indices) -> Rows:
-    """The cell of each facet without a partner; a repeated facet has the cell of its twin."""
+    """Return the cell of each unmatched facet; a repeated facet has the cell of its match."""
     found = cells.containing(lower[theirs])
     repeated = match[theirs] >= 0
     found[repeated] = cells.labels[match[theirs[repeated]]]

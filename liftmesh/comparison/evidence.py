@@ -1,4 +1,4 @@
-"""Which of the really different triangles get a proof: some of each side, in order."""
+"""Selection of the really different triangles to prove: some of each result, in order."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """Everything that proofs draw on.
+    """The data for proofs.
 
     Parameters
     ----------
     triangulation : Triangulation
-        liftmesh's side.
+        liftmesh's triangulation.
     rows : (k,) ndarray of int32
         The rows that are its vertices.
     lower : (l, 3) ndarray of int32
@@ -33,7 +33,7 @@ class Evidence:
     cells : Cells
         liftmesh's cocircular cells.
     differences : Differences
-        What to prove.
+        The differences to prove.
     """
 
     triangulation: Triangulation
@@ -43,12 +43,12 @@ class Evidence:
     differences: Differences
 
     def proofs(self, limit: int) -> list[Proof]:
-        """Prove the first differences: liftmesh's faults if any, then half and half.
+        """Prove the first differences: liftmesh's errors if any, then half of each kind.
 
         Parameters
         ----------
         limit : int
-            How many proofs at most.
+            Maximum number of proofs.
 
         Returns
         -------
@@ -62,7 +62,7 @@ class Evidence:
         return [*faults, *wrong, *islice(self._missing(), limit - len(wrong))]
 
     def _faults(self) -> Iterator[Proof]:
-        """Triangles of liftmesh that are not Delaunay."""
+        """Refute triangles of liftmesh that are not Delaunay."""
         simplices, points = self.triangulation.simplices, self.triangulation.points
         for index, _ in self.cells.violations:
             proof = refute(points, self.rows, simplices[index], claim="wrong triangle")
@@ -70,14 +70,14 @@ class Evidence:
                 yield proof
 
     def _wrong(self) -> Iterator[Proof]:
-        """Facets of trimesh: a point in their circle, or a cell that they do not cover."""
+        """Refute facets of trimesh: by a point inside their circle, or by their cell."""
         facets = self.lower[self.differences.wrong]
         for facet, cell in zip(facets, self.differences.wrong_cell, strict=True):
             proof = refute(self.triangulation.points, self.rows, facet) if cell < 0 else None
             yield proof or broken_cell(facet)
 
     def _missing(self) -> Iterator[Proof]:
-        """Triangles of liftmesh that trimesh lacks."""
+        """Confirm triangles of liftmesh that trimesh lacks."""
         simplices, points = self.triangulation.simplices, self.triangulation.points
         for index in self.differences.missing:
             proof = confirm(points, self.rows, simplices[index], self._apexes(int(index)))
@@ -85,9 +85,9 @@ class Evidence:
                 yield proof
 
     def _apexes(self, index: int) -> list[int]:
-        """Rows across the edges of a triangle, where it has neighbours."""
+        """Return the rows opposite the edges of a triangle that have a neighbour."""
         neighbors = self.triangulation.neighbors[index]
-        side = np.flatnonzero(neighbors >= 0)
-        triangle = np.full(len(side), index, dtype=np.intp)
-        apexes = opposite_rows(self.triangulation.simplices, triangle, side, neighbors[side])
+        edge = np.flatnonzero(neighbors >= 0)
+        triangle = np.full(len(edge), index, dtype=np.intp)
+        apexes = opposite_rows(self.triangulation.simplices, triangle, edge, neighbors[edge])
         return [int(row) for row in apexes]

@@ -1,14 +1,14 @@
-"""trimesh's convex hull of the lifted points, told in the caller's rows.
+"""trimesh's convex hull of the lifted points, expressed in the caller's rows.
 
-The planar coordinates are centred before they are lifted, which gives Qhull the shortest numbers
-there are; z is |p - q|^2 of the caller's own coordinates. `trimesh.convex.convex_hull` then drops
-what is no vertex, merges vertices that are closer than 1e-8 and numbers the rest anew, but it
-never changes a coordinate: so its vertices are found again by exact equality of all three.
-Centring rounds, and two rows may become one: such rows are counted, the lowest stands for all.
+The planar coordinates passed to Qhull are centred, which makes them as small as possible; z is
+|p - q|^2 of the caller's own coordinates. `trimesh.convex.convex_hull` then drops points that are
+not a vertex, merges vertices closer than 1e-8 and renumbers the rest, but never changes a
+coordinate: so its vertices are identified by exact equality of all three coordinates. Centring
+rounds, and rows may coincide: such rows are counted, and the first represents them all.
 
-Which facets are lower ones is decided by Proposition 3.1: with the outward normal n of a facet,
-n_z < 0. The sign of n_z is the planar orientation of the facet's three points, and is computed
-exactly from the caller's coordinates. A facet whose planar points are collinear is vertical.
+Lower facets are identified by Proposition 3.1: n_z < 0 for the outward normal n of the facet. The
+sign of n_z is the planar orientation of the facet's three points, and is computed exactly from the
+caller's coordinates. A facet whose planar points are collinear is vertical.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ _NO_FACETS = np.empty((0, 3), dtype=np.int32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HullFacets:
-    """The facets of trimesh's hull as rows of the caller.
+    """The facets of trimesh's hull in the caller's rows.
 
     Parameters
     ----------
     facets : (h, 3) ndarray of int32
-        All facets, wound as trimesh gives them: outward.
+        All facets, oriented outward as by trimesh.
     lower : (l, 3) ndarray of int32
-        The lower ones, counter-clockwise seen from above like ``Triangulation.simplices``.
+        The lower facets, counter-clockwise seen from above like ``Triangulation.simplices``.
     vertical : int
         Facets whose three planar points are collinear.
     coincident : int
-        Rows that fall onto another row when they are centred and lifted in float64.
+        Rows that coincide with another row when centred and lifted in float64.
     seconds : float
         Time spent in ``trimesh.convex.convex_hull``.
     error : str, optional
-        Why there is no hull, in trimesh's or Qhull's words.
+        Why there is no hull, as reported by trimesh or Qhull.
     """
 
     facets: Rows
@@ -72,7 +72,7 @@ def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFace
     Returns
     -------
     HullFacets
-        The facets, or the reason why there are none.
+        The facets, or the reason why there is no hull.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFace
 
 
 def _lifted(points: Floats, rows: Rows, q: tuple[float, float]) -> Floats:
-    """Centred x and y beside z = |p - q|^2, without negative zeros."""
+    """Return centred x and y with z = |p - q|^2, without negative zeros."""
     centre = resolve_q("median", points[rows])
     with np.errstate(over="ignore", invalid="ignore"):
         z = lift(points[rows], q=q)[:, 2]
@@ -102,10 +102,10 @@ def _lifted(points: Floats, rows: Rows, q: tuple[float, float]) -> Floats:
 
 
 def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
-    """Build trimesh's hull (or None); tell the seconds it took and why it failed."""
+    """Build trimesh's hull; return it (or None), the seconds it took, and the error if any."""
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
-    # Imported in the other thread too: trimesh swallows a Ctrl-C while it imports its own needs.
+    # Imported in the other thread too: trimesh swallows Ctrl-C while it imports its dependencies.
     convex, qhull = interruptible(lambda: (load("trimesh.convex"), load("scipy.spatial")))
 
     def build() -> Any:
@@ -122,21 +122,21 @@ def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
         return (
             None,
             seconds,
-            "trimesh keeps none of its facets: they are smaller than its tolerances",
+            "trimesh drops all its facets: they are smaller than its tolerances",
         )
     return mesh, seconds, None
 
 
 def _first_line(error: Exception) -> str:
-    """Qhull's own sentence, without its error number and its pages of advice."""
+    """Return Qhull's message without the error number and the long explanation."""
     line = str(error).strip().splitlines()[0]
     return re.sub(r"^QH\d+ ", "", line).rstrip(". ")
 
 
 def _match(lifted: Floats, vertices: Floats) -> tuple[Indices, int]:
-    """For each vertex the first row of ``lifted`` equal to it, and how many rows repeat another.
+    """Return the first row of ``lifted`` equal to each vertex, and the number of repeated rows.
 
-    One stable sort of rows and vertices together puts equal triples side by side, rows first.
+    A stable sort of rows and vertices together makes equal triples adjacent, rows first.
     """
     both = np.concatenate([lifted, vertices])
     order = np.lexsort((both[:, 2], both[:, 1], both[:, 0]))

@@ -1,6 +1,6 @@
-"""Which triangles of two sets are the same, and which rows they use.
+"""Matching of two sets of triangles, and the rows that triangles use.
 
-Triangles are the same when their corners are, whatever corner comes first.
+Triangles are equal if they have the same corners, whichever corner comes first.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from liftmesh._typing import Indices, Integers, Mask, Rows
 def match_triangles(simplices: Rows, facets: Rows) -> Indices:
     """Find each facet among the triangles of a triangulation.
 
-    Turned so that its lowest row comes first, a counter-clockwise triangle is known by its first
+    Rotated to start at its lowest row, a counter-clockwise triangle is identified by its first
     directed edge: in a triangulation only one triangle lies to the left of it.
 
     Parameters
@@ -26,7 +26,7 @@ def match_triangles(simplices: Rows, facets: Rows) -> Indices:
     Returns
     -------
     (l,) ndarray of int
-        Index into ``simplices``, -1 where no triangle has the facet's corners.
+        Index into ``simplices``, -1 if no triangle has the facet's corners.
 
     Examples
     --------
@@ -45,14 +45,14 @@ def match_triangles(simplices: Rows, facets: Rows) -> Indices:
 
 
 def _first_edge(triangles: Rows) -> tuple[Integers, Rows]:
-    """The edge that leaves the lowest row, as one integer, and the corner opposite to it."""
+    """Return the edge that starts at the lowest row, as one integer, and the opposite corner."""
     every, lowest = np.arange(len(triangles)), np.argmin(triangles, axis=1)
     corner = [triangles[every, (lowest + k) % 3] for k in range(3)]
     return (corner[0].astype(np.int64) << 32) | corner[1], corner[2]
 
 
 def first_of_each(indices: Indices) -> Mask:
-    """Mark the first place of every index that is not negative.
+    """Mark the first occurrence of every index that is not negative.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def first_of_each(indices: Indices) -> Mask:
     array([ True, False, False,  True])
     """
     first = np.full(indices.max(initial=-1) + 2, -1)
-    # Of repeated assignments the last stays: backwards, that is the first place.
+    # The last of repeated assignments wins: in reverse order, that is the first occurrence.
     first[indices[::-1]] = np.arange(len(indices))[::-1]
     mark: Mask = (first[indices] == np.arange(len(indices))) & (indices >= 0)
     return mark

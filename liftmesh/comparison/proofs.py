@@ -1,7 +1,7 @@
-"""Exact proofs, for a few triangles, of which side is right: rational numbers, no rounding.
+"""Exact proofs that a triangle is or is not Delaunay, in rational numbers without rounding.
 
 The in-circle determinant of counter-clockwise a, b, c and a point d is computed with `fractions`
-from the doubles as they are. It is positive if and only if d lies strictly inside the circle
+from the unchanged doubles. It is positive if and only if d lies strictly inside the circle
 through a, b and c, that is, if and only if the lifted d lies strictly below their plane
 (Lemma 4.2): then no lower facet has the corners a, b, c.
 """
@@ -32,8 +32,8 @@ _SENTENCES: dict[Claim, str] = {
         "among the cocircular points around it"
     ),
     "right triangle": (
-        "liftmesh's triangle {rows} is right and missing from trimesh's hull: none of the other "
-        "{tested:,} points lies strictly inside its circle, across its edges {values}"
+        "liftmesh's triangle {rows} is correct and missing from trimesh's hull: none of the other "
+        "{tested:,} points lies strictly inside its circle; determinants across its edges: {values}"
     ),
     "wrong triangle": (
         "liftmesh's triangle {rows} is wrong: row {row} lies strictly inside its circle, "
@@ -49,19 +49,19 @@ class Proof:
     Parameters
     ----------
     claim : str
-        ``"wrong facet"``: a lower facet of trimesh's hull whose circle holds a point.
-        ``"broken cell"``: a facet that is right by itself, but trimesh's facets do not cover its
+        ``"wrong facet"``: a lower facet of trimesh's hull whose circle contains a point.
+        ``"broken cell"``: a facet that is correct by itself, but trimesh's facets do not cover its
         cell of cocircular points exactly once.
         ``"right triangle"``: a triangle that trimesh's hull lacks, whose circle is empty.
-        ``"wrong triangle"``: a triangle of liftmesh whose circle holds a point.
+        ``"wrong triangle"``: a triangle of liftmesh whose circle contains a point.
     rows : tuple of int
         The triangle, counter-clockwise.
     determinants : tuple of (int, Fraction)
-        Rows and their exact in-circle determinants with the triangle: positive strictly inside,
-        zero on, negative outside the circle. For a right triangle, the apexes of the triangles
-        across its edges; otherwise the row that is inside.
+        Rows and their exact in-circle determinants with the triangle: positive strictly inside the
+        circle, zero on it, negative outside. For a correct triangle, the apexes of the triangles
+        across its edges; otherwise the row inside.
     tested : int
-        How many other points were tested exactly.
+        Number of other points tested exactly.
 
     Examples
     --------
@@ -86,7 +86,7 @@ class Proof:
 
 
 def _short(value: Fraction) -> str:
-    """The exact number when it is short, its leading digits otherwise, whatever its magnitude."""
+    """Format a number exactly if that is short, otherwise its leading digits."""
     exact = str(value)
     if len(exact) <= 12:
         return exact
@@ -125,24 +125,24 @@ def refute(
 ) -> Proof | None:
     """Prove that a triangle is not Delaunay by a point strictly inside its circle.
 
-    Every row is tested exactly; of those inside, the one that sees the triangle best (the row
-    deepest below its lifted plane) is the witness.
+    Every row is tested exactly; the witness is the row inside that is deepest below the lifted
+    plane of the triangle.
 
     Parameters
     ----------
     points : (n, 2) ndarray of float64
         Planar points.
     rows : (k,) ndarray of int32
-        The rows that take part.
+        The rows to test.
     triangle : (3,) ndarray of int32
         Counter-clockwise corners.
     claim : str
-        Whose triangle it is.
+        The claim of the proof, which depends on whose triangle it is.
 
     Returns
     -------
     Proof or None
-        None when the circle is empty.
+        None if the circle is empty.
 
     Examples
     --------
@@ -167,16 +167,16 @@ def confirm(points: Floats, rows: Rows, triangle: Rows, apexes: Sequence[int]) -
     points : (n, 2) ndarray of float64
         Planar points.
     rows : (k,) ndarray of int32
-        The rows that take part, all tested exactly.
+        The rows to test exactly.
     triangle : (3,) ndarray of int32
         Counter-clockwise corners.
     apexes : sequence of int
-        Rows across its edges, whose determinants the proof shows.
+        Rows across its edges, whose determinants the proof reports.
 
     Returns
     -------
     Proof or None
-        None when a row lies inside.
+        None if a row lies inside.
 
     Examples
     --------
@@ -187,12 +187,12 @@ def confirm(points: Floats, rows: Rows, triangle: Rows, apexes: Sequence[int]) -
     if (_signs(points, rows, triangle) > 0).any():
         return None
     corners = _as_tuple(triangle)
-    shown = tuple((row, incircle_determinant(points, (*corners, row))) for row in apexes)
-    return Proof("right triangle", corners, shown, len(rows) - 3)
+    determinants = tuple((row, incircle_determinant(points, (*corners, row))) for row in apexes)
+    return Proof("right triangle", corners, determinants, len(rows) - 3)
 
 
 def broken_cell(triangle: Rows) -> Proof:
-    """State that a facet is Delaunay by itself, in a cell that is not covered exactly once.
+    """Return the proof that a facet is Delaunay, but its cell is not covered exactly once.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def broken_cell(triangle: Rows) -> Proof:
 
 
 def _signs(points: Floats, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
-    """Exact in-circle signs of the rows, for a triangle checked to be counter-clockwise."""
+    """Return the exact in-circle signs of the rows; check that the triangle is oriented."""
     a, b, c = points[triangle]
     if orient2d(a, b, c) <= 0:
         message = f"triangle {_as_tuple(triangle)} is not counter-clockwise"
@@ -222,7 +222,7 @@ def _signs(points: Floats, rows: Rows, triangle: Rows) -> NDArray[np.int8]:
 
 
 def _deepest(points: Floats, inside: Rows, triangle: Rows) -> int:
-    """Index of the row with the largest rounded determinant: any choice is a proof."""
+    """Return the index of the row with the largest rounded determinant; any choice is valid."""
     with np.errstate(all="ignore"):
         corners = points[triangle] - points[inside][:, None, :]
         (ax, bx, cx), (ay, by, cy) = corners[..., 0].T, corners[..., 1].T

@@ -1,4 +1,4 @@
-"""The result of a comparison: counts, rows, proofs, and how they read."""
+"""`Comparison`, the result of `compare`: counts, rows, proofs, and their text form."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ if TYPE_CHECKING:
 Verdict = Literal["identical", "cocircular", "different", "failed"]
 
 _CONCLUSIONS: dict[Verdict, str] = {
-    "identical": "Both sides are right: every triangle is identical.",
+    "identical": "Both results are correct: all triangles are identical.",
     "cocircular": (
-        "Both sides are right: they differ only in how they cut exactly cocircular cells, {cells} "
-        "of them."
+        "Both results are correct: they differ only in the triangulation of exactly cocircular "
+        "cells ({cells} of them)."
     ),
     "different": (
         "trimesh's hull of the lifted points, whose heights are rounded, is wrong: {faults}."
     ),
-    "failed": "trimesh has no hull of these points: {error}.",
+    "failed": "trimesh finds no hull of these points: {error}.",
 }
 _FAULT = "liftmesh's triangulation is wrong at {violations} edges: please report these points."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    r"""liftmesh's triangles held against the lower facets of trimesh's hull.
+    r"""liftmesh's triangles compared with the lower facets of trimesh's hull.
 
     ``triangles = identical + cocircular + len(missing)`` and
     ``len(lower) = identical + cocircular + len(wrong)``.
@@ -41,30 +41,30 @@ class Comparison:
     Parameters
     ----------
     triangulation : Triangulation
-        liftmesh's side.
+        liftmesh's triangulation.
     q : (qx, qy)
         Vertex of the paraboloid.
     hull : (h, 3) ndarray of int32
-        All facets of trimesh's hull in rows of the caller, wound outward.
+        All facets of trimesh's hull in the caller's rows, oriented outward.
     lower : (l, 3) ndarray of int32
         Its lower facets (Proposition 3.1), counter-clockwise seen from above.
     vertical : int
         Facets of the hull whose planar points are collinear: neither lower nor upper.
     identical : int
-        Triangles that both sides have.
+        Triangles that both results have.
     cocircular : int
-        Triangles of liftmesh that trimesh's facets replace by others of the same exactly
-        cocircular cell: both are right.
+        Triangles of liftmesh that trimesh's facets replace by others in the same exactly
+        cocircular cell: both are correct.
     cells : int
         Number of such cells.
     missing : (k, 3) ndarray of int32
-        Triangles of liftmesh that trimesh's hull really lacks.
+        Triangles of liftmesh that are really missing in trimesh's hull.
     wrong : (w, 3) ndarray of int32
         Lower facets of trimesh's hull that are really different.
     lost : (j,) ndarray of int32
-        Rows that are vertices of liftmesh's lower hull and of no lower facet of trimesh's.
+        Rows that are vertices of liftmesh's lower hull, but of no lower facet of trimesh's.
     coincident : int
-        Rows that fall onto another one when they are centred and lifted in float64.
+        Rows that coincide with another row when centred and lifted in float64.
     violations : int
         Edges of liftmesh's triangulation that fail the exact local Delaunay test: 0.
     proofs : tuple of Proof
@@ -72,11 +72,11 @@ class Comparison:
     seconds : mapping
         ``"liftmesh"``: the triangulation; ``"trimesh"``: its hull.
     error : str, optional
-        Why trimesh has no hull.
+        Why trimesh finds no hull.
 
     Examples
     --------
-    Around the origin, heights of points far away lose their digits, and Qhull its way:
+    With q at the origin, the heights of points far away lose digits, and Qhull fails:
 
     >>> import liftmesh
     >>> result = liftmesh.compare(
@@ -125,9 +125,9 @@ class Comparison:
 
     @property
     def verdict(self) -> Verdict:
-        """``"identical"``, ``"cocircular"`` (both right), ``"different"`` or ``"failed"``.
+        """``"identical"``, ``"cocircular"`` (both correct), ``"different"`` or ``"failed"``.
 
-        ``"failed"``: trimesh has no hull, see ``error``.
+        ``"failed"``: trimesh finds no hull, see ``error``.
         """
         if self.error is not None:
             return "failed"
@@ -137,11 +137,11 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
-        """Whether both sides are right: no difference outside of exactly cocircular cells."""
+        """Whether both results are correct: no difference outside exactly cocircular cells."""
         return self.verdict in {"identical", "cocircular"}
 
     def lower_hull(self) -> LowerHull:
-        """Give liftmesh's lower hull of the lifted points, as a mesh.
+        """Return liftmesh's lower hull of the lifted points as a mesh.
 
         Returns
         -------
@@ -157,12 +157,12 @@ class Comparison:
         return self.triangulation.lifted(q=self.q)
 
     def trimesh_hull(self) -> Cloud:
-        """Give trimesh's whole hull on the vertices of :meth:`lower_hull`.
+        """Return trimesh's whole hull on the vertices of :meth:`lower_hull`.
 
         Returns
         -------
         Cloud
-            With faces in rows of the caller, wound outward; none when there is no hull.
+            With faces in the caller's rows, oriented outward; without faces if there is no hull.
 
         Examples
         --------
@@ -173,12 +173,12 @@ class Comparison:
         return Cloud(lift(self.triangulation.points, q=self.q), faces=self.hull)
 
     def trimesh_lower_facets(self) -> Cloud:
-        """Give the lower facets of trimesh's hull on the vertices of :meth:`lower_hull`.
+        """Return the lower facets of trimesh's hull on the vertices of :meth:`lower_hull`.
 
         Returns
         -------
         Cloud
-            With faces in rows of the caller, counter-clockwise seen from above.
+            With faces in the caller's rows, counter-clockwise seen from above.
 
         Examples
         --------
@@ -189,18 +189,18 @@ class Comparison:
         return Cloud(lift(self.triangulation.points, q=self.q), faces=self.lower)
 
     def conclusion(self) -> str:
-        """Say the verdict in a sentence.
+        """Summarise the verdict in a sentence.
 
         Returns
         -------
         str
-            Who is right, and what is wrong with the other side.
+            Which result is correct, and the errors of the other.
 
         Examples
         --------
         >>> import liftmesh
         >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).conclusion()
-        'Both sides are right: every triangle is identical.'
+        'Both results are correct: all triangles are identical.'
         """
         sentence = _FAULT if self.violations else _CONCLUSIONS[self.verdict]
         return sentence.format(
@@ -227,12 +227,12 @@ class Comparison:
         return "\n".join([*lines, "", self.conclusion(), *proofs])
 
     def table(self) -> list[tuple[str, str, str]]:
-        """List what was counted, for people to read.
+        """List the counts as text.
 
         Returns
         -------
         list of tuple of str
-            What, liftmesh's value, trimesh's value.
+            Name, liftmesh's value, trimesh's value.
 
         Examples
         --------
@@ -250,7 +250,7 @@ class Comparison:
             "points on the lower hull": (lifted, lifted - len(self.lost)),
             "lower facets": (self.triangles, len(self.lower)),
             "identical": (self.identical, self.identical),
-            "cocircular, cut otherwise": (self.cocircular, self.cocircular),
+            "cocircular, triangulated differently": (self.cocircular, self.cocircular),
             "really different": (len(self.missing), len(self.wrong)),
         }
         rows = [(name, f"{left:,}", f"{right:,}") for name, (left, right) in pairs.items()]
