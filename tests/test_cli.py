@@ -225,7 +225,7 @@ def test_colour_can_be_refused(env):
     shown, code = on_terminal("compare", "data/hill.csv", cwd=ROOT, env=env)
     assert code == 0
     assert "\x1b[3" not in shown
-    assert "Both sides are right" in shown
+    assert "Both results are correct" in shown
 
 
 def test_errors_on_a_terminal_are_one_line_too():

@@ -1,4 +1,4 @@
-"""``liftmesh info``: every fact held against a plain computation of its own."""
+"""``liftmesh info``: every number compared with a separate plain computation."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from scipy.spatial.distance import cdist
 
 import liftmesh as lm
 from liftmesh.cli import exit_codes
-from liftmesh.cli.facts import gather
+from liftmesh.cli.summary import summarise
 
 
-def facts_of(path):
+def summary_of(path):
     done = liftmesh("info", path, "--json")
     assert (done.returncode, done.stderr) == (0, "")
     return json.loads(done.stdout)
@@ -43,25 +43,25 @@ def test_spacing_is_the_median_distance_to_the_nearest():
     points = lm.read(ROOT / "data" / "hill.csv").points
     between = cdist(points[:, :2], points[:, :2]) + np.diag(np.full(len(points), np.inf))
     expected = np.median(between.min(axis=1))
-    assert facts_of(ROOT / "data" / "hill.csv")["spacing"] == pytest.approx(expected, rel=1e-12)
+    assert summary_of(ROOT / "data" / "hill.csv")["spacing"] == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("scale", [5e-324, 1e-300, 1.0, 2.0**1020])
 def test_spacing_at_every_magnitude(scale):
     x, y = np.meshgrid(np.arange(5.0), np.arange(4.0))
     rows = np.column_stack([x.ravel(), y.ravel(), np.zeros(20)]) * scale
-    facts = gather(lm.Cloud(rows))
-    assert facts.spacing == scale
-    assert not facts.collinear
+    summary = summarise(lm.Cloud(rows))
+    assert summary.spacing == scale
+    assert not summary.collinear
 
 
 def test_duplicates_and_overhangs_are_those_of_the_report():
     rng = np.random.default_rng(0)
     rows = rng.integers(0, 6, (200, 3)).astype(float)
     rows[rng.random(200) < 0.2, 0] *= -0.0
-    facts, report = gather(lm.Cloud(rows)), lm.triangulate(rows).report
-    assert (facts.duplicates, facts.overhangs) == (report.duplicates, report.overhangs)
-    assert facts.positions == report.used
+    summary, report = summarise(lm.Cloud(rows)), lm.triangulate(rows).report
+    assert (summary.duplicates, summary.overhangs) == (report.duplicates, report.overhangs)
+    assert summary.positions == report.used
 
 
 def test_rows_that_are_not_finite_are_counted_and_left_out(tmp_path):
@@ -75,9 +75,9 @@ def test_rows_that_are_not_finite_are_counted_and_left_out(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        ("0 0 0\n", "needs three points"),
-        ("0 0 0\n1 1 1\n0 0 0\n", "needs three points"),
-        ("0 0 0\n1 1 1\n3 3 9\n", "all points lie on one line"),
+        ("0 0 0\n", "fewer than three"),
+        ("0 0 0\n1 1 1\n0 0 0\n", "fewer than three"),
+        ("0 0 0\n1 1 1\n3 3 9\n", "all points are collinear"),
         ("450000.1 5200000.1 0\n450000.2 5200000.2 0\n450000.3 5200000.3 0\n", None),
     ],
 )
@@ -92,11 +92,13 @@ def test_collinearity_is_exact(rows, words, tmp_path):
 def test_offset_and_what_float32_would_do(tmp_path):
     rows = np.random.default_rng(0).random((2000, 3)) * 10 + (450_000, 5_200_000, 0)
     np.save(tmp_path / "utm.npy", rows)
-    facts = facts_of(tmp_path / "utm.npy")
-    assert facts["float32_shift"] == np.abs(rows.astype(np.float32) - rows).max()
-    assert facts["float32_is_enough"] is False
-    assert facts["offset"] == pytest.approx(np.hypot(450_005, 5_200_005), abs=0.1)
-    assert lines_of("utm.npy", cwd=tmp_path)["float32"].startswith("not enough: moves coordinates")
+    summary = summary_of(tmp_path / "utm.npy")
+    assert summary["float32_shift"] == np.abs(rows.astype(np.float32) - rows).max()
+    assert summary["float32_is_enough"] is False
+    assert summary["offset"] == pytest.approx(np.hypot(450_005, 5_200_005), abs=0.1)
+    assert lines_of("utm.npy", cwd=tmp_path)["float32"].startswith(
+        "not enough: changes coordinates"
+    )
     np.save(tmp_path / "whole.npy", np.floor(rows - (450_000, 5_200_000, 0)))
     assert "exactly" in lines_of("whole.npy", cwd=tmp_path)["float32"]
 
@@ -108,7 +110,7 @@ def test_float32_where_it_overflows_or_there_is_no_spacing(tmp_path):
     told = lines_of("one.npy", cwd=tmp_path)
     assert told["spacing"] == "none: one position"
     shift = abs(float(np.float32(0.1)) - 0.1)
-    assert told["float32"].endswith(f"moves coordinates by up to {shift:.3g}")
+    assert told["float32"].endswith(f"changes coordinates by up to {shift:.3g}")
 
 
 def test_a_mesh_with_colours(tmp_path):
@@ -141,7 +143,7 @@ def test_predicted_memory_is_what_triangulating_takes(tmp_path):
     np.save(tmp_path / "c.npy", np.random.default_rng(0).random((600_000, 3)))
     np.save(tmp_path / "tiny.npy", np.eye(3))
     measured = peak("c.npy", tmp_path) - peak("tiny.npy", tmp_path)
-    predicted = facts_of(tmp_path / "c.npy")["memory"]
+    predicted = summary_of(tmp_path / "c.npy")["memory"]
     assert 0.8 < measured / predicted < 1.15
 
 

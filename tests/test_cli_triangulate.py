@@ -107,7 +107,7 @@ def test_planes(plane, tmp_path):
     ("content", "parts"),
     [
         ("1 0 0\n0 1 0\n0 0 1\n", ["(3, 3)", "not 4x4"]),
-        ("one two\n", ["no matrix can be read"]),
+        ("one two\n", ["cannot read a matrix"]),
         ("2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", ["not rigid"]),
     ],
 )

@@ -1,4 +1,4 @@
-"""The application: its commands, what ``liftmesh --help`` says, and ``--version``."""
+"""The application: its commands, the text of ``liftmesh --help``, and ``--version``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _listed(title: str, lines: list[str]) -> str:
 EXIT_CODES = _listed(
     "Exit codes", [f"{code:>3}  {meaning}" for code, meaning in exit_codes.MEANINGS.items()]
 )
-DEBUG = "[cyan]--debug[/cyan] with any command shows the traceback of an error."
+DEBUG = "[cyan]--debug[/cyan] with any command prints the traceback of an error."
 
 app = typer.Typer(
     name="liftmesh",
@@ -36,8 +36,8 @@ app = typer.Typer(
 )
 
 
-def _show_version(asked: bool) -> None:
-    if asked:
+def _show_version(requested: bool) -> None:
+    if requested:
         typer.echo(f"liftmesh {version('liftmesh')}")
         raise typer.Exit
 
@@ -46,10 +46,12 @@ def _show_version(asked: bool) -> None:
 def liftmesh(
     _version: Annotated[
         bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show and exit."),
+        typer.Option(
+            "--version", callback=_show_version, is_eager=True, help="Show the version and exit."
+        ),
     ] = False,
 ) -> None:
-    """Hold the options that stand before a command."""
+    """Define the options that precede a command."""
 
 
 for module in (triangulate, verify, compare, info, paper):

@@ -1,4 +1,4 @@
-"""``liftmesh compare``: liftmesh's lower hull held against trimesh's convex hull."""
+"""``liftmesh compare``: comparison of liftmesh's lower hull with trimesh's convex hull."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.comparison.report import Comparison
 
-SHORT_HELP = "Hold liftmesh's triangles against trimesh's convex hull."
+SHORT_HELP = "Compare liftmesh's triangles with trimesh's convex hull."
 HELP = (
     "trimesh's hull (Qhull) is built from the same lifted points, and its lower facets are matched "
-    "with the triangles. Differences inside exactly cocircular cells are choices; all others are "
-    "errors and come with exact proofs: the exit code is then 1."
+    "with the triangles. Inside exactly cocircular cells both results are correct; all other "
+    "differences are errors, reported with exact proofs and exit code 1."
 )
 EXAMPLES = [
     "liftmesh compare cloud.ply",
@@ -33,7 +33,7 @@ def run(
         typer.Option(
             "--q",
             metavar="Q",
-            help="Vertex of the paraboloid: median (Qhull's best chance), origin or QX,QY.",
+            help="Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
         ),
     ] = "median",
     lower: Annotated[
@@ -41,15 +41,15 @@ def run(
         typer.Option(metavar="FILE", help="Write liftmesh's lower hull of the lifted points."),
     ] = None,
     hull: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write trimesh's whole hull of them.")
+        Path | None, typer.Option(metavar="FILE", help="Write trimesh's convex hull of them.")
     ] = None,
-    proofs: Annotated[int, typer.Option(min=0, help="How many proofs at most.")] = 4,
+    proofs: Annotated[int, typer.Option(min=0, help="Maximum number of proofs to print.")] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     json: options.Json = False,
 ) -> None:
-    """Compare, write the hulls that were asked for, and say who is right.
+    """Compare the hulls, write the requested files, and print the result.
 
     Parameters
     ----------
@@ -60,9 +60,9 @@ def run(
     lower, hull : Path, optional
         Files to write.
     proofs : int
-        How many proofs at most.
+        Maximum number of proofs.
     source_format : str, optional
-        Format, in place of the suffix.
+        Format of IN, instead of its suffix.
     json : bool
         Print JSON.
     """
@@ -80,7 +80,7 @@ def run(
     if json:
         terminal.as_json(_values(result))
     else:
-        _say(result, hull)
+        _print_result(result, hull)
     if not result.agrees:
         raise typer.Exit(exit_codes.DIFFERENT)
 
@@ -92,7 +92,7 @@ def _compare(cloud: Cloud, **choices: Any) -> Comparison:
         return liftmesh.compare(cloud, **choices)
 
 
-def _say(result: Comparison, hull: Path | None) -> None:
+def _print_result(result: Comparison, hull: Path | None) -> None:
     style = "good" if result.agrees else "bad"
     styles = {"really different": style}
     terminal.table(result.table(), header=("", "liftmesh", "trimesh"), styles=styles)

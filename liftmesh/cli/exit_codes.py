@@ -12,12 +12,12 @@ PIPE_CLOSED = 141
 TERMINATED = 143
 
 MEANINGS = {
-    DONE: "done; for compare: both sides are right",
-    DIFFERENT: "compare: trimesh's hull is really different, or there is none; verify: not valid",
+    DONE: "success; compare: both results are correct",
+    DIFFERENT: "compare: trimesh's hull is really different or fails; verify: not valid",
     USAGE: "wrong usage",
-    BAD_INPUT: "a file or its points cannot be used, or memory does not suffice",
-    BUG: "a bug of liftmesh",
+    BAD_INPUT: "invalid file or points, or not enough memory",
+    BUG: "a bug in liftmesh",
     INTERRUPTED: "interrupted by Ctrl-C",
-    PIPE_CLOSED: "whoever read the output has closed it",
-    TERMINATED: "ended by SIGTERM",
+    PIPE_CLOSED: "the reader of the output closed the pipe",
+    TERMINATED: "terminated by SIGTERM",
 }

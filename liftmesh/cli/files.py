@@ -1,4 +1,4 @@
-"""Files as commands name them: ``-`` for the standard streams, and a check before the work."""
+"""Files of the commands: ``-`` for the standard streams, and checks before the work starts."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ def read(path: Path, file_format: str | None) -> Cloud:
     path : Path
         The file.
     file_format : str, optional
-        Its format; by default its suffix tells.
+        Its format; by default that of its suffix.
 
     Returns
     -------
     Cloud
-        Its rows.
+        The cloud.
 
     Raises
     ------
     FormatError
-        The format is unknown, or the file is broken.
+        The format is unknown, or the file is invalid.
     typer.BadParameter
-        It is stdin, and no format is given.
+        The path is stdin, and no format is given.
     """
     from liftmesh.io import files as formats  # noqa: PLC0415 - help and --version do without
 
@@ -62,7 +62,7 @@ def read(path: Path, file_format: str | None) -> Cloud:
 
 @contextmanager
 def _about_reading(name: str) -> Iterator[None]:
-    """Say which file it is that cannot be read: streams do not know."""
+    """Add the file's name to an error: streams do not know it."""
     try:
         yield
     except OSError as error:
@@ -78,15 +78,15 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     ----------
     path : Path
         The file.
-    mesh : Cloud or anything with vertices and faces
-        What to write.
+    mesh : Cloud or object with vertices and faces
+        The mesh.
     file_format : str, optional
-        Its format; by default the suffix tells.
+        Its format; by default that of its suffix.
 
     Returns
     -------
     Written
-        What was written.
+        Summary of what was written.
 
     Raises
     ------
@@ -98,19 +98,19 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
         if not is_stream(path):
             return formats.write(path, mesh, format=file_format)
-        # A stream of its own: an unbuffered sys.stdout may write a part and not say so.
+        # A separate stream: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
             return formats.write(stream, mesh, format=file_format)
 
 
 @contextmanager
 def about(path: Path) -> Iterator[None]:
-    """Say which file it is whose rows are wrong.
+    """Add the file's name to errors about its rows.
 
     Parameters
     ----------
     path : Path
-        The file that the rows are from.
+        The file of the rows.
     """
     try:
         yield
@@ -122,7 +122,7 @@ def about(path: Path) -> Iterator[None]:
 
 
 def is_stream(path: Path) -> bool:
-    """Whether a path stands for a standard stream.
+    """Whether a path denotes a standard stream.
 
     Parameters
     ----------
@@ -143,12 +143,12 @@ def is_stream(path: Path) -> bool:
 
 
 def check_apart(*paths: Path | None) -> None:
-    """Refuse two names for one file: the second that is written would take the place of the first.
+    """Raise if two paths are the same file: the second would overwrite the first.
 
     Parameters
     ----------
     *paths : Path, optional
-        The file that is read, if there is one, and those to be written.
+        The input file, if any, and the output files.
 
     Raises
     ------
@@ -158,42 +158,42 @@ def check_apart(*paths: Path | None) -> None:
     for one, other in combinations([path for path in paths if path is not None], 2):
         if not (is_stream(one) or is_stream(other)) and _same(one, other):
             raise typer.BadParameter(
-                f"{one} and {other} are one file, and one would take the place of the other: "
+                f"{one} and {other} are the same file, and one would overwrite the other: "
                 "give another name"
             )
 
 
 def _same(one: Path, other: Path) -> bool:
     if one.is_file() and other.is_file():
-        return one.samefile(other)  # by another link, too
+        return one.samefile(other)  # also through links
     return not one.exists() and one.resolve() == other.resolve()
 
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:
-    """Refuse what cannot be written before the work starts.
+    """Raise before the work starts if a file cannot be written.
 
     Parameters
     ----------
     path : Path, optional
-        The file to be written; none is fine.
+        The file to write, if any.
     file_format : str, optional
-        Its format; by default the suffix tells.
+        Its format; by default that of its suffix.
 
     Raises
     ------
     FormatError
         The format is unknown or cannot be written.
     OSError
-        The place is one where nothing can be written, as `check_place` says.
+        The path cannot be written, see `check_place`.
     typer.BadParameter
-        Nothing tells the format.
+        There is neither a format nor a suffix.
     """
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
     if path is None:
         return
     if not (file_format or path.suffix):
-        raise typer.BadParameter(f"{path} has no suffix to tell its format: give it with --format")
+        raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
     found = find_format(file_format or path.suffix, str(path))
     if found.write is None:
         raise FormatError(f"{path}: {found.name} files can be read, not written")
@@ -201,17 +201,17 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
 
 
 def check_place(path: Path | None) -> None:
-    """Refuse a place where nothing can be written before the work starts.
+    """Raise before the work starts if nothing can be written at a path.
 
     Parameters
     ----------
     path : Path, optional
-        The file to be written; none is fine, and so is a standard stream.
+        The file to write, if any; a standard stream is not checked.
 
     Raises
     ------
     OSError
-        It is a folder or a read-only file, or its folder is not there or is read-only.
+        It is a folder or a read-only file, or its folder does not exist or is read-only.
     """
     from liftmesh.io.atomic import check_writable  # noqa: PLC0415 - as above
 

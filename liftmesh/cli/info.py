@@ -1,4 +1,4 @@
-"""``liftmesh info``: what is in a file, and what to expect of it."""
+"""``liftmesh info``: summary of the contents of a file."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import typer
 from liftmesh.cli import files, options, terminal
 
 if TYPE_CHECKING:
-    from liftmesh.cli.facts import Facts
+    from liftmesh.cli.summary import Summary
 
-SHORT_HELP = "Tell what a cloud or mesh holds."
+SHORT_HELP = "Summarise a cloud or mesh."
 HELP = (
-    "Rows, extent, spacing, duplicates, overhangs, whether float32 is enough, whether a triangle "
-    "exists, and the memory that triangulating takes."
+    "Prints the number of rows, extent, spacing, duplicates and overhangs, whether float32 is "
+    "accurate enough, whether a triangle exists, and the memory that triangulation needs."
 )
 EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
 
@@ -29,76 +29,76 @@ def run(
     source_format: options.SourceFormat = None,
     json: options.Json = False,
 ) -> None:
-    """Read a file and print its facts.
+    """Read a file and print its summary.
 
     Parameters
     ----------
     source : Path
         FILE.
     source_format : str, optional
-        Format, in place of the suffix.
+        Format of FILE, instead of its suffix.
     json : bool
         Print JSON.
     """
     cloud = files.read(source, source_format)
-    from liftmesh.cli.facts import gather  # noqa: PLC0415 - help and --version do without
+    from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 
-    with terminal.stage(f"measuring {len(cloud):,} rows"):
-        facts = gather(cloud)
+    with terminal.stage(f"summarising {len(cloud):,} rows"):
+        summary = summarise(cloud)
     if json:
         derived = ("extent", "offset", "float32_is_enough")
-        terminal.as_json(asdict(facts) | {name: getattr(facts, name) for name in derived})
+        terminal.as_json(asdict(summary) | {name: getattr(summary, name) for name in derived})
     else:
-        terminal.table(_lines(facts))
+        terminal.table(_lines(summary))
 
 
-def _lines(facts: Facts) -> list[tuple[str, str]]:
-    lines = [("rows", f"{facts.rows:,}" + _noted(facts.not_finite, "not finite"))]
-    if facts.faces:
-        lines.append(("faces", f"{facts.faces:,}"))
-    lines.append(("holds", ", ".join(("coordinates", *facts.holds))))
-    if facts.positions:
-        lines += _measures(facts)
-    memory = terminal.bytes_text(facts.memory)
+def _lines(summary: Summary) -> list[tuple[str, str]]:
+    lines = [("rows", f"{summary.rows:,}" + _count_note(summary.not_finite, "not finite"))]
+    if summary.faces:
+        lines.append(("faces", f"{summary.faces:,}"))
+    lines.append(("holds", ", ".join(("coordinates", *summary.holds))))
+    if summary.positions:
+        lines += _measures(summary)
+    memory = terminal.bytes_text(summary.memory)
     return [*lines, ("memory", f"about {memory} to triangulate")]
 
 
-def _measures(facts: Facts) -> list[tuple[str, str]]:
-    axes = zip("xyz", facts.minimum, facts.maximum, facts.extent, strict=True)
+def _measures(summary: Summary) -> list[tuple[str, str]]:
+    axes = zip("xyz", summary.minimum, summary.maximum, summary.extent, strict=True)
     return [
         *((axis, f"{low:.10g} to {high:.10g}  ({size:.6g})") for axis, low, high, size in axes),
-        ("spacing", _spacing(facts)),
-        ("duplicates", f"{facts.duplicates:,}"),
-        ("overhangs", f"{facts.overhangs:,}"),
-        ("collinear", _collinear(facts)),
-        ("offset", f"{facts.offset:.6g}  (centre to origin)"),
-        ("float32", _float32(facts)),
+        ("spacing", _spacing(summary)),
+        ("duplicates", f"{summary.duplicates:,}"),
+        ("overhangs", f"{summary.overhangs:,}"),
+        ("collinear", _collinear(summary)),
+        ("offset", f"{summary.offset:.6g}  (centre to origin)"),
+        ("float32", _float32(summary)),
     ]
 
 
-def _noted(count: int, what: str) -> str:
+def _count_note(count: int, what: str) -> str:
     return f", {count:,} {what}" if count else ""
 
 
-def _spacing(facts: Facts) -> str:
-    if facts.spacing is None:
+def _spacing(summary: Summary) -> str:
+    if summary.spacing is None:
         return "none: one position"
-    return f"{facts.spacing:.6g}  (median distance to the nearest neighbour)"
+    return f"{summary.spacing:.6g}  (median distance to the nearest neighbour)"
 
 
-def _float32(facts: Facts) -> str:
-    if facts.float32_shift == 0:
+def _float32(summary: Summary) -> str:
+    if summary.float32_shift == 0:
         return "enough: holds every coordinate exactly"
-    if math.isinf(facts.float32_shift):
+    if math.isinf(summary.float32_shift):
         return "not enough: coordinates overflow"
-    moved = f"moves coordinates by up to {facts.float32_shift:.3g}"
-    if facts.spacing:
-        moved += f", {facts.float32_shift / facts.spacing:.2g} of the spacing"
-    return f"enough: {moved}" if facts.float32_is_enough else f"not enough: {moved}"
+    change = f"changes coordinates by up to {summary.float32_shift:.3g}"
+    if summary.spacing:
+        change += f", {summary.float32_shift / summary.spacing:.2g} of the spacing"
+    return f"enough: {change}" if summary.float32_is_enough else f"not enough: {change}"
 
 
-def _collinear(facts: Facts) -> str:
-    if not facts.collinear:
+def _collinear(summary: Summary) -> str:
+    if not summary.collinear:
         return "no"
-    reason = "all points lie on one line" if facts.positions > 2 else "it needs three points"
-    return f"yes: there is no triangle, {reason}"
+    reason = "all points are collinear" if summary.positions > 2 else "fewer than three positions"
+    return f"yes: no triangle exists, {reason}"

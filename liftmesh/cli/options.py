@@ -1,4 +1,4 @@
-"""Options that several commands share: their help, and how their text becomes values."""
+"""Options shared by several commands: their help, and the parsing of their values."""
 
 from __future__ import annotations
 
@@ -16,32 +16,32 @@ Source: TypeAlias = Annotated[
 ]
 SourceFormat: TypeAlias = Annotated[
     str | None,
-    typer.Option("--from", metavar="FORMAT", help="Format of IN, when its suffix does not tell."),
+    typer.Option("--from", metavar="FORMAT", help="Format of IN, instead of its suffix."),
 ]
 Plane: TypeAlias = Annotated[
     str,
     typer.Option(
         metavar="PLANE",
-        help="Seen from above of: xy, fit (the best fit), a normal NX,NY,NZ, or the path of a "
-        "4x4 matrix, text or .npy, that takes space to the plane.",
+        help="Projection plane: xy, fit (least squares), a normal NX,NY,NZ, or a file (text or "
+        ".npy) with the rigid 4x4 matrix from space to plane coordinates.",
     ),
 ]
 SkipNonFinite: TypeAlias = Annotated[
-    NonFinite, typer.Option("--nonfinite", help="Rows with NaN or infinity.")
+    NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
 ]
 Threads: TypeAlias = Annotated[
     int | None,
     typer.Option(
         "--threads",
         metavar="N",
-        help="How many threads may work: LIFTMESH_NUM_THREADS, or one for each core.",
+        help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
 def parse_plane(text: str) -> Any:
-    """Turn the text of ``--plane`` into what `liftmesh.triangulate` accepts.
+    """Parse the value of ``--plane`` to an argument of `liftmesh.triangulate`.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def parse_plane(text: str) -> Any:
     Raises
     ------
     typer.BadParameter
-        The text is none of these, or the file holds no 4x4 matrix.
+        The text is not one of these, or the file does not hold a 4x4 matrix.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def parse_plane(text: str) -> Any:
 
 
 def parse_q(text: str) -> Any:
-    """Turn the text of ``--q`` into what `liftmesh` accepts as q.
+    """Parse the value of ``--q`` to an argument q of `liftmesh`.
 
     Parameters
     ----------
@@ -101,17 +101,17 @@ def parse_q(text: str) -> Any:
 
 
 def check_threads(threads: int | None) -> None:
-    """Refuse a number of threads that cannot be taken before the work starts.
+    """Raise before the work starts if the number of threads is invalid.
 
     Parameters
     ----------
     threads : int, optional
-        The number; by default the environment or the machine tells.
+        The number; by default that of the environment or of the cores.
 
     Raises
     ------
     typer.BadParameter
-        The number, or that of the environment, is none from 1 to 1024.
+        The number, or that of the environment, is not between 1 and 1024.
     """
     from liftmesh.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
     from liftmesh.threads import as_threads  # noqa: PLC0415 - as above
@@ -124,7 +124,7 @@ def check_threads(threads: int | None) -> None:
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...] | None:
-    """The numbers between commas, or None if the text is not that many numbers."""
+    """Parse numbers separated by commas; None if the text is not that many numbers."""
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -140,18 +140,18 @@ def _read_npy(path: Path) -> Any:
 
 
 def _matrix(path: Path) -> Any:
-    """A 4x4 matrix from a text or .npy file."""
+    """Read a 4x4 matrix from a text or .npy file."""
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
     if not path.is_file():
         raise typer.BadParameter(
-            f"--plane {str(path)!r} is neither a name nor a file: "
-            "give xy, fit, NX,NY,NZ or the path of a 4x4 matrix"
+            f"--plane {str(path)!r} is neither a known name nor a file: "
+            "give xy, fit, NX,NY,NZ or a file with a 4x4 matrix"
         )
     try:
         matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
     except (ValueError, OSError) as error:
-        raise typer.BadParameter(f"--plane {path}: no matrix can be read: {error}") from error
+        raise typer.BadParameter(f"--plane {path}: cannot read a matrix: {error}") from error
     if matrix.shape != (4, 4):
         raise typer.BadParameter(f"--plane {path}: the matrix is {matrix.shape}, not 4x4")
     return matrix

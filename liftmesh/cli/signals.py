@@ -1,4 +1,4 @@
-"""How a command ends before it is done: a signal that asks it to, or memory that is not there."""
+"""Premature ends of a command: termination by a signal, and lack of memory."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from contextlib import contextmanager
 
 
 class Terminated(BaseException):
-    """SIGTERM came: an exception, so that files half written are put away like for Ctrl-C."""
+    """SIGTERM as an exception, so that partly written files are removed as for Ctrl-C."""
 
 
 @contextmanager
 def ending_at_sigterm() -> Iterator[None]:
-    """Turn SIGTERM into `Terminated`, where nobody else has plans for it."""
+    """Convert SIGTERM to `Terminated`, unless another handler is installed."""
     ours = threading.current_thread() is threading.main_thread()
     if not ours or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
         yield
@@ -31,17 +31,17 @@ def ending_at_sigterm() -> Iterator[None]:
 
 
 def out_of_memory(error: BaseException | None) -> bool:
-    """Say whether a lack of memory is behind an exception.
+    """Whether an exception is due to lack of memory.
 
     Parameters
     ----------
     error : BaseException, optional
-        What was raised: a compiled module that finds no room to be loaded says so in words only.
+        The exception; that of a compiled module that cannot be loaded is recognised by its message.
 
     Returns
     -------
     bool
-        True also where it is the cause of another exception.
+        True also if lack of memory is the cause of another exception.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def out_of_memory(error: BaseException | None) -> bool:
         "failed to map segment",
         "cannot allocate memory",
         "Cannot allocate memory",
-        "without setting an exception",  # Python's parser can lose its MemoryError on the way
+        "without setting an exception",  # Python's parser can lose its MemoryError
         "without exception set",
     )
     kinds = (ImportError, OSError, SystemError)

@@ -1,7 +1,7 @@
-"""What people see: tables and sentences on stdout, progress and errors on stderr.
+"""Output for people: tables and sentences on stdout, progress and errors on stderr.
 
-On a terminal rich adds colour, and a spinner or a bar; into a pipe or a file goes the same text,
-plain, and no progress at all. NO_COLOR and TERM=dumb are rich's to respect.
+On a terminal rich adds colour, and a spinner or a progress bar; a pipe or a file gets the same text
+without colour, and no progress. rich respects NO_COLOR and TERM=dumb.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "name": "cyan", ""
 
 @contextmanager
 def stage(text: str) -> Iterator[None]:
-    """Show what is being done and for how long, on a terminal only, while it is done.
+    """Show a spinner with the current activity and its duration, on a terminal only.
 
     Parameters
     ----------
     text : str
-        What is being done: ``"reading cloud.ply"``.
+        The activity, for example ``"reading cloud.ply"``.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -50,7 +50,7 @@ def stage(text: str) -> Iterator[None]:
 
 @contextmanager
 def bar(total: float) -> Iterator[Callable[[str, float], None]]:
-    """Show how far a long work has come, on a terminal only, while it is done.
+    """Show a progress bar, on a terminal only.
 
     Parameters
     ----------
@@ -60,15 +60,14 @@ def bar(total: float) -> Iterator[Callable[[str, float], None]]:
     Yields
     ------
     callable
-        To be called with what is being done (empty: the same as before), and how much of the work
-        was done since the last call.
+        Takes the current activity (empty: unchanged) and the work done since the last call.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lambda _text, _done: None
         return
-    shown = TextColumn("{task.description}", markup=False)
-    columns = (BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn(), shown)
+    text = TextColumn("{task.description}", markup=False)
+    columns = (BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn(), text)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=total)
         yield lambda text, done: progress.update(
@@ -77,24 +76,24 @@ def bar(total: float) -> Iterator[Callable[[str, float], None]]:
 
 
 def error_line(text: str) -> None:
-    """Print one line on stderr.
+    """Print an error message as one line on stderr.
 
     Parameters
     ----------
     text : str
-        What is wrong.
+        The message.
     """
     line = Text.assemble(("liftmesh: ", "bold"), ("error: ", STYLES["bad"]), printable(text))
     Console(stderr=True, soft_wrap=True, highlight=False).print(line)
 
 
 def sentence(text: str, style: str = "") -> None:
-    """Print a paragraph on stdout: wrapped on a terminal, in one line elsewhere.
+    """Print a paragraph on stdout, wrapped on a terminal, as one line elsewhere.
 
     Parameters
     ----------
     text : str
-        What to say.
+        The paragraph.
     style : str
         A key of `STYLES`.
     """
@@ -103,12 +102,12 @@ def sentence(text: str, style: str = "") -> None:
 
 
 def item(text: str) -> None:
-    """Print one point of a list, with a hanging indent on a terminal.
+    """Print one item of a list, with a hanging indent on a terminal.
 
     Parameters
     ----------
     text : str
-        What to say.
+        The item.
     """
     if not _stdout().is_terminal:
         sentence(f"- {text}")
@@ -161,7 +160,7 @@ def as_json(values: Mapping[str, Any]) -> None:
     Parameters
     ----------
     values : mapping
-        What `json` can write; JSON knows neither NaN nor infinity, which become null.
+        Values that `json` can write; NaN and infinity, which JSON does not have, become null.
     """
     sys.stdout.write(json.dumps(_finite(values), indent=2, allow_nan=False) + "\n")
 
@@ -175,7 +174,7 @@ def _finite(value: Any) -> Any:
 
 
 def printable(text: str) -> str:
-    r"""Spell out what would command a terminal: names and values come out of files.
+    r"""Escape control characters: text from files must not control the terminal.
 
     Parameters
     ----------
@@ -185,7 +184,7 @@ def printable(text: str) -> str:
     Returns
     -------
     str
-        The same, its control characters as Python escapes them.
+        The text with control characters escaped as in Python.
 
     Examples
     --------
@@ -196,17 +195,17 @@ def printable(text: str) -> str:
 
 
 def bytes_text(count: float) -> str:
-    """Say a number of bytes in three digits.
+    """Format a number of bytes with three digits.
 
     Parameters
     ----------
     count : float
-        Bytes.
+        Number of bytes.
 
     Returns
     -------
     str
-        With a decimal unit.
+        The number with a decimal unit.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""``liftmesh triangulate``: a point cloud in, a mesh file out."""
+"""``liftmesh triangulate``: triangulates a point cloud and writes a mesh file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from liftmesh.io.files import Written
     from liftmesh.terrain.surface import Report, Surface
 
-SHORT_HELP = "Turn a point cloud into a mesh file."
+SHORT_HELP = "Triangulate a point cloud and write a mesh file."
 HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise seen from above."
 EXAMPLES = [
     "liftmesh triangulate cloud.ply mesh.ply",
@@ -35,12 +35,12 @@ def run(
     plane: options.Plane = "xy",
     duplicates: Annotated[
         Duplicates,
-        typer.Option(help="Which of several rows at one planar position carries the surface."),
+        typer.Option(help="Which of several rows at one planar position is used as the vertex."),
     ] = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
         Method,
-        typer.Option(help="The engine: the same triangles by any; lf and lfres are slow."),
+        typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow."),
     ] = "auto",
     q: Annotated[
         str,
@@ -53,12 +53,12 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
-        typer.Option("--format", metavar="FORMAT", help="Format of OUT, in place of its suffix."),
+        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
     ] = None,
     threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
-    """Read, triangulate, write, and say what became of every row.
+    """Read a cloud, triangulate it, write the mesh, and print a report.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def run(
     plane, duplicates, nonfinite, method, q : str
         As in `liftmesh.triangulate`.
     source_format, target_format : str, optional
-        Formats, in place of suffixes.
+        Formats, instead of the suffixes.
     threads : int, optional
         As in `liftmesh.triangulate`.
     json : bool
@@ -76,7 +76,7 @@ def run(
     frame, vertex = options.parse_plane(plane), options.parse_q(q)
     options.check_threads(threads)
     files.check_target(target, target_format)
-    # Even though it would be read before it is replaced: a mesh may hold less than its cloud.
+    # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     files.check_apart(source, target)
     start = perf_counter()
     cloud = files.read(source, source_format)
@@ -95,33 +95,35 @@ def run(
     start = perf_counter()
     written = files.write(target, surface, target_format)
     seconds["write"] = perf_counter() - start
-    # Where the mesh itself goes to stdout, what there is to say goes to stderr.
+    # If the mesh itself goes to stdout, the report goes to stderr.
     with redirect_stdout(sys.stderr) if files.is_stream(target) else nullcontext():
-        _say(written, surface.report, seconds, as_json=json)
+        _print_report(written, surface.report, seconds, as_json=json)
 
 
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
     with terminal.bar(1.0) as bar:
-        show = _shares(bar, f"triangulating {len(cloud):,} rows")
-        return liftmesh.triangulate(cloud, progress=show, **choices)
+        advance = _bar_steps(bar, f"triangulating {len(cloud):,} rows")
+        return liftmesh.triangulate(cloud, progress=advance, **choices)
 
 
-def _shares(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
-    """Turn the share that is done, as `progress` tells it, into steps of a bar."""
-    shown = 0.0
+def _bar_steps(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
+    """Return a `progress` callback that converts fractions done to steps of a bar."""
+    done = 0.0
 
-    def show(share: float) -> None:
-        nonlocal shown
-        bar(text, share - shown)
-        shown = share
+    def advance(fraction: float) -> None:
+        nonlocal done
+        bar(text, fraction - done)
+        done = fraction
 
-    show(shown)
-    return show
+    advance(done)
+    return advance
 
 
-def _say(written: Written, report: Report, seconds: dict[str, float], *, as_json: bool) -> None:
+def _print_report(
+    written: Written, report: Report, seconds: dict[str, float], *, as_json: bool
+) -> None:
     if as_json:
         terminal.as_json(_values(written, report, seconds))
         return

@@ -61,7 +61,7 @@ def names_in(folder: Path) -> list[str]:
         (LIBRARY, signal.SIGTERM, {-signal.SIGTERM}, ""),
         (LIBRARY, signal.SIGINT, {-signal.SIGINT}, "KeyboardInterrupt"),
         (COMMAND_LINE, signal.SIGKILL, {-signal.SIGKILL}, ""),
-        (COMMAND_LINE, signal.SIGTERM, {exit_codes.TERMINATED}, "ended by SIGTERM"),
+        (COMMAND_LINE, signal.SIGTERM, {exit_codes.TERMINATED}, "terminated by SIGTERM"),
         (COMMAND_LINE, signal.SIGINT, {exit_codes.INTERRUPTED}, "error: interrupted"),
     ],
     ids=["library KILL", "library TERM", "library INT", "KILL", "TERM", "INT"],

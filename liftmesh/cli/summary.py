@@ -1,4 +1,4 @@
-"""What can be told of a cloud before it is triangulated: counts, measures, and what to expect."""
+"""Summary of a cloud before triangulation: counts, measures, and predictions."""
 
 from __future__ import annotations
 
@@ -17,37 +17,39 @@ if TYPE_CHECKING:
 
 
 _SAMPLE = 20_000
-# Measured: peak memory of reading, triangulating and writing, beyond the arrays of the file.
+# Measured: peak memory of reading, triangulating and writing, in addition to the file's arrays.
 _BYTES_PER_ROW = 116
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
-    """A cloud in numbers.
+class Summary:
+    """Statistics of a cloud.
 
     Parameters
     ----------
     rows, faces, not_finite : int
-        Rows, faces of a mesh, rows with NaN or infinity. All else is about the finite rows.
+        Numbers of rows, of faces, and of rows with NaN or infinity. All other values concern the
+        finite rows.
     holds : tuple of str
-        What is known of each row beside its coordinates.
+        Names of the values of each row other than its coordinates.
     minimum, maximum : tuple of float
         Corners of the bounding box in x, y, z; empty without finite rows.
     positions : int
-        Distinct planar positions.
+        Number of distinct planar positions.
     duplicates : int
-        Rows equal in x, y and z to the first row of their position.
+        Rows equal in x, y and z to the first row at their position.
     overhangs : int
-        Rows at another height than the first row of their position.
+        Rows at another height than the first row at their position.
     collinear : bool
-        Whether all positions lie exactly on one line (or fewer than three exist): no triangle.
+        Whether all positions lie exactly on one line (or there are fewer than three), so that no
+        triangle exists.
     spacing : float, optional
-        Median planar distance from a position to its nearest neighbour; of every k-th position
-        when there are many.
+        Median planar distance from a position to its nearest neighbour, estimated from a sample of
+        a large cloud.
     float32_shift : float
-        The farthest that a coordinate moves when it is stored as float32.
+        Maximum change of a coordinate when it is stored as float32.
     memory : int
-        Bytes that ``triangulate`` is predicted to take at its peak.
+        Predicted peak memory of ``triangulate`` in bytes.
     """
 
     rows: int
@@ -66,39 +68,39 @@ class Facts:
 
     @property
     def extent(self) -> tuple[float, ...]:
-        """Sizes of the bounding box; infinite where they exceed float64."""
+        """Size of the bounding box along each axis; infinite if it exceeds float64."""
         return tuple(high - low for low, high in zip(self.minimum, self.maximum, strict=True))
 
     @property
     def offset(self) -> float:
         """Planar distance from the origin to the centre of the bounding box."""
-        sides = zip(self.minimum[:2], self.maximum[:2], strict=True)
-        return math.hypot(*(low / 2 + high / 2 for low, high in sides))
+        bounds = zip(self.minimum[:2], self.maximum[:2], strict=True)
+        return math.hypot(*(low / 2 + high / 2 for low, high in bounds))
 
     @property
     def float32_is_enough(self) -> bool:
-        """Whether float32 moves no coordinate by more than a hundredth of the spacing."""
+        """Whether float32 changes no coordinate by more than a hundredth of the spacing."""
         return self.float32_shift <= (self.spacing or 0.0) / 100
 
 
-def gather(cloud: Cloud) -> Facts:
-    """Measure a cloud.
+def summarise(cloud: Cloud) -> Summary:
+    """Compute the statistics of a cloud.
 
     Parameters
     ----------
     cloud : Cloud
-        Any cloud, empty and flawed ones too.
+        Any cloud, even empty or with rows that are not finite.
 
     Returns
     -------
-    Facts
-        Its measures.
+    Summary
+        The statistics.
 
     Examples
     --------
     >>> from liftmesh.cloud import Cloud
-    >>> facts = gather(Cloud(np.array([[0.0, 0, 1], [3, 0, 1], [0, 4, 1], [3, 0, 2]])))
-    >>> facts.positions, facts.overhangs, facts.spacing
+    >>> summary = summarise(Cloud(np.array([[0.0, 0, 1], [3, 0, 1], [0, 4, 1], [3, 0, 2]])))
+    >>> summary.positions, summary.overhangs, summary.spacing
     (3, 1, 3.0)
     """
     finite = np.isfinite(cloud.points).all(axis=1)
@@ -106,7 +108,7 @@ def gather(cloud: Cloud) -> Facts:
     first, group = _positions(points)
     apart = points[:, 2] != points[first[group], 2]
     distinct = points[first, :2]
-    return Facts(
+    return Summary(
         rows=len(cloud),
         faces=0 if cloud.faces is None else len(cloud.faces),
         not_finite=len(cloud) - len(points),
@@ -124,7 +126,7 @@ def gather(cloud: Cloud) -> Facts:
 
 
 def _positions(points: Floats) -> tuple[Indices, Indices]:
-    """The lowest row of each planar position, in lexicographic order, and each row's position."""
+    """Return the first row at each planar position, sorted by position, and each row's position."""
     order = np.lexsort((points[:, 1], points[:, 0]))
     placed = points[order, :2]
     is_new = np.ones(len(points), dtype=bool)
@@ -135,22 +137,22 @@ def _positions(points: Floats) -> tuple[Indices, Indices]:
 
 
 def _collinear(distinct: Floats) -> bool:
-    """Exactly: whether all lie on the line through the lexicographically first and last."""
+    """Whether all points lie exactly on the line through the lexicographically first and last."""
     if len(distinct) < 3:
         return True
     return not orient2d(distinct[0], distinct[-1], distinct).any()
 
 
 def _spacing(distinct: Floats) -> float | None:
-    """Median distance to the nearest neighbour; scaled, so that no square overflows."""
+    """Compute the median distance to the nearest neighbour, scaled so that no square overflows."""
     if len(distinct) < 2:
         return None
     exponent = int(np.frexp(np.abs(distinct).max())[1])
     scaled = np.ldexp(distinct, -exponent)
     scaled -= scaled[len(scaled) // 2]
     tree = load("scipy.spatial").cKDTree(scaled, balanced_tree=False, compact_nodes=False)
-    asked = scaled[:: max(1, len(scaled) // _SAMPLE)]
-    distances, _ = tree.query(asked, k=2)
+    sample = scaled[:: max(1, len(scaled) // _SAMPLE)]
+    distances, _ = tree.query(sample, k=2)
     return float(np.ldexp(np.median(distances[:, 1]), exponent))
 
 
