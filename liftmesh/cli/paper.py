@@ -1,4 +1,4 @@
-"""``liftmesh paper``: the paper's Tables 5.1 and 5.2, measured again beside the printed numbers."""
+"""``liftmesh paper``: measures the paper's Tables 5.1 and 5.2 and compares the printed numbers."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from liftmesh.paper.results import Results, Settings
     from liftmesh.paper.summary import Row
 
-SHORT_HELP = "Measure the paper's tables again, beside the printed numbers."
+SHORT_HELP = "Measure the paper's tables and compare them with the printed numbers."
 HELP = (
-    "Tables 5.1 and 5.2 time gift wrapping by LF and by LFRes on 1,000 to 20,000 points. Here the "
-    "restricted region by a spatial index and the default engine stand beside them, and dot "
-    "products beside seconds. DIR receives measurements.csv, a CSV file for each table, tables.md, "
-    "paper.json and the figures. A run that was interrupted goes on where it stopped."
+    "Tables 5.1 and 5.2 time gift wrapping with LF and with LFRes on 1,000 to 20,000 points. The "
+    "restricted region by a spatial index and the default algorithm are measured too, and dot "
+    "products are counted. Writes measurements.csv, a CSV file for each table, tables.md, "
+    "paper.json and the figures to DIR. An interrupted run continues where it stopped."
 )
 EXAMPLES = [
     "liftmesh paper --quick",
@@ -43,7 +43,7 @@ QUICK_SIZES = (1_000, 2_000, 3_000)
 
 @dataclass(frozen=True, slots=True)
 class _Choice:
-    """What was asked for."""
+    """The options of the command."""
 
     quick: bool
     seeds: int | None
@@ -65,7 +65,7 @@ class _Choice:
         return Settings(sizes, seeds, self.machine or describe_machine())
 
     def command(self, made: Collection[TableName]) -> str:
-        """The command that makes these tables, wherever its files go."""
+        """Return the command that makes these tables, without the folder."""
         words = ["liftmesh", "paper", *(["--quick"] if self.quick else [])]
         words += ["--seeds", str(self.seeds)] if self.seeds else []
         words += ["--table", *made] if len(made) == 1 else []
@@ -79,8 +79,8 @@ def run(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Folder for all files, made if it does not exist: out/paper, or out/paper-quick "
-            "with --quick.",
+            help="Folder for all files, created if missing; by default out/paper, or "
+            "out/paper-quick with --quick.",
         ),
     ] = None,
     quick: Annotated[
@@ -88,7 +88,9 @@ def run(
     ] = False,
     seeds: Annotated[
         int | None,
-        typer.Option(min=1, help="Random sets of each size: 3, or 1 with --quick."),
+        typer.Option(
+            min=1, help="Number of random sets of each size; by default 3, or 1 with --quick."
+        ),
     ] = None,
     table: Annotated[
         Literal["5.1", "5.2", "both"],
@@ -97,15 +99,15 @@ def run(
     sizes: Annotated[
         list[int] | None,
         typer.Option(
-            "--n", min=3, metavar="N", help="Points, in place of the paper's; repeatable."
+            "--n", min=3, metavar="N", help="Number of points, instead of the paper's; repeatable."
         ),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
     machine: Annotated[
-        str | None, typer.Option(metavar="TEXT", help="Describe the machine in your own words.")
+        str | None, typer.Option(metavar="TEXT", help="Description of the machine.")
     ] = None,
 ) -> None:
-    """Measure what is missing, write all files, and show the tables.
+    """Measure the missing sets of points, write all files, and print the tables.
 
     Parameters
     ----------
@@ -114,15 +116,15 @@ def run(
     quick : bool
         Small sizes, one seed.
     seeds : int, optional
-        Random sets of each size.
+        Number of random sets of each size.
     table : {"5.1", "5.2", "both"}
-        Which tables.
+        The tables to measure.
     sizes : list of int, optional
         Numbers of points.
     figures : bool
-        Whether to draw.
+        Whether to draw the figures.
     machine : str, optional
-        The machine in words.
+        Description of the machine.
     """
     from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without
 
@@ -138,7 +140,7 @@ def run(
 
 
 def _check_drawing() -> None:
-    """Say that the figures cannot be drawn before the long run, not after it."""
+    """Raise before the long run if the figures cannot be drawn."""
     from liftmesh.errors import MissingDependencyError  # noqa: PLC0415 - not for --help
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
@@ -149,12 +151,12 @@ def _check_drawing() -> None:
 
 
 def _measure(results: Results, trials: Sequence[Trial]) -> None:
-    """Measure the sets of points that are missing, each on the disk before the next begins."""
+    """Measure the missing sets of points; write each to disk before the next."""
     from liftmesh.paper.estimate import calibrate  # noqa: PLC0415 - help and --version do without
     from liftmesh.paper.experiments import measure, warm_up  # noqa: PLC0415 - as above
 
     missing = [trial for trial in trials if trial not in results.done]
-    _tell_what_is_there(results, len(trials), len(missing))
+    _print_state(results, len(trials), len(missing))
     if not missing:
         return
     with terminal.stage("estimating"):
@@ -172,31 +174,31 @@ def _show_step(bar: Callable[[str, float], None], trial: Trial, method: str) -> 
     bar(f"Table {trial.table}, {trial.n:,} points, seed {trial.seed}: {method}", 0.0)
 
 
-def _tell_what_is_there(results: Results, wanted: int, missing: int) -> None:
+def _print_state(results: Results, wanted: int, missing: int) -> None:
     if results.cut:
         terminal.sentence(
-            f"{results.path}: its end was not finished; {results.cut} lines are cut off and "
+            f"{results.path}: its end is incomplete; {results.cut} lines are removed and "
             "measured again."
         )
     if wanted == missing:
         return
-    going_on = f"going on with the other {missing}" if missing else "nothing is left to measure"
+    rest = f"continuing with the other {missing}" if missing else "nothing is left to measure"
     terminal.sentence(
         f"{results.path} holds {wanted - missing} of {wanted} sets of points with these settings: "
-        f"{going_on}."
+        f"{rest}."
     )
 
 
 def _announce(count: int, seconds: float) -> None:
     terminal.sentence(
         f"{count} sets of points, four methods on each: about {_duration(seconds)}. "
-        "It may be interrupted: the same command then goes on where it stopped."
+        "It may be interrupted: the same command then continues where it stopped."
     )
     sys.stdout.flush()
 
 
 def _duration(seconds: float) -> str:
-    """A rough time in words."""
+    """Format a rough duration in words."""
     if seconds < 90:
         return f"{max(1, round(seconds))} seconds"
     return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.1f} hours"
@@ -215,7 +217,7 @@ def _finish(
         files += _draw(out / "figures", [row for rows in tables.values() for row in rows])
     terminal.blank()
     terminal.sentence(f"Measured on: {settings.machine}.")
-    terminal.sentence(f"{out}: {len(files)} files written beside {results.path.name}.", "good")
+    terminal.sentence(f"{out}: {len(files)} files written next to {results.path.name}.", "good")
 
 
 def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:
@@ -230,7 +232,7 @@ def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:
 
 
 def _show(rows: Sequence[Row]) -> None:
-    """Print one table: seconds, operations, and what they come to."""
+    """Print one table: seconds, operations, and the conclusion."""
     from liftmesh.paper import tables  # noqa: PLC0415 - help and --version do without
 
     title = f"Table {rows[0].table}, q = {rows[0].q}"
@@ -238,7 +240,7 @@ def _show(rows: Sequence[Row]) -> None:
     terminal.sentence(f"{title}: seconds, the paper's and ours ({_seeds(rows)})", "name")
     terminal.table([tables.seconds_cells(row) for row in rows], header=TERMINAL_SECONDS_HEADER)
     terminal.blank()
-    terminal.sentence(f"{title}: dot products a facet, and points rejected by LFRes", "name")
+    terminal.sentence(f"{title}: dot products per facet, and points rejected by LFRes", "name")
     terminal.table([tables.work_cells(row) for row in rows], header=tables.WORK_HEADER)
     terminal.blank()
     terminal.sentence(_conclusion(rows))
@@ -253,7 +255,7 @@ def _conclusion(rows: Sequence[Row]) -> str:
     paper = f", where the paper prints {_range(printed, '.2f')}" if printed else ""
     return (
         f"LFRes needs {_range([row.work_ratio for row in rows], '.1f')} times fewer dot products "
-        f"than LF; on the clock LF / LFRes is {_range([row.ratio for row in rows], '.2f')}{paper}. "
+        f"than LF; in time LF / LFRes is {_range([row.ratio for row in rows], '.2f')}{paper}. "
         "With the restricted region as a query into an index, LF / indexed is "
         f"{_range([row.indexed_ratio for row in rows], ',.0f')}."
     )

@@ -1,11 +1,11 @@
-"""The definitions of Section 2 in exact rationals: lower facets, and what a lifting is.
+"""The definitions of Section 2 in exact rationals: lower facets and liftings.
 
-P is a sequence of points in space, a facet three of its rows. Definition 2.2 asks of an affine
-transformation tau, which takes a polyhedron L onto a polyhedron Q, that it has a single-valued
-inverse tau* whose image is a union of closed faces of L. For the paper L is CH(P), Q the convex
-hull of P*, tau the projection parallel to the z-axis, and tau* goes up to the lower facets. (The
-paper's sentence after the definition has the letters L and Q the other way round, and calls the
-projection mu* the lifting.)
+P is a sequence of points in space, a facet three of its rows. Definition 2.2 requires of an affine
+transformation tau, which maps a polyhedron L onto a polyhedron Q, that it has a single-valued
+inverse tau* whose image is a union of closed faces of L. In the paper L is CH(P), Q the convex
+hull of P*, tau the projection parallel to the z-axis, and tau* maps to the lower facets. (The
+paper's sentence after the definition exchanges the letters L and Q, and calls the projection mu*
+the lifting.)
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ def is_lower_facet(a: Point, b: Point, p: Point, points: Iterable[Point]) -> boo
     Returns
     -------
     bool
-        Whether the triangle is a lower facet; never for a vertical plane, which has no above.
+        Whether the triangle is a lower facet; False for a vertical plane.
 
     Notes
     -----
-    With four coplanar points, which the paper excludes, lower facets overlap: of a square at one
-    height all four triangles are lower facets.
+    With four coplanar points, which the paper excludes, lower facets overlap: all four triangles of
+    a horizontal square are lower facets.
 
     Examples
     --------
@@ -72,11 +72,11 @@ def lifted(u: Point, points: Sequence[Point], facets: Iterable[Facet]) -> Exact:
     Raises
     ------
     InputError
-        No facet lies over u, or facets lie over it at different heights.
+        No facet lies above u, or facets lie above it at different heights.
 
     Notes
     -----
-    This is not the mapping mu of Section 2, with which it agrees at the points of P* alone: between
+    This is not the mapping mu of Section 2, with which it agrees only at the points of P*: between
     them it follows the facets, and mu the paraboloid below.
 
     Examples
@@ -100,12 +100,12 @@ def _covers(corners: Sequence[Point], u: Point) -> bool:
 
 
 def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
-    """Definition 2.2, of the projection tau = mu* of CH(P) and the inverse that the facets give.
+    """Definition 2.2, for the projection tau = mu* of CH(P) and the inverse given by the facets.
 
     (ii) Their union is one of closed faces of CH(P) if all points are on or above each facet's
     plane. Then they are parts of the graph of one function, the least height of CH(P), and (i) the
-    inverse is single-valued; it is defined everywhere if their projections cover the planar hull:
-    if nothing is left when each is cut away from it.
+    inverse is single-valued; it is defined everywhere if their projections cover the planar hull,
+    that is, if nothing is left after subtracting each from it.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
     Returns
     -------
     bool
-        Whether the pair is a lifting; False where the planar hull has no area.
+        Whether the pair is a lifting; False if the planar hull has no area.
 
     Examples
     --------
@@ -133,12 +133,12 @@ def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
     hull = planar_hull(points)
     left = [hull]
     for abp in corners:
-        left = [piece for polygon in left for piece in _cut_away(polygon, abp)]
+        left = [piece for polygon in left for piece in _subtract(polygon, abp)]
     return len(hull) > 2 and not left
 
 
 def planar_hull(points: Iterable[Point]) -> Polygon:
-    """The convex hull L of the projected points, of which the paper says that it is a polygon.
+    """The convex hull L of the projected points, a polygon according to the paper.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def planar_hull(points: Iterable[Point]) -> Polygon:
     Returns
     -------
     list of planar points
-        Its corners, counter-clockwise; fewer than three if the points lie on a line.
+        Its corners, counter-clockwise; fewer than three if the points are collinear.
 
     Examples
     --------
@@ -168,8 +168,8 @@ def _half_hull(ordered: Polygon) -> Polygon:
     return kept
 
 
-def _cut_away(polygon: Polygon, triangle: Sequence[Point]) -> Iterator[Polygon]:
-    """What is left of a convex polygon without a triangle, in convex pieces with area."""
+def _subtract(polygon: Polygon, triangle: Sequence[Point]) -> Iterator[Polygon]:
+    """Subtract a triangle from a convex polygon; yield convex pieces with area."""
     a, b, c = planar_hull(triangle)
     rest, pieces = polygon, []
     for u, v in ((a, b), (b, c), (c, a)):
@@ -179,14 +179,14 @@ def _cut_away(polygon: Polygon, triangle: Sequence[Point]) -> Iterator[Polygon]:
 
 
 def _half(polygon: Polygon, u: Exact, v: Exact) -> Polygon:
-    """The part of a convex polygon to the left of the line uv; empty where it has no area."""
+    """Return the part of a convex polygon to the left of the line uv; empty if it has no area."""
     kept: Polygon = []
-    sides = [orient(u, v, w) for w in polygon]
+    signs = [orient(u, v, w) for w in polygon]
     for i, w in enumerate(polygon):
-        before = sides[i - 1]
-        if before * sides[i] < 0:
-            share = before / (before - sides[i])
+        before = signs[i - 1]
+        if before * signs[i] < 0:
+            share = before / (before - signs[i])
             kept.append(tuple(s + share * (t - s) for s, t in zip(polygon[i - 1], w, strict=True)))
-        if sides[i] >= 0:
+        if signs[i] >= 0:
             kept.append(w)
-    return kept if any(side > 0 for side in sides) else []
+    return kept if any(sign > 0 for sign in signs) else []

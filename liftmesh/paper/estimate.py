@@ -1,7 +1,7 @@
-"""How long the experiments will take: the paper's growth, set to this machine by a short run.
+"""Estimate of the duration of the experiments: the paper's growth, calibrated by a short run.
 
-The seconds printed for LF and LFRes grow with n like a power a little over two. A run on a thousand
-points at most tells what this machine makes of it; the other methods are too quick to matter.
+The seconds printed for LF and LFRes grow like a power of n slightly above two. A run on at most a
+thousand points calibrates it for this machine; the other methods are too fast to matter.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ Estimate: TypeAlias = Callable[[Trial], float]
 
 _WRAPPING = METHODS[:2]
 _ENOUGH = 1_000
-"""Points on which LF and LFRes take a tenth of a second, and already grow by their law."""
+"""Number of points for which LF and LFRes take a tenth of a second and follow their growth."""
 
 
 def growth(table: TableName) -> float:
-    """Give the power of n with which the printed seconds of LF and LFRes together grow.
+    """Return the power of n with which the printed seconds of LF and LFRes together grow.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def growth(table: TableName) -> float:
     Returns
     -------
     float
-        From its first row to its last.
+        The exponent, from the first and last rows.
 
     Examples
     --------
@@ -50,17 +50,17 @@ def growth(table: TableName) -> float:
 
 
 def calibrate(trials: Iterable[Trial]) -> Estimate:
-    """Time LF and LFRes on a small set for each table, and foretell all of them.
+    """Time LF and LFRes on a small set for each table, to predict the time of all trials.
 
     Parameters
     ----------
     trials : iterable of Trial
-        What is to be measured. However large they are, no more than 1,000 points are timed here.
+        The trials to be measured. At most 1,000 points are timed here, whatever their size.
 
     Returns
     -------
     callable
-        From a trial to the seconds it will take, all methods and rounds together.
+        Maps a trial to the predicted seconds of all methods and rounds together.
 
     Examples
     --------
@@ -94,6 +94,6 @@ def _once(points: Floats, method: Method, q: Vertex) -> float:
 
 
 def _all_rounds(once: float) -> float:
-    """Seconds of all rounds of a method that takes so long once."""
+    """Return the seconds of all rounds of a method, given the seconds of a single run."""
     spent = max(once, BURST)
     return spent * min(ROUNDS, max(1, int(PATIENCE / spent)))

@@ -1,14 +1,14 @@
-"""One experiment of Section 5: a random set of points, and every method timed on it.
+"""One experiment of Section 5: a random set of points, and the time of every method on it.
 
 The paper takes n points uniform in [0, 200] x [0, 200] and times Algorithm 2 with LF and with
-LFRes. Two methods stand beside them here that the paper does not have: the restricted region as a
-query into a spatial index, and the default engine. What is timed is the whole call of
-`liftmesh.delaunay`, from planar points to triangles with their neighbours; the vertex q is given as
-a point, so that finding the median is no part of it.
+LFRes. Two methods that the paper does not have are added here: the restricted region as a query
+into a spatial index, and the default engine. The whole call of `liftmesh.delaunay` is timed, from
+planar points to triangles with their neighbours; the vertex q is given as a point, so that
+computing the median is not included.
 
-The methods run in alternating rounds, forth and back, so that a drifting machine hits all alike. A
-quick method runs several times a round; a slow one sits out the later rounds. All methods must find
-the same facets, or it is a bug.
+The methods run in rounds of alternating order, so that drifts of the machine's speed affect all
+alike. A fast method runs several times per round; a slow one is omitted from later rounds. All
+methods must find the same facets; anything else is a bug.
 """
 
 from __future__ import annotations
@@ -33,28 +33,28 @@ if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
 
 METHODS: tuple[Method, ...] = ("lf", "lfres", "lfres-indexed", "divide-and-conquer")
-"""The methods of a round, in its order."""
+"""The methods of a round, in order."""
 
 ROUNDS = 5
-"""Rounds at most."""
+"""Maximum number of rounds."""
 
 PATIENCE = 3.0
-"""Seconds that a method may take in all rounds; in the first it always runs."""
+"""Maximum seconds of a method in all rounds; in the first round it always runs."""
 
 BURST = 0.01
-"""Seconds for which a quick method is repeated within a round."""
+"""Seconds for which a fast method is repeated within a round."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Trial:
-    """A random set of points and the vertex of the paraboloid: what all methods are timed on.
+    """A random set of points and the vertex of the paraboloid, the input of all methods.
 
     Parameters
     ----------
     table : {"5.1", "5.2"}
-        The printed table, which tells the vertex q.
+        The printed table, which determines the vertex q.
     n : int
-        Points, at least three.
+        Number of points, at least three.
     seed : int
         Seed of NumPy's default generator.
 
@@ -74,7 +74,7 @@ class Trial:
         return TABLES[self.table].q
 
     def points(self) -> Floats:
-        """Make the points; both tables get the same ones.
+        """Generate the points, the same for both tables.
 
         Returns
         -------
@@ -91,25 +91,25 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """One method on one set of points.
+    """Measurement of one method on one set of points.
 
     Parameters
     ----------
     trial : Trial
         The points.
     method : str
-        As `liftmesh.delaunay` names it.
+        Its name in `liftmesh.delaunay`.
     seconds, fastest, slowest : float
         Median and extremes of all runs.
     runs : int
-        How often it ran.
+        Number of runs.
     facets : int
-        Lower facets, which are the triangles.
+        Number of lower facets, which are the triangles.
     calls, planes, evaluations, undecided : int
         Calls of the procedure, candidate planes, dot products, and dot products whose sign the
-        exact predicate decided; zero for the default engine, which does not wrap.
+        exact predicate decided; zero for the default engine, which is not gift wrapping.
     rejected : mapping of str to int
-        Points rejected by each proposition, which `liftmesh.planar.counters.REJECTIONS` names.
+        Points rejected by each proposition in `liftmesh.planar.counters.REJECTIONS`.
 
     Examples
     --------
@@ -136,7 +136,7 @@ class Measurement:
 
 @dataclass(slots=True)
 class _Runs:
-    """What the runs of one method have given so far."""
+    """Times and latest result of the runs of one method."""
 
     method: Method
     seconds: list[float] = field(default_factory=list)
@@ -181,7 +181,7 @@ def measure(trial: Trial, progress: Callable[[str], None] = lambda _: None) -> l
 
 
 def warm_up() -> None:
-    """Run every method once, so that no first measurement pays for what is loaded on first use.
+    """Run every method once, so that no measurement includes the loading of modules.
 
     Examples
     --------
@@ -193,7 +193,7 @@ def warm_up() -> None:
 
 
 def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
-    """Run a method once, and again while it is quick."""
+    """Run a method repeatedly for at least ``BURST`` seconds."""
     total = 0.0
     while total < BURST:
         start = perf_counter()
@@ -203,7 +203,7 @@ def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
 
 
 def _agreed(trial: Trial, runs: list[_Runs]) -> list[Measurement]:
-    """The measurements, once all methods have found the same facets."""
+    """Check that all methods found the same facets, and return the measurements."""
     first: Rows | None = None
     found = []
     for run, result in [(run, run.result) for run in runs if run.result is not None]:
@@ -216,10 +216,10 @@ def _agreed(trial: Trial, runs: list[_Runs]) -> list[Measurement]:
 
 
 def _facets(result: Triangulation) -> Rows:
-    """The set of facets, as sorted rows that each begin with their least vertex."""
+    """Return the set of facets as sorted rows that begin with their least vertex."""
     rows = result.simplices
-    turned = np.take_along_axis(rows, (rows.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
-    return turned[np.lexsort(turned.T[::-1])]
+    rotated = np.take_along_axis(rows, (rows.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    return rotated[np.lexsort(rotated.T[::-1])]
 
 
 def _measurement(trial: Trial, run: _Runs, result: Triangulation) -> Measurement:

@@ -1,9 +1,9 @@
-"""The paper's figures, drawn from computed data: all of them into a folder, or one by one.
+"""The paper's figures, drawn from computed data, all of them into a folder or individually.
 
-Figures 2.1 to 5.2 show what the modules beside this one compute: exact planes and cross-sections,
+Figures 2.1 to 5.2 show results of the other modules of this room: exact planes and cross-sections,
 real triangulations and hulls, random points. Figures 6.1 and 6.2 show the printed running times,
-and measured ones beside them. Two more that the paper does not have show the restricted region at
-work. Each function returns a matplotlib ``Figure`` that belongs to no window.
+and ours if measured. Two additional figures show the effect of the restricted region. Each function
+returns a matplotlib ``Figure`` that is not attached to a window.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ FIXED: Mapping[str, Drawer] = {
     "figure_5_1": figure_5_1,
     "figure_5_2": figure_5_2,
 }
-"""The figures that need no measurements."""
+"""The figures that do not need measurements."""
 
 TIMED: Mapping[str, Callable[[Sequence[Row]], Figure]] = {
     "figure_6_1": figure_6_1,
     "figure_6_2": figure_6_2,
 }
-"""The figures of running times: printed ones, and measured ones where there are any."""
+"""The figures of running times: printed ones, and measured ones if there are any."""
 
 MEASURED: Mapping[str, Callable[[Sequence[Row]], Figure]] = {
     "rejections": figure_rejections,
     "dot_products": figure_dot_products,
 }
-"""The figures that show measurements alone."""
+"""The figures that show measurements only."""
 
 
 def draw_all(
@@ -68,10 +68,10 @@ def draw_all(
     Parameters
     ----------
     directory : path
-        The folder; made if there is none.
+        The folder; created if missing.
     results : sequence of Row, optional
-        The measured tables. Without them Figures 6.1 and 6.2 show the printed numbers alone, and
-        the two figures of the restricted region at work are left out.
+        The measured tables. Without them Figures 6.1 and 6.2 show the printed numbers only, and
+        the two figures on the effect of the restricted region are omitted.
     progress : callable, optional
         Called with the name of each figure before it is drawn.
 
@@ -85,7 +85,7 @@ def draw_all(
     MissingDependencyError
         matplotlib is not installed.
     OSError
-        The folder cannot be made or written to.
+        The folder cannot be created or written to.
 
     Examples
     --------

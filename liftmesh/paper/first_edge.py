@@ -3,18 +3,18 @@
 P' is P seen along the x-axis, with Oy from right to left. (That is the view from x = -infinity; the
 paper says +infinity, from where Oy runs from left to right.) v'_1 is the lowest point of P'; all
 of P' is on or to the left of v'_1 v'_2, and on or to the right of v'_1 v'_n. As v'_1 is lowest,
-all of P' is seen from it within a half turn, which v'_2 begins and v'_n ends. So
+all of P' lies within a half turn around it, from v'_2 to v'_n. So
 
 * if v_2y < v_1y, the points are above the line v'_1 v'_2, and [v_1, v_2] is a lower edge;
 * if v_1y < v_ny, the points are above the line v'_1 v'_n, and [v_1, v_n] is a lower edge.
 
-Both hold in the paper's first case, one each in its second and third. Equality helps neither: the
-line is then vertical, and what lies on it need not be an edge (see `first_edge`).
+Both hold in the paper's first case, one each in its second and third. Neither holds with equality:
+the line is then vertical, and a segment on it need not be an edge (see `first_edge`).
 
-Ties are decided by the canonical perturbation: every point is thought lifted by an infinitely small
-amount, infinitely more for a point that is lexicographically larger in (x, y). Then no two points
-are equally low and the paper's "rightmost" is not needed, and no three points of different y lie on
-one line of P'.
+Ties are decided by the canonical perturbation: every point is lifted by an infinitesimal amount,
+infinitely more for a point that is lexicographically larger in (x, y). Then no two points are
+equally low and the paper's "rightmost" is not needed, and no three points of different y are
+collinear in P'.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ Edge: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class FirstEdge:
-    """What the projection onto Oyz tells about the first edge.
+    """Result of finding the first edge by the projection onto Oyz.
 
     Parameters
     ----------
     v1, v2, vn : int
         Rows of the points named in the paper.
     case : {1, 2, 3}
-        Which of its three cases holds, with strict inequalities.
+        The paper's case that holds, with strict inequalities.
     edges : tuple of (int, int)
         The edges of the lower hull that were found, v1 first: one, or in the first case two.
 
@@ -77,7 +77,7 @@ def first_edge(points: Sequence[Point]) -> FirstEdge:
 
     Examples
     --------
-    The segment from row 0 to row 1 is vertical in P', and no edge; [v_1, v_n] is one.
+    The segment from row 0 to row 1 is vertical in P' and not an edge; [v_1, v_n] is an edge.
 
     >>> found = first_edge([(0, 0, 0), (1, 0, 10), (2, 0, 1), (0, 5, 50), (2, 5, 51)])
     >>> found.case, found.edges
@@ -106,7 +106,7 @@ def _cases(rows: Sequence[Exact], v1: int, v2: int, vn: int) -> FirstEdge:
 
 
 def _turn(v1: Exact, i: Exact, j: Exact) -> int:
-    """-1 where v'_1 v'_i comes before v'_1 v'_j on the half turn from the right to the left."""
+    """Return -1 if v'_1 v'_i precedes v'_1 v'_j on the half turn from right to left."""
     yi, yj = i[1] - v1[1], j[1] - v1[1]
     turn = yj * (i[2] - v1[2]) - yi * (j[2] - v1[2])
     return -tie_sign(turn, [(v1, yi - yj), (i, yj), (j, -yi)])
@@ -120,13 +120,13 @@ def tie_sign(value: Fraction, rises: Iterable[tuple[Exact, Fraction]]) -> int:
     value : Fraction
         The sum as it is.
     rises : iterable of (point, Fraction)
-        How often each point's height enters the sum.
+        The coefficient of each point's height in the sum.
 
     Returns
     -------
     int
-        The sign of the value; if it is zero, the sign with which the lexicographically largest
-        point enters, for that point is lifted infinitely more than all before it; 0 if none does.
+        The sign of the value; if it is zero, the sign of the coefficient of the lexicographically
+        largest point, which is lifted infinitely more than all others; 0 if there is none.
 
     Examples
     --------

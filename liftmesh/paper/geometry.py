@@ -1,7 +1,7 @@
 """Section 2 of the paper in exact rationals: the plane (a, b, p), the lifting, the projection.
 
-A plane is kept by its normal vector n and its d, as the text has it. "Above", "below" and "on" are
-meant along the z-axis. Numbers are fractions; a float stands for the exact value of the double.
+A plane is represented by its normal vector n and its d, as in the text. "Above", "below" and "on"
+refer to the z-axis. Numbers are fractions; a float means the exact value of the double.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ Position: TypeAlias = Literal["above", "on", "below"]
 
 
 def exact(point: Iterable[Number]) -> Exact:
-    """Take coordinates at their exact values.
+    """Convert coordinates to their exact values.
 
     Parameters
     ----------
     point : iterable of int, float or Fraction
-        Coordinates; NumPy's numbers are welcome too.
+        Coordinates; NumPy's numbers are accepted too.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def exact(point: Iterable[Number]) -> Exact:
 
 
 def fraction(value: Number) -> Fraction:
-    """Take one number at its exact value.
+    """Convert a number to its exact value.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def orient(a: Point, b: Point, c: Point) -> Fraction:
     Returns
     -------
     Fraction
-        Positive when a, b, c turn counter-clockwise, zero when they lie on a line.
+        Positive if a, b, c are counter-clockwise, zero if they are collinear.
 
     Examples
     --------
@@ -165,12 +165,12 @@ class Plane:
 
     @classmethod
     def through(cls, a: Point, b: Point, p: Point) -> Plane:
-        """Lay the plane (a, b, p), with n = ab x ap.
+        """Construct the plane (a, b, p), with n = ab x ap.
 
         Parameters
         ----------
         a, b, p : sequence of three numbers
-            Its points. n_z is negative when they turn clockwise seen from above.
+            Its points. n_z is negative if they are clockwise seen from above.
 
         Returns
         -------
@@ -190,17 +190,17 @@ class Plane:
 
     @property
     def alpha(self) -> Fraction:
-        """The coefficient of x in z = alpha x + beta y + gamma; no plane may be vertical here."""
+        """The coefficient of x in z = alpha x + beta y + gamma; the plane must not be vertical."""
         return -self.n[0] / self.n[2]
 
     @property
     def beta(self) -> Fraction:
-        """The coefficient of y in z = alpha x + beta y + gamma; no plane may be vertical here."""
+        """The coefficient of y in z = alpha x + beta y + gamma; the plane must not be vertical."""
         return -self.n[1] / self.n[2]
 
     @property
     def gamma(self) -> Fraction:
-        """The constant of z = alpha x + beta y + gamma; no plane may be vertical here."""
+        """The constant of z = alpha x + beta y + gamma; the plane must not be vertical."""
         return self.d / self.n[2]
 
     def dot(self, v: Point) -> Fraction:
@@ -252,7 +252,7 @@ class Plane:
         return (self.d - x * self.n[0] - y * self.n[1]) / self.n[2]
 
     def position(self, w: Point) -> Position:
-        """Tell whether a point is above, below or on the plane: Section 2.
+        """Classify a point as above, below or on the plane: Section 2.
 
         Parameters
         ----------
@@ -262,7 +262,7 @@ class Plane:
         Returns
         -------
         {"above", "on", "below"}
-            Where it is, seen along the z-axis. A vertical plane raises, as `height` does.
+            Its position along the z-axis. Raises for a vertical plane, like `height`.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""What the experiments ran on, in words: processor and versions, and nothing that names a host."""
+"""Description of the machine of an experiment: processor and versions, without the host's name."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _PROCESSORS = Path("/proc/cpuinfo")
 
 
 def describe_machine() -> str:
-    """Say what this machine is.
+    """Describe this machine.
 
     Returns
     -------
     str
-        Processor, processors in number, memory where the system tells it, system.
+        Processor, number of processors, memory if known, and system.
 
     Examples
     --------
@@ -34,12 +34,12 @@ def describe_machine() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Say what was measured and by what.
+    """Return the versions of the software that measurements depend on.
 
     Returns
     -------
     dict of str to str
-        Versions; for the compiled kernel, the beginning of its SHA-256, which tells builds apart.
+        Versions; for the compiled kernel the first digits of its SHA-256, to distinguish builds.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def versions() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """The processor's name, as Linux tells it or as Python knows it elsewhere."""
+    """Return the processor's name from Linux, or from Python on other systems."""
     if _PROCESSORS.is_file():
         for line in _PROCESSORS.read_text("utf-8", errors="replace").splitlines():
             name, _, value = line.partition(":")

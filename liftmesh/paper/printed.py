@@ -2,9 +2,9 @@
 
 Each row times Algorithm 2 twice on one random set of n points in [0, 200] x [0, 200]: with LF and
 with LFRes, in seconds, "in C [...] on PC Core i5 1.8 GHz 3M with 8 GB RAM". The two tables differ
-in the vertex q of the paraboloid. The numbers stand here as they stand there. Every printed ratio
-fits the printed seconds to within their rounding; the text's "from 1.70" for Table 5.2 does not fit
-its row of 3,000 points, which prints 1.60.
+in the vertex q of the paraboloid. The numbers are copied unchanged. Every printed ratio agrees with
+the printed seconds to within their rounding; the text's "from 1.70" for Table 5.2 does not agree
+with its row of 3,000 points, which prints 1.60.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ TableName: TypeAlias = Literal["5.1", "5.2"]
 Vertex: TypeAlias = Literal["origin", "median"]
 
 SQUARE = 200.0
-"""The side of the square in which the points lie, one corner at the origin."""
+"""Side length of the square of the points, which has one corner at the origin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +28,9 @@ class PrintedRow:
     Parameters
     ----------
     n : int
-        Points.
+        Number of points.
     median : tuple of float, optional
-        The median point, where the table prints one.
+        The median point, if the table prints one.
     lf, lfres : float
         Seconds of Algorithm 2 using LF, and using LFRes.
     ratio : float
@@ -73,17 +73,17 @@ class PrintedTable:
     rows: tuple[PrintedRow, ...]
 
     def row(self, n: int) -> PrintedRow | None:
-        """Give the line of a number of points.
+        """Return the line for a number of points.
 
         Parameters
         ----------
         n : int
-            Points.
+            Number of points.
 
         Returns
         -------
         PrintedRow or None
-            None where the table has no such line.
+            None if the table has no such line.
 
         Examples
         --------

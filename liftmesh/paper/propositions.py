@@ -1,8 +1,8 @@
-"""The lemmas and propositions of the paper, each a function in exact rationals.
+"""The lemmas and propositions of the paper, each as a function in exact rationals.
 
-Each function takes what the statement takes for granted and returns which of its conditions holds,
-or what it concludes, so that the paper can be read beside it. Where a statement is wrong as
-printed, the function says so and holds the correction too.
+Each function takes the hypotheses of a statement and returns the condition that holds, or the
+conclusion, so that it can be compared with the paper. If a statement is wrong as printed, the
+docstring says so and the function includes the correction.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def outward(plane: Plane, points: Iterable[Point]) -> Plane:
-    """Turn the normal of a facet's plane away from P.
+    """Orient the normal of a facet's plane away from P.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def outward(plane: Plane, points: Iterable[Point]) -> Plane:
     Raises
     ------
     InputError
-        P lies on both sides: the plane carries no facet of CH(P).
+        P lies on both sides: the plane contains no facet of CH(P).
 
     Examples
     --------
@@ -47,17 +47,17 @@ def outward(plane: Plane, points: Iterable[Point]) -> Plane:
     if max(excesses, default=0) <= 0:
         return plane
     if min(excesses) < 0:
-        raise InputError("P lies on both sides of the plane: it carries no facet of CH(P)")
+        raise InputError("P lies on both sides of the plane: it contains no facet of CH(P)")
     nx, ny, nz = plane.n
     return Plane((-nx, -ny, -nz), -plane.d)
 
 
 def proposition_3_1(plane: Plane) -> Literal["(i)", "(ii)"]:
-    """Proposition 3.1: a facet of CH(P) is a lower one iff n_z < 0.
+    """Proposition 3.1: a facet of CH(P) is a lower facet iff n_z < 0.
 
-    Printed for n = ab x ap, whose sign turns with the order of the vertices: so it is true of
-    `Plane.through(a, b, p)` only where a, b, p are ordered such that n points out of CH(P). The
-    statement is meant of ``outward(Plane.through(a, b, p), points)``.
+    It is printed for n = ab x ap, whose sign depends on the order of the vertices: so it is true of
+    `Plane.through(a, b, p)` only if a, b, p are ordered such that n points out of CH(P). The
+    intended plane is ``outward(Plane.through(a, b, p), points)``.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def proposition_3_1(plane: Plane) -> Literal["(i)", "(ii)"]:
     Returns
     -------
     {"(i)", "(ii)"}
-        (i) n_z < 0: a lower facet; (ii) n_z >= 0: not one.
+        (i) n_z < 0: a lower facet; (ii) n_z >= 0: not a lower facet.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def proposition_3_1(plane: Plane) -> Literal["(i)", "(ii)"]:
 def proposition_3_2(
     plane: Plane, v: Point, *, printed: bool = False
 ) -> Literal["(i)", "(ii)"] | None:
-    """Proposition 3.2: what one point v tells about the facet (e, p), where n_z < 0 is wanted.
+    """Proposition 3.2: what a point v implies for the facet (e, p), where n_z < 0 is required.
 
     Parameters
     ----------
@@ -91,13 +91,13 @@ def proposition_3_2(
     v : sequence of three numbers
         A point of P.
     printed : bool, default False
-        Take "on" for (ii), as the paper prints it. It is not: a, b and p themselves are on it.
+        Treat "on" as (ii), as the paper prints it. This is wrong: a, b and p themselves are on it.
 
     Returns
     -------
     {"(i)", "(ii)"} or None
-        (i) v is above; (ii) (e, p) is not a lower facet on this side of e, for n_z >= 0 or v is
-        below; None if v is on the plane.
+        (i) v is above; (ii) (e, p) is not a lower facet on this side of e, because n_z >= 0 or v
+        is below; None if v is on the plane.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def lemma_4_2(circle: Circle, t: Point) -> Position:
     Returns
     -------
     {"above", "on", "below"}
-        Where t is with respect to the plane (a, b, p).
+        The position of t relative to the plane (a, b, p).
 
     Examples
     --------
@@ -165,7 +165,7 @@ def lemma_4_2(circle: Circle, t: Point) -> Position:
 
 
 def proposition_4_3(ellipse: Ellipse, t: Point) -> tuple[str, ...]:
-    """Proposition 4.3: conditions on coordinates, each of which puts t above (a, b, p).
+    """Proposition 4.3: conditions on coordinates, each sufficient for t to be above (a, b, p).
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def proposition_4_3(ellipse: Ellipse, t: Point) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Those of "4.3 (i)" to "4.3 (v)" that hold. None of them need hold for a point above.
+        Those of "4.3 (i)" to "4.3 (v)" that hold. None is necessary for a point above.
 
     Examples
     --------
@@ -198,7 +198,7 @@ def proposition_4_3(ellipse: Ellipse, t: Point) -> tuple[str, ...]:
 
 
 def proposition_4_4(ellipse: Ellipse, t: Point) -> bool:
-    """Proposition 4.4: t_z < minz_E and L_cq < r put t below (a, b, p).
+    """Proposition 4.4: t_z < minz_E and L_cq < r imply that t is below (a, b, p).
 
     Parameters
     ----------
@@ -210,12 +210,12 @@ def proposition_4_4(ellipse: Ellipse, t: Point) -> bool:
     Returns
     -------
     bool
-        Whether both hold. They need not for a point below.
+        Whether both hold. They are not necessary for a point below.
 
     Notes
     -----
-    Where t_z < minz_E and L_cq > r, q lies outside (C), and t is above: t' is closer to q than (C)
-    is. The paper leaves that out.
+    If t_z < minz_E and L_cq > r, q lies outside (C), and t is above: t' is closer to q than (C)
+    is. The paper omits this case.
 
     Examples
     --------

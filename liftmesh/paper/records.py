@@ -1,7 +1,7 @@
-"""Measurements as lines of text: one for each method on each set of points, and back.
+"""Conversion of measurements to lines of text and back, one for each method and set of points.
 
-The methods of a set follow one another in their order, and no set comes twice; lines that break
-this, or that hold what cannot have been measured, are refused.
+The methods of a set follow one another in order, and no set occurs twice; lines that violate this,
+or that hold impossible values, are rejected.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ COLUMNS = ("table", "n", "seed", "method", *_TIMES, *_COUNTS, *_REJECTED.values(
 
 
 def to_line(measurement: Measurement) -> str:
-    """Write a measurement; no digit is lost.
+    """Convert a measurement to a line without losing digits.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def to_line(measurement: Measurement) -> str:
     Returns
     -------
     str
-        Its values in the order of `COLUMNS`, commas between them.
+        Its values in the order of `COLUMNS`, separated by commas.
 
     Examples
     --------
@@ -51,12 +51,12 @@ def to_line(measurement: Measurement) -> str:
 
 
 def from_lines(lines: Sequence[str], *, first: int) -> list[Measurement]:
-    """Read measurements.
+    """Parse lines of measurements.
 
     Parameters
     ----------
     lines : sequence of str
-        As `to_line` writes them.
+        Lines written by `to_line`.
     first : int
         The number of the first line, for messages.
 
@@ -68,13 +68,13 @@ def from_lines(lines: Sequence[str], *, first: int) -> list[Measurement]:
     Raises
     ------
     ValueError
-        A line cannot be read or stands in the wrong place; the message names it.
+        A line is invalid or in the wrong place; the message gives its number.
 
     Examples
     --------
     >>> from_lines(["5.1,20,1,lf"], first=3)
     Traceback (most recent call last):
-    ValueError: line 3: 4 columns where 19 belong
+    ValueError: line 3: 4 columns instead of 19
     """
     found: list[Measurement] = []
     seen: set[Trial] = set()
@@ -90,7 +90,7 @@ def from_lines(lines: Sequence[str], *, first: int) -> list[Measurement]:
 
 def _measurement(cells: Sequence[str]) -> Measurement:
     if len(cells) != len(COLUMNS):
-        raise ValueError(f"{len(cells)} columns where {len(COLUMNS)} belong")
+        raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
     values = dict(zip(COLUMNS, cells, strict=True))
     seconds, fastest, slowest = _times(values)
     counts = _counts(values)
@@ -134,10 +134,10 @@ def _counts(values: Mapping[str, str]) -> dict[str, int]:
 def _check_place(measurement: Measurement, found: Sequence[Measurement], seen: set[Trial]) -> None:
     expected = METHODS[len(found) % len(METHODS)]
     if measurement.method != expected:
-        raise ValueError(f"method {measurement.method!r} where {expected!r} belongs")
+        raise ValueError(f"method {measurement.method!r} instead of {expected!r}")
     if expected == METHODS[0]:
         if measurement.trial in seen:
-            raise ValueError(f"{measurement.trial} is there twice")
+            raise ValueError(f"{measurement.trial} occurs twice")
         seen.add(measurement.trial)
     elif measurement.trial != found[-1].trial:
-        raise ValueError("it is of another set of points than the line before")
+        raise ValueError("its set of points is not that of the previous line")

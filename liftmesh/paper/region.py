@@ -1,11 +1,11 @@
 """Section 4 of the paper in exact rationals: the restricted region of a plane.
 
-A plane that is not vertical cuts the paraboloid z = (x - q_x)^2 + (y - q_y)^2 in an ellipse (E),
-whose projection onto Oxy is the circle (C). The extents of (E) along the three axes decide points
-by comparing coordinates alone. They hold square roots, minx_E = c_x - r for one; no root is taken
-here: a `Surd` compares exactly, and turns into a float for drawing.
+A plane that is not vertical intersects the paraboloid z = (x - q_x)^2 + (y - q_y)^2 in an ellipse
+(E), whose projection onto Oxy is the circle (C). The extents of (E) along the three axes classify
+points by comparing coordinates alone. They contain square roots, for example minx_E = c_x - r; no
+root is computed here: a `Surd` compares exactly, and is converted to a float for drawing.
 
-"Outside", "inside" and "on" are meant in the plane Oxy.
+"Outside", "inside" and "on" refer to the plane Oxy.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from liftmesh.paper.geometry import Exact, Number, Plane, Point, exact, fraction
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surd:
-    """A rational plus or minus the square root of a rational, compared without taking the root.
+    """A rational plus or minus the square root of a rational, compared without computing the root.
 
-    ``t < Surd`` asks t - c < s, where the square of the root s is known. As x |x| grows with x,
-    the answer is that of (t - c) |t - c| < s |s|, which is rational. So c_x - r is read
+    ``t < Surd`` means t - c < s, where the square of the root s is known. As x |x| increases with
+    x, this is equivalent to (t - c) |t - c| < s |s|, which is rational. So c_x - r is written
     ``Surd(c_x, -r_squared)``.
 
     Parameters
@@ -32,7 +32,7 @@ class Surd:
     rational : Fraction
         The rational part.
     square : Fraction
-        The square of the root, negative where the root is subtracted.
+        The square of the root, negative if the root is subtracted.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class Surd:
         return self.compare(value) >= 0
 
     def __float__(self) -> float:
-        digits = 256  # binary ones: more than c - r can lose where q is far away
+        digits = 256  # binary digits: more than c - r can lose if q is far away
         top, bottom = self.square.numerator, self.square.denominator
         root = Fraction(isqrt(abs(top) * bottom << 2 * digits), bottom << digits)
         return float(self.rational + (root if top > 0 else -root))
@@ -112,7 +112,7 @@ class Circle:
 
     @classmethod
     def of(cls, plane: Plane, q: Point) -> Circle:
-        """Project the section of a plane with the paraboloid: Section 4.
+        """Project the intersection of a plane with the paraboloid: Section 4.
 
         Parameters
         ----------
@@ -124,8 +124,8 @@ class Circle:
         Returns
         -------
         Circle
-            Through a', b', p' if the plane is (a, b, p). A squared radius below zero means that the
-            plane misses the paraboloid.
+            Through a', b', p' if the plane is (a, b, p). A negative squared radius means that the
+            plane does not intersect the paraboloid.
 
         Examples
         --------
@@ -137,17 +137,17 @@ class Circle:
         return cls((qx + alpha / 2, qy + beta / 2), squared)
 
     def position(self, t: Point) -> Literal["outside", "on", "inside"]:
-        """Tell on which side of the circle a point projects.
+        """Classify a point by its projection, relative to the circle.
 
         Parameters
         ----------
         t : sequence of two or three numbers
-            A point; only x and y count.
+            A point; only x and y are used.
 
         Returns
         -------
         {"outside", "on", "inside"}
-            Where its projection t' lies.
+            The position of its projection t'.
 
         Examples
         --------
@@ -163,7 +163,7 @@ class Circle:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """The ellipse (E) in which a plane cuts the paraboloid, with its six extents.
+    """The ellipse (E) in which a plane intersects the paraboloid, with its six extents.
 
     The extents along z are those of Lemma 4.1: the squares of L_cq - r and of L_cq + r, multiplied
     out to the surds (L_cq^2 + r^2) -+ sqrt(4 L_cq^2 r^2).

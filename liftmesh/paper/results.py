@@ -1,10 +1,10 @@
-"""Measurements on disk, so that an interrupted run goes on where it stopped.
+"""Measurements on disk, so that an interrupted run continues where it stopped.
 
-``measurements.csv`` begins with a comment that holds the settings as JSON, then names its columns,
-then has one line for each method on each set of points. The lines of a set are appended together
-and reach the disk before the next set begins. What a crash may leave half-written is the end of the
-file: it is cut off, and measured again. Any other damage is refused, and so are other settings:
-numbers of different machines or builds never meet in one table.
+``measurements.csv`` begins with a comment that holds the settings as JSON and a line of column
+names, followed by one line for each method on each set of points. The lines of a set are appended
+together and reach the disk before the next set begins. A crash can leave only the end of the file
+incomplete: it is removed, and measured again. Any other damage is an error, and so are different
+settings: a table never mixes numbers of different machines or builds.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ _HEADING = "# liftmesh paper "
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What must be the same for measurements to stand in one table.
+    """Settings that all measurements of a table have in common.
 
     Parameters
     ----------
     sizes : tuple of int
         Numbers of points.
     seeds : int
-        Random sets of each size: seeds 1, 2, ...
+        Number of random sets of each size: seeds 1, 2, ...
     machine : str
-        The machine, in words.
+        Description of the machine.
 
     Examples
     --------
@@ -57,7 +57,7 @@ class Settings:
         Parameters
         ----------
         tables : sequence of {"5.1", "5.2"}
-            The tables wanted.
+            The tables.
 
         Returns
         -------
@@ -73,12 +73,12 @@ class Settings:
         return [Trial(t, n, seed) for n in sorted(self.sizes) for seed in seeds for t in tables]
 
     def record(self) -> dict[str, Any]:
-        """Give the settings, the versions and how runs are repeated, as JSON can hold them.
+        """Return the settings, the versions and the repetition of runs as JSON values.
 
         Returns
         -------
         dict
-            What a file of measurements begins with.
+            The heading of a file of measurements.
 
         Examples
         --------
@@ -91,23 +91,23 @@ class Settings:
 
 
 class Results:
-    """The measurements of a folder: what is there already, and a way to add to it.
+    """The measurements in a folder: those there already, and those added.
 
     Parameters
     ----------
     folder : Path
         An existing folder.
     settings : Settings
-        What is to be measured.
+        The settings of the measurements.
 
     Raises
     ------
     InputError
         The folder holds measurements with other settings.
     FormatError
-        Its file is damaged, and not only at its end.
+        Its file is damaged, not only at its end.
     OSError
-        It cannot be read or written.
+        The file cannot be read or written.
 
     Examples
     --------
@@ -132,11 +132,11 @@ class Results:
 
     @property
     def done(self) -> set[Trial]:
-        """The sets of points that are measured."""
+        """The sets of points that have been measured."""
         return {measurement.trial for measurement in self.measurements}
 
     def add(self, measurements: Sequence[Measurement]) -> None:
-        """Append the measurements of a set of points; they are on the disk when this returns.
+        """Append the measurements of a set of points; they are on disk when this returns.
 
         Parameters
         ----------
@@ -146,7 +146,7 @@ class Results:
         Raises
         ------
         OSError
-            The disk is full, or the file cannot be written any more.
+            The disk is full, or the file can no longer be written.
         """
         text = "".join(f"{to_line(measurement)}\n" for measurement in measurements)
         with self.path.open("ab") as stream:
@@ -156,7 +156,7 @@ class Results:
         self.measurements.extend(measurements)
 
     def _load(self) -> None:
-        """Read the file, and cut off what was not finished."""
+        """Read the file, and remove its end if it is incomplete."""
         text = self._text()
         whole, _, torn = text.rpartition("\n")
         heading, _, rest = whole.partition("\n")
@@ -179,7 +179,7 @@ class Results:
         try:
             return self.path.read_text("utf-8")
         except UnicodeDecodeError as error:
-            raise self._damaged(f"it is no text ({error})") from error
+            raise self._damaged(f"it is not text ({error})") from error
 
     def _damaged(self, reason: str) -> FormatError:
         return FormatError(f"{self.path}: {reason}: {_remedy(self.path)}")
@@ -195,12 +195,12 @@ def _remedy(path: Path) -> str:
 
 
 def _check_heading(path: Path, found: str, expected: str) -> None:
-    """Refuse a file with other settings, and name those that differ."""
+    """Raise for a file with different settings, and list them."""
     held, wanted = _settings(path, found), _settings(path, expected)
     names = [name for name in {**held, **wanted} if held.get(name) != wanted.get(name)]
     if names:
         differ = "; ".join(f"{name} {held.get(name)}, now {wanted.get(name)}" for name in names)
-        raise InputError(f"{path} was measured with other settings ({differ}): {_remedy(path)}")
+        raise InputError(f"{path} has different settings ({differ}): {_remedy(path)}")
 
 
 def _settings(path: Path, heading: str) -> dict[str, Any]:

@@ -1,8 +1,8 @@
-"""Our measurements beside the printed numbers: one row for each table and number of points.
+"""Our measurements and the printed numbers: one row for each table and number of points.
 
-A row tells three stories apart. Seconds: the paper's and ours, with their ratio. Operations: the
-dot products a facet that LF and LFRes need, which no machine changes. And why they differ: the
-share of the points that each proposition rejects by comparing coordinates.
+A row has three parts. Seconds: the paper's and ours, with their ratio. Operations: the dot products
+per facet of LF and LFRes, which do not depend on the machine. And the reason for the difference:
+the share of the points that each proposition rejects by comparing coordinates.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LF, LFRES, INDEXED, ENGINE = METHODS
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line of a table: what is printed, and the medians over the seeds of what was measured.
+    """One line of a table: the printed numbers, and the medians of our measurements over the seeds.
 
     Parameters
     ----------
@@ -30,25 +30,25 @@ class Row:
     q : {"origin", "median"}
         The vertex of the paraboloid.
     n, seeds : int
-        Points, and random sets of that many points.
+        Numbers of points, and of random sets of that size.
     printed_median : tuple of float, optional
-        The median point of the paper's set; None where it prints none.
+        The median point of the paper's set; None if the paper prints none.
     printed_lf, printed_lfres, printed_ratio : float, optional
-        As the paper prints them; None where it has no such line.
+        As printed in the paper; None if it has no such line.
     median : tuple of float, optional
-        The median point of our set of the least seed; None where q is the origin.
+        The median point of our set with the lowest seed; None if q is the origin.
     seconds : mapping of str to float
         For each method, the median over the seeds.
     spread : mapping of str to (float, float)
-        For each method, the seconds of the quickest and the slowest seed.
+        For each method, the seconds of the fastest and the slowest seed.
     facets : float
-        Lower facets.
+        Number of lower facets.
     dot_products : mapping of str to float
-        For each method that wraps, dot products a facet.
+        For each gift wrapping method, dot products per facet.
     planes : mapping of str to float
-        For each method that wraps, candidate planes a facet.
+        For each gift wrapping method, candidate planes per facet.
     rejected : mapping of str to float
-        For each proposition, the share of the points looked at by LFRes that it rejects.
+        For each proposition, the share of the points examined by LFRes that it rejects.
 
     Examples
     --------
@@ -76,7 +76,7 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """Our seconds of LF over those of LFRes: above one, LFRes is the quicker."""
+        """Our seconds of LF over those of LFRes: above one, LFRes is faster."""
         return self.seconds[LF] / self.seconds[LFRES]
 
     @property
@@ -91,7 +91,7 @@ class Row:
 
 
 def summarise(measurements: Iterable[Measurement]) -> list[Row]:
-    """Turn measurements into the rows of the tables.
+    """Convert measurements to the rows of the tables.
 
     Parameters
     ----------
@@ -154,6 +154,6 @@ def _per_facet(
 
 
 def _shares(found: Sequence[Measurement]) -> dict[str, float]:
-    """The share of each proposition, in all seeds together so that the shares add up."""
+    """Return the share of each proposition, over all seeds together so that the shares add up."""
     points = sum(m.evaluations + sum(m.rejected.values()) for m in found)
     return {name: sum(m.rejected[name] for m in found) / points for name in REJECTIONS}

@@ -1,7 +1,7 @@
-"""The tables as text: CSV for programs, Markdown for pages, and everything at once as JSON.
+"""The tables as text: CSV for programs, Markdown for pages, and all data as JSON.
 
-`COLUMNS` says what each column of the CSV files holds. Seconds are medians over the seeds, ratios
-those of the medians; an empty cell stands where the paper has no number.
+`COLUMNS` describes the columns of the CSV files. Seconds are medians over the seeds, ratios those
+of the medians; a cell is empty if the paper has no number.
 """
 
 from __future__ import annotations
@@ -63,11 +63,11 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         },
     }
 )
-"""The columns of the CSV files and what they hold."""
+"""The columns of the CSV files with their descriptions."""
 
 
 def values(row: Row) -> dict[str, float | int | None]:
-    """Give a row under the names of `COLUMNS`.
+    """Return the values of a row by the names of `COLUMNS`.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def values(row: Row) -> dict[str, float | int | None]:
     Returns
     -------
     dict
-        Numbers; None where the paper has none.
+        Numbers; None if the paper has none.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def values(row: Row) -> dict[str, float | int | None]:
 
 
 def to_csv(rows: Sequence[Row]) -> str:
-    """Write the rows of one table as CSV, with the names of the columns on top.
+    """Format the rows of one table as CSV with a header of column names.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def to_csv(rows: Sequence[Row]) -> str:
     Returns
     -------
     str
-        One line for each row; six digits.
+        One line per row; numbers with six digits.
 
     Examples
     --------
@@ -148,7 +148,7 @@ WORK_HEADER = ("n", "LF", "LFRes", "LF / LFRes", "indexed", *REJECTIONS)
 
 
 def seconds_cells(row: Row) -> tuple[str, ...]:
-    """Write the seconds of a row: the paper's, and ours with their spread over the seeds.
+    """Format the seconds of a row: the paper's, and ours with their spread over the seeds.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def seconds_cells(row: Row) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Under `MARKDOWN_SECONDS_HEADER`.
+        Cells in the order of `MARKDOWN_SECONDS_HEADER`.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def seconds_cells(row: Row) -> tuple[str, ...]:
 
 
 def work_cells(row: Row) -> tuple[str, ...]:
-    """Write the dot products a facet, and the share of points that each proposition rejects.
+    """Format the dot products per facet, and the share of points that each proposition rejects.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def work_cells(row: Row) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Under `WORK_HEADER`.
+        Cells in the order of `WORK_HEADER`.
 
     Examples
     --------
@@ -212,7 +212,7 @@ def work_cells(row: Row) -> tuple[str, ...]:
 
 
 def to_markdown(rows: Sequence[Row]) -> str:
-    """Write the rows of one table as two Markdown tables: seconds, then operations.
+    """Format the rows of one table as two Markdown tables: seconds, then operations.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def to_markdown(rows: Sequence[Row]) -> str:
     Returns
     -------
     str
-        With a line above each that says what it holds.
+        The tables, each below a line that describes it.
 
     Examples
     --------
@@ -235,18 +235,18 @@ def to_markdown(rows: Sequence[Row]) -> str:
 
 
 def write_all(folder: Path, results: Results, settings: Settings, command: str) -> list[Path]:
-    """Write the CSV file of every table that is complete, ``tables.md`` and ``paper.json``.
+    """Write the CSV file of every complete table, ``tables.md`` and ``paper.json``.
 
     Parameters
     ----------
     folder : Path
         An existing folder.
     results : Results
-        What was measured.
+        The measurements.
     settings : Settings
-        With what.
+        Their settings.
     command : str
-        What makes it again.
+        The command that reproduces them.
 
     Returns
     -------
@@ -280,19 +280,19 @@ def write_all(folder: Path, results: Results, settings: Settings, command: str) 
 
 
 def complete_tables(results: Results, settings: Settings) -> dict[TableName, list[Row]]:
-    """Give the rows of each table of which every set of points was measured.
+    """Return the rows of each table for which every set of points was measured.
 
     Parameters
     ----------
     results : Results
-        What was measured.
+        The measurements.
     settings : Settings
-        What belongs to a table.
+        The settings, which determine the sets of points of a table.
 
     Returns
     -------
     dict of str to list of Row
-        By the name of the table.
+        Rows by the name of the table.
 
     Examples
     --------
@@ -309,13 +309,13 @@ def complete_tables(results: Results, settings: Settings) -> dict[TableName, lis
 
 
 def _spread(row: Row, method: str) -> str:
-    """Seconds, and half the way from the quickest to the slowest seed in percent."""
+    """Format seconds with half the range from the fastest to the slowest seed in percent."""
     text, (low, high) = _seconds(row, method), row.spread[method]
     return text if row.seeds == 1 else f"{text} ±{50 * (high - low) / row.seconds[method]:.0f}%"
 
 
 def _seconds(row: Row, method: str) -> str:
-    """Three digits, and no more than six places."""
+    """Format seconds with three digits, at most six decimals."""
     seconds = row.seconds[method]
     if seconds >= 100:
         return f"{seconds:,.0f}"

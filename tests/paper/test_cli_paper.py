@@ -103,7 +103,7 @@ def test_one_table_after_the_other(tmp_path):
     assert paper(tmp_path, *TINY, "--table", "5.2").returncode == 0
     assert names_in(tmp_path) == ["measurements.csv", "paper.json", "table_5_2.csv", "tables.md"]
     done = paper(tmp_path)
-    assert "holds 2 of 4 sets of points with these settings: going on" in done.stdout
+    assert "holds 2 of 4 sets of points with these settings: continuing" in done.stdout
     assert "Table 5.1" in done.stdout
     assert "table_5_1.csv" in names_in(tmp_path)
 
@@ -158,7 +158,7 @@ def test_a_run_that_was_stopped_goes_on(number, tmp_path):
     assert 1 <= sets < 8
     again = paper(tmp_path, *SLOW)
     assert again.returncode == 0
-    assert f"holds {sets} of 8 sets of points with these settings: going on" in again.stdout
+    assert f"holds {sets} of 8 sets of points with these settings: continuing" in again.stdout
     assert path.read_text().startswith(before)
     assert path.read_text().count("\n") == 2 + 8 * 4
 
@@ -190,7 +190,7 @@ def test_an_unfinished_end_is_measured_again(made, tmp_path):
     path.write_text(text[:-30])
     done = paper(tmp_path)
     assert done.returncode == 0
-    assert f"{path}: its end was not finished; 4 lines are cut off" in done.stdout
+    assert f"{path}: its end is incomplete; 4 lines are removed" in done.stdout
     assert "holds 3 of 4 sets of points" in done.stdout
     assert path.read_text().startswith("\n".join(text.split("\n")[:-5]))
     assert path.read_text().count("\n") == text.count("\n")
@@ -215,7 +215,7 @@ def test_a_damaged_file_is_refused(made, tmp_path):
     heading, rest = text.split("\n", 1)
     damaged = f"{heading}\n{rest.replace('lfres-indexed', 'lfres', 1)}"
     (tmp_path / "measurements.csv").write_text(damaged)
-    failed(paper(tmp_path), exit_codes.BAD_INPUT, "measurements.csv: line 5: method 'lfres' where")
+    failed(paper(tmp_path), exit_codes.BAD_INPUT, "measurements.csv: line 5: method 'lfres' instead")
     assert names_in(tmp_path) == ["measurements.csv"]
 
 
@@ -276,7 +276,7 @@ def test_quick_and_whole_runs_keep_to_folders_of_their_own(tmp_path):
     for quick, folder in (("--quick",), "paper-quick"), ((), "paper"):
         done = liftmesh("paper", *quick, *words, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
-        assert f"out/{folder}: 4 files written beside measurements.csv." in done.stdout
+        assert f"out/{folder}: 4 files written next to measurements.csv." in done.stdout
         assert "tables.md" in names_in(tmp_path / "out" / folder)
     assert names_in(tmp_path / "out") == ["paper", "paper-quick"]
 
@@ -318,6 +318,6 @@ def test_figures_are_drawn_beside_the_tables(tmp_path):
     figures = names_in(tmp_path / "figures")
     assert {Path(name).suffix for name in figures} == {".png", ".svg"}
     written = 4 + len(figures)
-    assert f"{tmp_path}: {written} files written beside measurements.csv." in done.stdout
+    assert f"{tmp_path}: {written} files written next to measurements.csv." in done.stdout
     done = paper(tmp_path, "--n", 20, "--n", 30, "--seeds", 1, "--no-figures")
-    assert f"{tmp_path}: 4 files written beside measurements.csv." in done.stdout
+    assert f"{tmp_path}: 4 files written next to measurements.csv." in done.stdout

@@ -179,7 +179,7 @@ def test_any_unfinished_end_is_cut_off(half, measured):
 )
 def test_other_settings_are_refused(half, settings, parts):
     before = half.read_bytes()
-    with pytest.raises(InputError, match="was measured with other settings") as caught:
+    with pytest.raises(InputError, match="has different settings") as caught:
         Results(half.parent, settings)
     for part in (*parts, str(half), "delete measurements.csv"):
         assert part in str(caught.value)
@@ -213,17 +213,20 @@ DAMAGES = {
     "half a heading": (lambda text: text[:40] + "\n", "line 1 holds no settings"),
     "no columns": (lambda text: _without(text, 2), "line 2 does not name the columns"),
     "heading alone": (lambda text: text.split("\n")[0], "line 1 holds no settings"),
-    "a line lost": (lambda text: _without(text, 5), "line 5: method 'divide-and-conquer' where"),
-    "a cell lost": (lambda text: text.replace("lf,", "lf", 1), "line 3: 18 columns where 19"),
+    "a line lost": (lambda text: _without(text, 5), "line 5: method 'divide-and-conquer' instead"),
+    "a cell lost": (lambda text: text.replace("lf,", "lf", 1), "line 3: 18 columns instead of 19"),
     "no number": (lambda text: _cell(text, 4, "facets", "x"), "line 4: invalid literal"),
     "no seconds": (lambda text: _cell(text, 4, "seconds", "nan"), "line 4: the seconds"),
     "negative": (lambda text: _cell(text, 4, "evaluations", "-1"), "line 4: a count is too small"),
     "no runs": (lambda text: _cell(text, 4, "runs", "0"), "line 4: a count is too small"),
     "table": (lambda text: _cell(text, 3, "table", "5.3"), "line 3: there is no table '5.3'"),
-    "other set": (lambda text: _cell(text, 4, "seed", "2"), "line 4: it is of another set"),
+    "other set": (
+        lambda text: _cell(text, 4, "seed", "2"),
+        "line 4: its set of points is not that",
+    ),
     "twice": (
         lambda text: "\n".join([*text.split("\n")[:6], *text.split("\n")[2:6], ""]),
-        r"line 7: Trial\(table='5.1', n=20, seed=1\) is there twice",
+        r"line 7: Trial\(table='5.1', n=20, seed=1\) occurs twice",
     ),
     "strange size": (lambda text: text.replace(",20,", ",21,"), "n=21, seed=1.* is not part"),
 }
@@ -244,7 +247,7 @@ def test_damage_is_refused_and_named(half, name):
 
 def test_bytes_that_are_no_text_are_refused(half):
     half.write_bytes(half.read_bytes() + b"\xff")
-    with pytest.raises(FormatError, match="it is no text"):
+    with pytest.raises(FormatError, match="it is not text"):
         Results(half.parent, SETTINGS)
 
 

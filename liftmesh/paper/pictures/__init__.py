@@ -1,1 +1,1 @@
-"""How the paper's figures are drawn: a file for each thing they show, and their common tools."""
+"""The paper's figures: a module for each subject, and their common tools."""

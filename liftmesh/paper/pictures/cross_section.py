@@ -1,8 +1,8 @@
-"""Where a plane cuts the paraboloid: the ellipse (E), the circle (C) below it, and their extents.
+"""Intersection of a plane and the paraboloid: the ellipse (E), the circle (C), and their extents.
 
 The names are those of Section 4: the plane z = alpha x + beta y + gamma, the vertex q, the centre
-c and the radius r of (C), the distance L_cq. They are found in exact rationals and rounded to
-doubles, for drawing.
+c and the radius r of (C), the distance L_cq. They are computed in exact rationals and rounded to
+doubles for drawing.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ UNDECIDED = ""
 
 @dataclass(frozen=True, slots=True)
 class CrossSection:
-    """The cut of a plane through three lifted points.
+    """The intersection of the paraboloid and the plane through three lifted points.
 
     Parameters
     ----------
     corners : (3, 2) ndarray of float64
-        The planar points a', b', p', not on one line.
+        The planar points a', b', p', not collinear.
     q : tuple of float
         The vertex of the paraboloid.
 
@@ -44,7 +44,7 @@ class CrossSection:
 
     @property
     def ellipse(self) -> Ellipse:
-        """(E), in exact rationals."""
+        """The ellipse (E) in exact rationals."""
         a, b, p = (mu(corner, self.q) for corner in self.corners.tolist())
         return Ellipse(Plane.through(a, b, p), self.q)
 
@@ -66,7 +66,7 @@ class CrossSection:
 
     @property
     def distance(self) -> float:
-        """L_cq, the distance of c and q."""
+        """L_cq, the distance between c and q."""
         return math.sqrt(self.ellipse.squared_distance)
 
     @property
@@ -77,12 +77,12 @@ class CrossSection:
         return np.array(extents, dtype=np.float64)
 
     def circle(self, count: int = 181) -> Floats:
-        """Give points of (C).
+        """Return points of (C).
 
         Parameters
         ----------
         count : int, default 181
-            How many, the first again as the last.
+            Number of points; the last equals the first.
 
         Returns
         -------
@@ -101,7 +101,7 @@ class CrossSection:
         return points
 
     def on_plane(self, points: ArrayLike) -> Floats:
-        """Give the points of the plane above planar points.
+        """Return the points of the plane above planar points.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class CrossSection:
         Returns
         -------
         (n, 3) ndarray of float64
-            The same with the plane's heights.
+            The planar points with the plane's heights.
 
         Examples
         --------
@@ -123,7 +123,7 @@ class CrossSection:
         return np.column_stack([rows, rows @ self.plane[:2] + self.plane[2]])
 
     def decided_by(self, points: Floats) -> NDArray[np.str_]:
-        """Name the proposition that decides each point, in the order in which Procedure 3 asks.
+        """Return the proposition that decides each point, tested in the order of Procedure 3.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class CrossSection:
         Returns
         -------
         (n,) ndarray of str
-            ``"4.4"``, ``"4.3 (i)"`` to ``"4.3 (v)"``, or ``""`` where it takes a dot product.
+            ``"4.4"``, ``"4.3 (i)"`` to ``"4.3 (v)"``, or ``""`` if a dot product is needed.
 
         Examples
         --------

@@ -20,12 +20,12 @@ DIRECTIONS = ((-120.0, 28.0), (-40.0, 6.0))  # azimuth and elevation in degrees
 
 
 def example_points() -> Floats:
-    """Give the planar points of Figures 5.1 and 5.2.
+    """Return the planar points of Figures 5.1 and 5.2.
 
     Returns
     -------
     (1000, 2) ndarray of float64
-        Points of the uniform distribution on [0, 200] x [0, 200].
+        Points uniformly distributed on [0, 200] x [0, 200].
 
     Examples
     --------

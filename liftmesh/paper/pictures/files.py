@@ -1,4 +1,4 @@
-"""Figures as files: PNG and SVG, the same bytes each time, whole or not at all."""
+"""Writing of figures as PNG and SVG: reproducible bytes, atomic replacement."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def save(figure: Figure, directory: Path, name: str) -> list[Path]:
     directory : path
         An existing folder.
     name : str
-        The files' name without suffix.
+        The name of the files without suffix.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def save(figure: Figure, directory: Path, name: str) -> list[Path]:
 
 
 def _write(path: Path, figure: Figure, kind: str) -> Path:
-    # No date, no version: the bytes tell of the figure alone. The salt fixes SVG's random names.
+    # No date, no version: the bytes depend on the figure alone. The salt fixes SVG's random names.
     nothing: dict[str, Any] = (
         {"Software": None} if kind == "png" else {"Date": None, "Creator": None}
     )

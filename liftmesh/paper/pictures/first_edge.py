@@ -1,4 +1,4 @@
-"""Figure 3.1: v'_1, v'_2 and v'_n in the projection onto Oyz, found in three sets of points."""
+"""Figure 3.1: v'_1, v'_2 and v'_n in the projection onto Oyz, for three sets of points."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Where the projections lie: inside these triangles of (y, z).
+# Triangles of (y, z) that contain the projections.
 OUTLINES = (
     ((0.3, 3.4), (2.0, 0.85), (3.9, 2.6)),
     ((0.2, 2.2), (3.9, 0.85), (2.5, 3.9)),
@@ -40,12 +40,12 @@ CASES = (
 
 
 def example_points(case: int) -> Floats:
-    """Give the points in space of one panel of Figure 3.1.
+    """Return the points in space of one panel of Figure 3.1.
 
     Parameters
     ----------
     case : {1, 2, 3}
-        The paper's case that they are an example of.
+        The paper's case that they illustrate.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def figure_3_1() -> Figure:
 
 
 def _frame(axes: Axes) -> None:
-    """Oy to the left and Oz up, from the lower right corner."""
+    """Draw Oy to the left and Oz up, from the lower right corner."""
     axes.set_axis_off()
     axes.set_aspect("equal")
     axes.set(xlim=(4.9, -0.7), ylim=(-1.7, 4.5))
@@ -100,7 +100,7 @@ def _frame(axes: Axes) -> None:
 
 
 def _projection(axes: Axes, projected: Floats) -> None:
-    """P', and its convex hull."""
+    """Draw P' and its convex hull."""
     hull = delaunay(projected).convex_hull[:, 0]
     axes.fill(*projected[hull].T, fc=SKY, alpha=0.16, zorder=1, lw=0)
     axes.plot(*projected[np.append(hull, hull[0])].T, color=FAINT, lw=1.0, zorder=1.5)
@@ -108,7 +108,7 @@ def _projection(axes: Axes, projected: Floats) -> None:
 
 
 def _first(axes: Axes, projected: Floats, found: FirstEdge) -> None:
-    """The lines from v'_1, and the segments that are projections of lower edges."""
+    """Draw the lines from v'_1, and the segments that are projections of lower edges."""
     ends = {"v2": ("$v_2^\\prime$", found.v2), "vn": ("$v_n^\\prime$", found.vn)}
     start = projected[found.v1]
     for gid, (name, row) in ends.items():
@@ -124,12 +124,12 @@ def _first(axes: Axes, projected: Floats, found: FirstEdge) -> None:
 
 
 def _beyond(start: Floats, through: Floats) -> Floats:
-    """The half-line from one point through another, as far as the sheet reaches."""
+    """Return the half-line from one point through another, beyond the edge of the figure."""
     return np.array([start, start + 9 * (through - start) / np.linalg.norm(through - start)])
 
 
 def _outwards(projected: Floats, row: int) -> tuple[float, float]:
-    """Away from the middle of all points; the y-axis runs to the left."""
+    """Return the direction away from the centre of all points; the y-axis points to the left."""
     away = (projected[row] - projected.mean(axis=0)) * (-1, 1)
     x, y = 12 * away / np.linalg.norm(away)
     return float(x), float(y)

@@ -1,4 +1,4 @@
-"""Figures 2.1 and 2.2: above a plane, and the lower convex hull above its projection."""
+"""Figures 2.1 and 2.2: a point above a plane, and a lower convex hull above its projection."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def figure_2_1() -> Figure:
 
 
 def on_plane(position: Floats) -> Floats:
-    """Find the point of the plane (p, q, t) of Figure 2.1 above a planar point.
+    """Return the point of the plane (p, q, t) of Figure 2.1 above a planar point.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def on_plane(position: Floats) -> Floats:
 
 
 def _plane(space: Space) -> None:
-    """A piece of the plane about p, q, t, and their triangle."""
+    """Draw a piece of the plane around p, q, t, and their triangle."""
     square = np.array([[0.3, 0.3], [4.0, 0.3], [4.0, 4.2], [0.3, 4.2]])
     piece = [on_plane(corner) for corner in square]
     space.faces([piece], facecolors=SKY, alpha=0.28, zorder=2, gid="plane")
@@ -100,7 +100,7 @@ def _plane(space: Space) -> None:
 
 
 def _shadows(space: Space, points: Floats) -> None:
-    """The projections onto Oxy of p, q, t and w."""
+    """Draw the projections onto Oxy of p, q, t and w."""
     p, q, *_ = points
     for point in (p, q):
         space.line([point, point * (1, 1, 0)], color=SOFT, lw=0.6, ls=(0, (2, 3)), zorder=1)
@@ -114,12 +114,12 @@ VIEWS = {"origin": View(33, 30, 0.345), "median": View(33, 30, 0.85)}
 
 
 def example_points() -> Floats:
-    """Give the planar points of Figure 2.2.
+    """Return the planar points of Figure 2.2.
 
     Returns
     -------
     (24, 2) ndarray of float64
-        Points spread evenly over a square beside the origin.
+        Points evenly distributed over a square near the origin.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def example_points() -> Floats:
     """
     draws = np.random.default_rng(20).uniform(0.9, 2.7, (400, 2))
     kept = draws[:1]
-    for point in draws:  # none nearer to another than 0.22, so that all are told apart
+    for point in draws:  # no two closer than 0.22, so that all are distinguishable
         if np.hypot(*(kept - point).T).min() > 0.22:
             kept = np.vstack([kept, point])
     return kept[:24]
@@ -141,8 +141,8 @@ def figure_2_2() -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Figure 2.2: the same planar points lifted from the origin and from their median point; the
-        hulls differ, their projections do not. Each has its own scale of heights.
+        Figure 2.2: the same planar points lifted with q at the origin and at their median point;
+        the hulls differ, their projections do not. Each has its own scale of heights.
 
     Examples
     --------
@@ -169,8 +169,8 @@ def _triangulation(space: Space, points: Floats, simplices: Rows) -> None:
     space.dots(flat, color=INK, ms=2.8, zorder=2.5)
 
 
-def _hull(space: Space, hull: LowerHull, border: Rows) -> None:
-    for row in border:
+def _hull(space: Space, hull: LowerHull, boundary: Rows) -> None:
+    for row in boundary:
         x, y, z = hull.vertices[row]
         space.line([(x, y, 0), (x, y, z)], color=SOFT, lw=0.6, ls=(0, (2, 3)), zorder=1)
     corners = hull.vertices[hull.faces]
@@ -190,19 +190,19 @@ def _vertex(space: Space, q: tuple[float, float]) -> None:
 
 
 def covered(hull: LowerHull, view: View) -> Mask:
-    """Tell which vertices of a hull are hidden by its facets.
+    """Find the vertices of a hull that are hidden by its facets.
 
     Parameters
     ----------
     hull : LowerHull
         The hull.
     view : View
-        Where it is seen from.
+        The direction of view.
 
     Returns
     -------
     (n,) ndarray of bool
-        True for those with a facet between them and the viewer.
+        True for vertices with a facet between them and the viewer.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def covered(hull: LowerHull, view: View) -> Mask:
 
 
 def _shades(corners: Floats, view: View) -> Floats:
-    """Pale for facets seen from above, deep for those seen from below; each by its slope."""
+    """Compute shades by slope: light for facets seen from above, dark for those from below."""
     raised = corners * (1, 1, view.rise)
     normals = np.cross(raised[:, 1] - raised[:, 0], raised[:, 2] - raised[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -84,17 +84,17 @@ def _nearest_and_farthest(axes: Axes, section: CrossSection) -> None:
 
 
 def nearest_to_q(section: CrossSection) -> tuple[Floats, Floats]:
-    """Find w'_1 and w'_2, the points of (C) nearest to q and farthest from it.
+    """Compute w'_1 and w'_2, the points of (C) nearest to q and farthest from it.
 
     Parameters
     ----------
     section : CrossSection
-        The cut; q may not be its centre.
+        The intersection; q must not be the centre of (C).
 
     Returns
     -------
     tuple of (2,) ndarray of float64
-        Where the line cq meets (C).
+        The intersections of the line cq and (C).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Figure 4.3: the extents of the ellipse (E), and the points that they decide."""
+"""Figure 4.3: the extents of the ellipse (E), and the points that they classify."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ KINDS = {
 
 @styled
 def figure_4_3() -> Figure:
-    """Draw the ellipse (E), the circle (C), and the points that their extents decide.
+    """Draw the ellipse (E), the circle (C), and the points that their extents classify.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Figure 4.3: in space a point t above and a point u below the plane; beside it the restricted
-        region seen from above, with points by the proposition that decides them.
+        Figure 4.3: in space a point t above and a point u below the plane; next to it the
+        restricted region seen from above, with points by the proposition that classifies them.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def figure_4_3() -> Figure:
 
 
 def _box_corners(section: CrossSection) -> Floats:
-    """The box of the circle (C), closed."""
+    """Return the bounding box of the circle (C) as a closed line."""
     (left, right), (front, back), _ = section.box
     return np.array([(left, front), (right, front), (right, back), (left, back), (left, front)])
 
@@ -78,7 +78,7 @@ def _box(axes: Axes, corners: Floats) -> None:
 
 
 def _above_and_below(space: Space) -> None:
-    """The point t with t' outside (C), and u with u' inside."""
+    """Draw the point t with t' outside (C), and u with u' inside."""
     for text, position in (("t", (1.7, 0.3)), ("u", (0.5, 0.6))):
         (point,) = lift([position], SECTION.q)
         space.line([point, point * (1, 1, 0)], color=SOFT, lw=0.8, ls=(0, (3, 2)), zorder=3)
@@ -88,12 +88,12 @@ def _above_and_below(space: Space) -> None:
 
 
 def plan_points() -> Floats:
-    """Give the planar points of Figure 4.3 (b).
+    """Return the planar points of Figure 4.3 (b).
 
     Returns
     -------
     (110, 2) ndarray of float64
-        Points spread evenly about the circle.
+        Points evenly distributed around the circle.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def plan_points() -> Floats:
 
 
 def _plan(axes: Axes, section: CrossSection) -> None:
-    """The restricted region from above: box, (C), and the circles of max z_E and min z_E."""
+    """Draw the restricted region from above: box, (C), and the circles of max z_E and min z_E."""
     axes.fill(*section.circle().T, fc=ORANGE, alpha=0.2, lw=0, zorder=1)
     axes.plot(*section.circle().T, color=VERMILION, lw=1.8, zorder=2, gid="C")
     label(axes, section.center, r"$(\mathcal{C})$", (0, -40), color=VERMILION)
@@ -126,7 +126,7 @@ def _plan(axes: Axes, section: CrossSection) -> None:
 
 
 def _bounds(axes: Axes, section: CrossSection) -> None:
-    """The circles about q on which z is min z_E and max z_E, and the names of all six bounds."""
+    """Draw the circles around q with z = min z_E and z = max z_E, and label all six bounds."""
     (left, _), (front, back), heights = section.box
     around = (section.circle() - section.center) / section.radius
     for height, color, name in zip(heights, (GREEN, PURPLE), ("min", "max"), strict=True):

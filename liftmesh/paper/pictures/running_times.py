@@ -1,4 +1,4 @@
-"""Figures 6.1 and 6.2: the printed running times, and ours beside them."""
+"""Figures 6.1 and 6.2: the printed running times, and ours."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def figure_6_1(results: Sequence[Row] | None = None) -> Figure:
     Parameters
     ----------
     results : sequence of Row, optional
-        Our measurements; by default the printed numbers stand alone.
+        Our measurements; by default only the printed numbers are drawn.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def figure_6_2(results: Sequence[Row] | None = None) -> Figure:
     Parameters
     ----------
     results : sequence of Row, optional
-        Our measurements; by default the printed numbers stand alone.
+        Our measurements; by default only the printed numbers are drawn.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def _running_times(table: TableName, results: Sequence[Row]) -> Figure:
 
 
 def _printed(axes: Axes, table: TableName) -> None:
-    """Dashed, with hollow marks that leave ours to be seen."""
+    """Draw the printed times dashed, with hollow marks that do not hide ours."""
     rows = TABLES[table].rows
     sizes = [row.n for row in rows]
     look: dict[str, Any] = {"ls": (0, (3, 2)), "mfc": "none", "ms": 7, "lw": 1.1, "zorder": 4}
@@ -100,7 +100,7 @@ def _printed(axes: Axes, table: TableName) -> None:
 
 
 def _measured(axes: Axes, rows: Sequence[Row]) -> None:
-    """The medians over the seeds, and the band from the quickest seed to the slowest."""
+    """Draw the medians over the seeds, and the band from the fastest seed to the slowest."""
     for method, look in LOOKS.items():
         kept = [row for row in rows if method in row.seconds]
         if not kept:
@@ -123,7 +123,7 @@ def _scales(axes: Axes, scale: str) -> None:
 
 
 def log_axes(axes: Axes) -> None:
-    """Make both axes logarithmic, with numbers of points written out below.
+    """Make both axes logarithmic, with numbers of points as tick labels.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def log_axes(axes: Axes) -> None:
     axes.set(xscale="log", yscale="log")
     _grid(axes)
     least, greatest = axes.get_xlim()
-    room = (3_000,) if greatest < 10 * least else ()  # in longer axes it touches its neighbours
+    room = (3_000,) if greatest < 10 * least else ()  # on longer axes it touches its neighbours
     ticks = [tick for tick in sorted((*TICKS, *room)) if least <= tick <= greatest]
     axes.set_xticks(ticks, labels=[f"{tick:,}" for tick in ticks])
     axes.set_xticks([], minor=True)

@@ -1,4 +1,4 @@
-"""Figure 4.1: the ellipse (E) where a plane cuts the paraboloid, and the circle (C) below it."""
+"""Figure 4.1: the ellipse (E) in which a plane intersects the paraboloid, and the circle (C)."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def figure_4_1() -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Figure 4.1: the paraboloid (P), the plane (a, b, p), the ellipse (E) in which they meet, and
-        the circle (C) below it.
+        Figure 4.1: the paraboloid (P), the plane (a, b, p), the ellipse (E) in which they
+        intersect, and the circle (C) below it.
 
     Examples
     --------
@@ -58,12 +58,12 @@ def figure_4_1() -> Figure:
 
 
 def draw_section(space: Space) -> None:
-    """Draw the plane (a, b, p) with (E) and its corners, and below it, on Oxy, (C) and theirs.
+    """Draw the plane (a, b, p) with (E) and a, b, p, and below it, on Oxy, (C) and a', b', p'.
 
     Parameters
     ----------
     space : Space
-        Where to.
+        The axes.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def draw_section(space: Space) -> None:
 
 
 def _ground(space: Space) -> None:
-    """A piece of the plane Oxy with the circle (C)."""
+    """Draw a piece of the plane Oxy with the circle (C)."""
     square = np.array([[-1.5, -1.4, 0], [2.0, -1.4, 0], [2.0, 1.6, 0], [-1.5, 1.6, 0]])
     space.faces([square], facecolors="#f3f1ec", edgecolors=FAINT, lw=0.7, zorder=0.5)
     space.name(square[1], "$Oxy$", (-26, 10), fontsize=12)
@@ -89,7 +89,7 @@ def _ground(space: Space) -> None:
 
 
 def _paraboloid(space: Space) -> None:
-    """Its outline, its rim, and some meridians and parallels."""
+    """Draw the paraboloid's outline, its rim, and some meridians and parallels."""
     angles, radii = np.linspace(0, 2 * np.pi, 145), np.linspace(0, np.sqrt(TOP), 40)
     around = np.column_stack([np.cos(angles), np.sin(angles)])
     rim = lift(around * radii[-1])
@@ -107,7 +107,7 @@ def _paraboloid(space: Space) -> None:
 
 
 def _cut(space: Space, section: CrossSection) -> None:
-    """The plane, and the ellipse (E) where it meets the paraboloid."""
+    """Draw the plane, and the ellipse (E) in which it intersects the paraboloid."""
     piece = section.on_plane(_square_about(section, 0.22))
     space.faces([piece], facecolors=GREEN, alpha=0.14, zorder=2.5, gid="plane")
     space.line([*piece, piece[0]], color=GREEN, lw=0.9, zorder=2.6)
@@ -119,7 +119,7 @@ def _cut(space: Space, section: CrossSection) -> None:
 
 
 def _square_about(section: CrossSection, margin: float) -> Floats:
-    """A square about the circle (C), two of its sides as level as the plane is above them."""
+    """Return a square around the circle (C), two edges parallel to level lines of the plane."""
     slope = section.center - section.q
     rise = slope / np.linalg.norm(slope) * (section.radius + margin)
     level = np.array([-rise[1], rise[0]])
@@ -130,7 +130,7 @@ def _square_about(section: CrossSection, margin: float) -> Floats:
 
 
 def _drops(space: Space, lifted: Floats) -> None:
-    """a, b, p on (E) and a', b', p' on (C) below them."""
+    """Draw a, b, p on (E) and a', b', p' on (C) below them."""
     aways = ((13, 0), (-4, 12), (8, -10))
     for point, text, away in zip(lifted, "abp", aways, strict=True):
         space.line([point, point * (1, 1, 0)], color=SOFT, lw=0.8, ls=(0, (3, 2)), zorder=3)
@@ -145,26 +145,26 @@ def _flat(points: Floats) -> Floats:
 
 
 def _seen(space: Space, points: Floats, **look: Any) -> None:
-    """A line on the paraboloid: full where it is seen, pale where the paraboloid hides it."""
+    """Draw a line on the paraboloid: solid if visible, pale if hidden by the paraboloid."""
     hidden = behind_paraboloid(points, space.view)
     for part, strength in ((hidden, 0.22), (~hidden, 0.75)):
         space.line(np.where(part[:, np.newaxis], points, np.nan), alpha=strength, zorder=2, **look)
 
 
 def behind_paraboloid(points: Floats, view: View) -> Mask:
-    """Tell which points on the paraboloid z = x^2 + y^2 are hidden by its nearer side.
+    """Find the points on the paraboloid z = x^2 + y^2 that are hidden by its near side.
 
     Parameters
     ----------
     points : (n, 3) ndarray of float64
         Points on the paraboloid.
     view : View
-        Where it is seen from.
+        The direction of view.
 
     Returns
     -------
     (n,) ndarray of bool
-        True where the ray to the viewer meets the paraboloid again, below its rim.
+        True if the ray to the viewer intersects the paraboloid again below its rim.
 
     Examples
     --------
@@ -173,7 +173,7 @@ def behind_paraboloid(points: Floats, view: View) -> Mask:
     [True, False]
     """
     x, y, z = view.towards
-    # At points + s towards the surface is met for s = 0 and for this s.
+    # points + s * towards lies on the surface for s = 0 and for this s.
     s = (z - 2 * points[:, :2] @ (x, y)) / (x * x + y * y)
     hidden: Mask = (s > 1e-9) & (points[:, 2] + s * z < TOP)
     return hidden

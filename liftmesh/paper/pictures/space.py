@@ -1,7 +1,7 @@
-"""Drawings in space on a sheet of paper: parallel projection, far things first.
+"""Drawings of space in 2-D axes: parallel projection, far objects first.
 
-The projection is drawn in the plane by hand, rather than by matplotlib's 3-D axes, so that lines,
-names and translucent planes lie over each other in the order that is asked for.
+The projection is computed here rather than by matplotlib's 3-D axes, so that lines, labels and
+translucent planes overlap in the order in which they are drawn.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A direction to look from.
+    """A direction of view.
 
     Parameters
     ----------
     azimuth, elevation : float
-        Degrees: of the viewer about the z-axis from the x-axis on, and above the plane Oxy.
+        Degrees: of the viewer around the z-axis from the x-axis, and above the plane Oxy.
     rise : float, default 1
-        By what heights are drawn longer.
+        Vertical exaggeration: the factor of heights.
 
     Examples
     --------
@@ -51,7 +51,7 @@ class View:
         return frame
 
     def flat(self, points: ArrayLike) -> Floats:
-        """Project points onto the sheet.
+        """Project points to the drawing plane.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class View:
         Returns
         -------
         (..., 2) ndarray of float64
-            To the right, and up.
+            Coordinates to the right and up.
 
         Examples
         --------
@@ -72,7 +72,7 @@ class View:
         return projected[..., :2]
 
     def nearness(self, points: ArrayLike) -> Floats:
-        """Measure how near the viewer points are.
+        """Compute how near points are to the viewer.
 
         Parameters
         ----------
@@ -101,14 +101,14 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """Axes that take points in space, and draw them as a viewer sees them.
+    """Axes that project points in space along a direction of view.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        The sheet.
+        The 2-D axes to draw in.
     view : View
-        Where it is seen from.
+        The direction of view.
 
     Examples
     --------
@@ -187,16 +187,16 @@ class Space:
         self.axes.autoscale_view()
 
     def name(self, point: ArrayLike, text: str, away: tuple[float, float], **options: Any) -> None:
-        """Write a name beside a point.
+        """Write a label next to a point.
 
         Parameters
         ----------
         point : (3,) array_like
             The point.
         text : str
-            The name; mathtext between dollars.
+            The label; mathtext between dollar signs.
         away : tuple of float
-            Printer's points from the point to the middle of the name.
+            Offset of the label's centre from the point, in typographic points.
         **options
             As for ``Axes.annotate``.
 
@@ -214,7 +214,7 @@ class Space:
         Parameters
         ----------
         lengths : tuple of float
-            Of x, y and z.
+            Lengths along x, y and z.
 
         Examples
         --------
@@ -236,7 +236,7 @@ class Space:
         Parameters
         ----------
         start, tip : (3,) array_like
-            From where to where.
+            Start and end of the arrow.
         **options
             As for ``matplotlib.patches.FancyArrowPatch``.
 

@@ -1,7 +1,7 @@
-"""One look for all figures: type, colours, sizes, whatever the reader's own settings are.
+"""Common style of all figures: fonts, colours and sizes, independent of the user's settings.
 
-Colours are those of Okabe and Ito (2008), told apart by colour-blind readers too. Figures are
-made without pyplot, so nothing global remembers them and no window opens.
+Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish too. Figures
+are made without pyplot, so there is no global state and no window opens.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _SETTINGS = {
 
 
 def styled(function: Callable[P, R]) -> Callable[P, R]:
-    """Let a function draw in the look of the figures, and leave the reader's settings as they were.
+    """Run a function with the style of the figures, and restore the user's settings.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
     Returns
     -------
     callable
-        The same, with the settings in force while it runs.
+        The same function, with the settings in effect while it runs.
 
     Examples
     --------
@@ -77,12 +77,12 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure that belongs to no window.
+    """Make an empty figure that is not attached to a window.
 
     Parameters
     ----------
     width, height : float
-        Inches.
+        Size in inches.
 
     Returns
     -------
@@ -104,9 +104,9 @@ def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        Where to.
+        The figure.
     box : tuple of float
-        Left, bottom, width and height as shares of the figure.
+        Left, bottom, width and height as fractions of the figure.
 
     Returns
     -------
@@ -128,18 +128,18 @@ def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
 def label(
     axes: Axes, at: Any, text: str, away: tuple[float, float] = (0.0, 0.0), **options: Any
 ) -> None:
-    """Write a name beside a point, on a halo of paper that keeps lines off it.
+    """Write a label next to a point, with a halo that separates it from lines.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to.
+        The axes.
     at : (2,) array_like
         The point in data units.
     text : str
-        The name; mathtext between dollars.
+        The label; mathtext between dollar signs.
     away : tuple of float, default (0, 0)
-        Printer's points from the point to the middle of the name.
+        Offset of the label's centre from the point, in typographic points.
     **options
         As for ``Axes.annotate``.
 

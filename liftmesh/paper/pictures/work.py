@@ -1,4 +1,4 @@
-"""The restricted region at work: what decides points in LFRes, and the dot products left."""
+"""Effect of the restricted region: what decides points in LFRes, and the remaining dot products."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def figure_rejections(results: Sequence[Row]) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each table; what is left over takes a dot product.
+        One panel for each table; the remaining points need a dot product.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def figure_rejections(results: Sequence[Row]) -> Figure:
 def _panels(
     figure: Figure, results: Sequence[Row], *, bottom: float, pad: float
 ) -> Iterator[tuple[Axes, list[Row]]]:
-    """Axes for each table that was measured, and its rows by number of points."""
+    """Yield axes for each measured table, and its rows by number of points."""
     groups = {name: [row for row in results if row.table == name] for name in TABLES}
     measured = [name for name, rows in groups.items() if rows]
     for column, name in enumerate(measured):
@@ -82,7 +82,7 @@ def _legend(figure: Figure, columns: int) -> None:
 
 
 def _shares(axes: Axes, rows: Sequence[Row]) -> None:
-    """One bar for each number of points, by proposition; dot products on top."""
+    """Draw one bar per number of points, divided by proposition; dot products on top."""
     places, base = np.arange(len(rows)), np.zeros(len(rows))
     for name in REJECTIONS:
         shares = np.array([100 * row.rejected[name] for row in rows])
@@ -100,7 +100,7 @@ def _shares(axes: Axes, rows: Sequence[Row]) -> None:
 
 @styled
 def figure_dot_products(results: Sequence[Row]) -> Figure:
-    """Draw the dot products a facet of LF, LFRes and the indexed region.
+    """Draw the dot products per facet of LF, LFRes and the indexed region.
 
     Parameters
     ----------
