@@ -13,8 +13,8 @@ import trimesh
 from commands import ROOT, TERRAIN, failed, liftmesh, on_terminal, process, without_escapes
 
 import liftmesh as lm
+from liftmesh.choices import Method
 from liftmesh.cli import exit_codes
-from liftmesh.options import Method
 
 HILL = ROOT / "data" / "hill.csv"
 OVERHANG = ROOT / "data" / "overhang.ply"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from liftmesh.choices import Duplicates
 from liftmesh.errors import DuplicateHeightError, InputError
-from liftmesh.options import Duplicates
 from liftmesh.terrain.equal_positions import choose_rows
 
 CHOOSING = [policy for policy in get_args(Duplicates) if policy != "error"]

@@ -13,8 +13,8 @@ from clouds import FAMILIES
 from distributions import circle, uniform
 
 import liftmesh
+from liftmesh.choices import Method
 from liftmesh.errors import DegenerateInputError, DuplicateHeightError, NonFiniteError
-from liftmesh.options import Method
 from liftmesh.terrain.triangulate import DONE_AFTER
 
 RUNS = [liftmesh.delaunay, liftmesh.triangulate]

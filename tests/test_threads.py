@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 import liftmesh
 from liftmesh import _kernel
+from liftmesh.choices import Method
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.options import Method
 from liftmesh.threads import MOST_THREADS, VARIABLE, as_threads
 
 Points = NDArray[np.float64]

@@ -8,15 +8,15 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
+from liftmesh.choices import NonFinite
 from liftmesh.errors import InputError
-from liftmesh.options import NonFinite
 
 Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
 ]
 SourceFormat: TypeAlias = Annotated[
     str | None,
-    typer.Option("--from", metavar="FORMAT", help="Format of IN, instead of its suffix."),
+    typer.Option("--from", metavar="FORMAT", help="Format of the input, instead of its suffix."),
 ]
 Plane: TypeAlias = Annotated[
     str,

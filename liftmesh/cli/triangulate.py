@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from liftmesh.choices import Duplicates, Method
 from liftmesh.cli import files, options, terminal
-from liftmesh.options import Duplicates, Method
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud

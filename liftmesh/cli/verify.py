@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from liftmesh.choices import NonFinite
 from liftmesh.cli import exit_codes, files, options, terminal
-from liftmesh.options import NonFinite
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex
 from liftmesh.arrays import used_rows
+from liftmesh.choices import NonFinite
 from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.evidence import Evidence
 from liftmesh.comparison.hull_facets import trimesh_hull
 from liftmesh.comparison.report import Comparison
 from liftmesh.io.files import read_cloud
-from liftmesh.options import NonFinite
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import resolve_q
 from liftmesh.planar.triangulation import Triangulation

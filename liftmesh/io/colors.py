@@ -3,6 +3,11 @@
 trimesh keeps 8-bit RGBA, Open3D floats from 0 to 1, files either, and text files just numbers. An
 integer k of b bits is the float k / (2^b - 1); rounding to the nearest step inverts this, so 8-bit
 colours round-trip unchanged. Signed integers, NumPy's default for a plain list, are read as 8-bit.
+
+Where colours are recognised: `recognized` and `ColorScale` find the type of numbers in text, for
+`text` (which also takes the last three of six unnamed columns) and `obj`; `columns` joins columns
+called red, green and blue; `objects.trimesh` reads colours only where the object defines them.
+Where precision is lost: PLY, unless written with ``colors="exact"``, and glTF round to 8 bits.
 """
 
 from __future__ import annotations

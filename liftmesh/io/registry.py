@@ -6,6 +6,9 @@ group ``liftmesh.adapters``, whose object is an `Adapter`. Built-in entries come
 sorted by name, then the adapters for objects of unknown types. A plugin that cannot be loaded is
 reported when its suffix is requested, or when no adapter accepts an object, and has no effect
 otherwise.
+
+Objects of other libraries as output are no entries of these tables: the functions stand in
+`io.objects`, and `Surface`, `LowerHull` and `Triangulation` offer them as methods.
 """
 
 from __future__ import annotations

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.choices import Method, NonFinite, RowOrder, check_option
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.options import Method, NonFinite, RowOrder, check_option
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
 from liftmesh.planar.triangulation import Triangulation

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_pairs
-from liftmesh.options import NonFinite
+from liftmesh.choices import NonFinite
 from liftmesh.planar.lifting import LowerHull, lift, resolve_q
 
 if TYPE_CHECKING:

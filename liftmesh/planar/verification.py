@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.choices import NonFinite, check_option
 from liftmesh.errors import InputError
-from liftmesh.options import NonFinite, check_option
 from liftmesh.planar.certificate import Certificate, Flaw, Offender
 from liftmesh.predicates import incircle, orient2d
 from liftmesh.threads import as_threads

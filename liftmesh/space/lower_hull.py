@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Rows
 from liftmesh.arrays import as_coordinates, as_rows3, check_finite
+from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.options import HullMethod, Method, check_option
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import LowerHull
 

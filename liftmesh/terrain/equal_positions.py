@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.choices import Duplicates, check_option
 from liftmesh.errors import DuplicateHeightError
-from liftmesh.options import Duplicates, check_option
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,6 +147,10 @@ class _Groups:
     def firsts(self) -> Rows:
         return self.rows[self.starts]
 
+    def lasts(self) -> Rows:
+        lasts: Rows = self.rows[self.starts + self.lengths() - 1]
+        return lasts
+
     def lengths(self) -> Integers:
         return np.diff(self.starts, append=len(self.rows))
 
@@ -155,12 +159,14 @@ class _Groups:
         return np.repeat(values, self.lengths())
 
     def chosen(self, policy: str) -> Rows:
-        if policy == "last":
-            lasts: Rows = self.rows[self.starts + self.lengths() - 1]
-            return lasts
-        if policy in ("lowest", "highest"):
-            return self._at_extreme(np.minimum if policy == "lowest" else np.maximum)
-        return self.firsts()
+        return {
+            "first": self.firsts,
+            "last": self.lasts,
+            "lowest": lambda: self._at_extreme(np.minimum),
+            "highest": lambda: self._at_extreme(np.maximum),
+            "mean": self.firsts,  # raised to the mean afterwards
+            "error": self.firsts,  # whose heights are all equal
+        }[policy]()
 
     def _at_extreme(self, extreme: np.ufunc) -> Rows:
         """Return the first row of extreme height in each group."""

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.arrays import check_finite, non_finite
+from liftmesh.choices import Duplicates, Method, NonFinite, check_option
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
-from liftmesh.options import Duplicates, Method, NonFinite, check_option
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane

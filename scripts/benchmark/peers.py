@@ -27,11 +27,12 @@ PAGE = 4096
 
 @dataclass(frozen=True)
 class Peer:
-    """A program: its package, its call, and whether it can use several threads."""
+    """A program: its package, its call, its colour in plots, and whether it can use threads."""
 
     name: str
     package: str
     prepare: Callable[[int], Call]
+    color: str
     parallel: bool = False
     rows: Callable[[Outputs, Points], Outputs] = lambda outputs, _: outputs
     triangulates: bool = True
@@ -158,18 +159,18 @@ OURS, CGAL, SORT = "liftmesh", "CGAL", "numpy.sort"
 PEERS = {
     peer.name: peer
     for peer in (
-        Peer(OURS, OURS, liftmesh, parallel=True),
-        Peer("liftmesh progress", OURS, with_progress, parallel=True),
-        Peer("lfres-indexed", OURS, lfres_indexed),
-        Peer(CGAL, "", cgal),
-        Peer("shull", "shull", shull, parallel=True),
-        Peer("triangle", "triangle", triangle),
-        Peer("igl.triangle", "libigl", igl_triangle),
-        Peer("pythoncdt", "pythoncdt", pythoncdt),
-        Peer("scipy", "scipy", scipy),
-        Peer("matplotlib", "matplotlib", matplotlib),
-        Peer("startinpy", "startinpy", startinpy, rows=rows_by_position),
-        Peer(SORT, "numpy", numpy_sort, triangulates=False),
+        Peer(OURS, OURS, liftmesh, "#d1495b", parallel=True),
+        Peer("liftmesh progress", OURS, with_progress, "#e5989b", parallel=True),
+        Peer("lfres-indexed", OURS, lfres_indexed, "#8d5a97"),
+        Peer(CGAL, "", cgal, "#00798c"),
+        Peer("shull", "shull", shull, "#edae49", parallel=True),
+        Peer("triangle", "triangle", triangle, "#30638e"),
+        Peer("igl.triangle", "libigl", igl_triangle, "#7fa7c9"),
+        Peer("pythoncdt", "pythoncdt", pythoncdt, "#66a182"),
+        Peer("scipy", "scipy", scipy, "#5c5c5c"),
+        Peer("matplotlib", "matplotlib", matplotlib, "#a3a3a3"),
+        Peer("startinpy", "startinpy", startinpy, "#b58d6e", rows=rows_by_position),
+        Peer(SORT, "numpy", numpy_sort, "#c9c9c9", triangulates=False),
     )
 }
 RIVALS = tuple(name for name, peer in PEERS.items() if peer.triangulates and peer.package != OURS)

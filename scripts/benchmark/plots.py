@@ -18,20 +18,6 @@ if TYPE_CHECKING:
     from benchmark.contestants import Contestant
     from benchmark.results import Measurement, Timing
 
-COLORS = {
-    OURS: "#d1495b",
-    "liftmesh progress": "#e5989b",
-    "lfres-indexed": "#8d5a97",
-    "CGAL": "#00798c",
-    "shull": "#edae49",
-    "triangle": "#30638e",
-    "igl.triangle": "#7fa7c9",
-    "pythoncdt": "#66a182",
-    "scipy": "#5c5c5c",
-    "matplotlib": "#a3a3a3",
-    "startinpy": "#b58d6e",
-    "numpy.sort": "#c9c9c9",
-}
 STYLE = {
     "font.size": 9,
     "axes.spines.top": False,
@@ -98,7 +84,7 @@ def draw_line(axes: Any, who: Contestant, rows: list[int], costs: list[float]) -
     axes.plot(
         rows,
         costs,
-        color=COLORS[who.peer],
+        color=PEERS[who.peer].color,
         linestyle="--" if who.threads > 1 else "-",
         linewidth=2.4 if bold else 1.4,
         marker="o",
@@ -113,7 +99,7 @@ def label_ends(axes: Any, ends: list[tuple[float, int, Contestant]], right: int)
     ends = sorted(ends, key=lambda end: end[0])
     heights = np.exp(spread_out([log(cost) for cost, _, _ in ends], (high - low) / 25))
     for (cost, rows, who), height in zip(ends, heights, strict=True):
-        color = COLORS[who.peer]
+        color = PEERS[who.peer].color
         axes.annotate(
             who.label.replace(" x2", ", 2 threads"),
             (rows, cost),
@@ -180,7 +166,7 @@ def draw_panel(axes: Any, m: Measurement, everybody: list[Contestant]) -> None:
 
 def bar_style(who: Contestant, timing: Timing) -> dict[str, Any]:
     """Hatch wrong results; use a paler colour for one thread if two threads are shown too."""
-    color = COLORS[who.peer]
+    color = PEERS[who.peer].color
     if timing.trial.flaw:
         return {"facecolor": "none", "edgecolor": color, "hatch": "////"}
     pale = who.threads == 1 and PEERS[who.peer].parallel

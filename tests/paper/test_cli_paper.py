@@ -215,7 +215,9 @@ def test_a_damaged_file_is_refused(made, tmp_path):
     heading, rest = text.split("\n", 1)
     damaged = f"{heading}\n{rest.replace('lfres-indexed', 'lfres', 1)}"
     (tmp_path / "measurements.csv").write_text(damaged)
-    failed(paper(tmp_path), exit_codes.BAD_INPUT, "measurements.csv: line 5: method 'lfres' instead")
+    failed(
+        paper(tmp_path), exit_codes.BAD_INPUT, "measurements.csv: line 5: method 'lfres' instead"
+    )
     assert names_in(tmp_path) == ["measurements.csv"]
 
 

@@ -18,8 +18,9 @@ struct Seam {
     Interrupt& interrupt;
 };
 
-// Merges parts that a cut across `axis` separates (all of `left` before all of `right`), using the
-// triangle slot `slot` and the one after it.
+// Merges parts that a cut across `axis` separates (all of `left` before all of `right`). It writes
+// the triangle slots of both parts, `slot` and the one after it, and nothing else: it may rewrite
+// any triangle or ghost of the two parts, and only reads the points.
 Part merge(const Seam& seam, Part left, Part right, Axis axis, TriangleId slot);
 
 }  // namespace liftmesh

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "predicates/heights.hpp"
+#include "predicates/compare_heights.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh::paper {

@@ -1,5 +1,6 @@
-// The symbolic perturbation: the sign where a lifted point lies exactly on the plane of three
-// others.
+// The symbolic perturbation, which is the rule for ties: the sign where a lifted point lies exactly
+// on the plane of three others. incircle, orient3d and verify use it; the paper's first edge, which
+// compares heights, has the same rule in a form of its own (paper/first_edge.hpp).
 #pragma once
 
 #include "base/point.hpp"

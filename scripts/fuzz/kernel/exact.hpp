@@ -20,7 +20,7 @@ int turn(Point a, Point b, Point c);
 int incircle(Point a, Point b, Point c, Point d, bool canonical);
 int orient3d(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical);
 
-// As in predicates/heights.hpp.
+// As in predicates/compare_heights.hpp.
 int compare_heights(Point a, Point b, Point q);
 int turn_in_oyz(Point a, Point b, Point c, Point q);
 

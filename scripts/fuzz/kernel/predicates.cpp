@@ -7,7 +7,7 @@
 #include "checks.hpp"
 #include "demand.hpp"
 #include "exact.hpp"
-#include "predicates/heights.hpp"
+#include "predicates/compare_heights.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/orient3d.hpp"

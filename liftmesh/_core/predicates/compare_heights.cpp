@@ -1,4 +1,4 @@
-#include "predicates/heights.hpp"
+#include "predicates/compare_heights.hpp"
 
 #include "predicates/lattice.hpp"
 
