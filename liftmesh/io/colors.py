@@ -181,7 +181,7 @@ def recognized(values: Floats) -> Array | None:
     array([[  0, 128, 255]], dtype=uint8)
     """
     scale = ColorScale()
-    scale.look_at(values)
+    scale.examine(values)
     return scale.convert(values)
 
 
@@ -191,8 +191,8 @@ class ColorScale:
     Examples
     --------
     >>> scale = ColorScale()
-    >>> scale.look_at(np.array([[0.0, 0.5, 1.0]]))
-    >>> scale.look_at(np.array([[300.0, 0.0, 0.0]]))
+    >>> scale.examine(np.array([[0.0, 0.5, 1.0]]))
+    >>> scale.examine(np.array([[300.0, 0.0, 0.0]]))
     >>> scale.convert(np.array([[0.0, 0.5, 1.0]])) is None  # neither floats nor whole numbers
     True
     """
@@ -201,7 +201,7 @@ class ColorScale:
         self._inside = self._whole = self._eighths = True
         self._top = 0.0
 
-    def look_at(self, values: Floats) -> None:
+    def examine(self, values: Floats) -> None:
         """Examine further numbers.
 
         Parameters

@@ -190,21 +190,10 @@ class _Corners:
 def _parse_corners(
     faces: Block, name: str, numbers: tuple[Integers, Integers], before: tuple[int, int]
 ) -> _Corners:
-    """Parse the face lines of a block.
+    """Parse the face lines of a block, without the keyword ``f``.
 
-    Parameters
-    ----------
-    faces : Block
-        The text after the keyword ``f``.
-    numbers : pair of arrays of int
-        The lines of the block's vertices and of its normals: backward indices count from there.
-    before : pair of int
-        Numbers of vertices and normals in earlier blocks.
-
-    Raises
-    ------
-    FormatError
-        A corner is invalid; the message gives its line.
+    ``numbers`` are the lines of the block's vertices and of its normals, ``before`` the counts of
+    both in earlier blocks: backward indices count from there.
     """
     sizes, vertices, normals = _plain(faces, name) or _general(faces, name)
     at = np.repeat(faces.numbers, sizes)
@@ -314,11 +303,6 @@ def _vertex_normals(
     or there are no faces, the normals are those of the vertices, row by row. Otherwise a vertex
     without a corner gets the normal (0, 0, 0). None if corners of a vertex differ, or have no
     normal.
-
-    Raises
-    ------
-    FormatError
-        A corner refers to a normal that does not exist; the message gives its line.
     """
     if corners is None:
         return normals if len(normals) == vertices else None

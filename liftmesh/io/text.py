@@ -169,7 +169,7 @@ def read_text(stream: BinaryIO, name: str) -> Cloud:
     table = _Table(stream, name)
     rows = np.concatenate([*table.blocks()])
     meaning = _Meaning(table)
-    meaning.look_at(rows)
+    meaning.examine(rows)
     return meaning.cloud(rows)
 
 
@@ -255,17 +255,17 @@ class _Meaning:
         first = next(blocks)  # determines the width
         meaning = cls(table)
         for block in chain([first], blocks):
-            meaning.look_at(block)
+            meaning.examine(block)
         return meaning
 
-    def look_at(self, table: Floats) -> None:
+    def examine(self, table: Floats) -> None:
         """Examine further rows."""
         if self._maybe_colors:
             rest = table[:, len(POSITION) :]
             whole = (rest >= 0) & (rest <= 255) & (rest == np.rint(rest))
             self._maybe_colors = bool(whole.all())
         if all(each in self.names for each in COLOR):
-            self._scale.look_at(table[:, [self.names.index(each) for each in self._color_names()]])
+            self._scale.examine(table[:, [self.names.index(each) for each in self._color_names()]])
 
     @property
     def names(self) -> tuple[str, ...]:

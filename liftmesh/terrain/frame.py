@@ -5,8 +5,9 @@ is a rigid frame, an origin and three right-handed unit axes u, v and normal: a 
 coordinates (p - origin).u and (p - origin).v and the height (p - origin).normal, each rounded. The
 triangulation is exact for those rounded coordinates.
 
-The origin is the centre of the rows, which keeps rounding errors small far from zero; if the axes
-are parallel to the coordinate axes it is zero, and the coordinates are the caller's own numbers.
+The origin, unless a matrix determines it, is in the middle of the rows, which keeps rounding errors
+small far from zero; if the axes are parallel to the coordinate axes it is zero, and the coordinates
+are the caller's own numbers.
 Products are summed column by column, not by a matrix product, so that equal rows have equal
 coordinates at any place in the array, and on every machine.
 """
