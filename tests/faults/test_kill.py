@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faults.amid import begun, ended, wait_until, writes
+from faults.stopped import begun, ended, wait_until, writes
 
 import liftmesh
 from liftmesh import Cloud

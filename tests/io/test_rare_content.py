@@ -1,4 +1,4 @@
-"""What files seldom hold and may: each is read as it is meant, or refused by name."""
+"""Valid content that files rarely have: read as it is meant, or refused by name."""
 
 from __future__ import annotations
 

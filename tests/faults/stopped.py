@@ -1,4 +1,4 @@
-"""A command stopped in the midst of a stage: which one, its open files tell."""
+"""Commands that are stopped in the middle of a stage; their open files show which stage it is."""
 
 from __future__ import annotations
 
