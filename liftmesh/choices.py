@@ -10,6 +10,8 @@ Method: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-
 HullMethod: TypeAlias = Literal["auto", "lf"]
 NonFinite: TypeAlias = Literal["error", "skip"]
 RowOrder: TypeAlias = Literal["engine", "canonical"]
+PlyEncoding: TypeAlias = Literal["binary", "ascii"]
+PlyColors: TypeAlias = Literal["uint8", "exact"]
 Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 
@@ -37,5 +39,5 @@ def check_option(name: str, value: object, words: Any) -> None:
     liftmesh.errors.InputError: nonfinite is 'drop': give one of 'error', 'skip'
     """
     known = get_args(words)
-    if value not in known:
+    if not isinstance(value, str) or value not in known:
         raise InputError(f"{name} is {value!r}: give one of {', '.join(map(repr, known))}")

@@ -63,7 +63,7 @@ class Cloud:
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
                     "give one row per point"
                 )
-        if self.crs is not None and (not isinstance(self.crs, str) or not self.crs):
+        if self.crs is not None and not _is_text(self.crs):
             raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
         object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
@@ -106,6 +106,10 @@ class Cloud:
     def _per_row(self) -> list[tuple[str, Array]]:
         named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]
         return [(name, values) for name, values in named if values is not None]
+
+
+def _is_text(crs: object) -> bool:
+    return isinstance(crs, str) and bool(crs) and "\0" not in crs
 
 
 def constructed_from(result: Any) -> tuple[Any, ...]:

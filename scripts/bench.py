@@ -13,7 +13,7 @@ not compared. Then all contestants are timed in alternating rounds. A peer that 
 limit is cut off, and not tried on more points of that kind. CGAL is a C++ program that is built on
 first use; it and other peers that are not installed are shown as such.
 
-Tables go to the terminal, all times to a JSON file, and pictures beside it.
+Tables go to the terminal, all times to a JSON file, and pictures to the same folder.
 """
 
 from __future__ import annotations

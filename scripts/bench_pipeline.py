@@ -2,7 +2,7 @@
 
     python scripts/bench_pipeline.py                      a million rows
     python scripts/bench_pipeline.py --n 10000000         ten million
-    python scripts/bench_pipeline.py --n 300000 --peers   beside SciPy with Open3D, and with trimesh
+    python scripts/bench_pipeline.py --n 300000 --peers   compared with SciPy, Open3D and trimesh
 
 The cloud has x, y, z as doubles and 8-bit colours. Every program runs in a fresh process. Memory is
 the peak up to the end of a stage: in total, and per row without what the imports take.

@@ -83,7 +83,7 @@ def includes_of(kernel: Path) -> Graph:
 
 
 def included(name: str, folder: Path, kernel: Path) -> Path:
-    """Find an included file, as the compiler does: beside the includer, then in the kernel."""
+    """Find an included file, as the compiler does: next to the includer, then in the kernel."""
     for base in (folder, kernel):
         if (base / name).is_file():
             return (base / name).resolve()

@@ -256,6 +256,10 @@ class TestInput:
             ({"plane": "yz"}, "plane 'yz' is unknown"),
             ({"method": "magic"}, "method is 'magic': give one of 'auto'"),
             ({"threads": 0}, "threads is 0: give a whole number from 1 to 1024"),
+            ({"duplicates": np.array("first")}, "duplicates is array"),
+            ({"duplicates": []}, r"duplicates is \[\]: give one of 'first'"),
+            ({"method": np.array(["auto", "lf"])}, "method is array"),
+            ({"nonfinite": None}, "nonfinite is None"),
         ],
     )
     def test_other_options_are_refused(self, option, message):

@@ -85,7 +85,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
     bool forked() const {
         if (getpid() == process_) return false;
         PyErr_SetString(PyExc_RuntimeError,
-                        "the process was forked amid a run, which goes on in the parent alone: "
+                        "the process was forked during a run, which continues in the parent only: "
                         "fork before or after it");
         return true;
     }

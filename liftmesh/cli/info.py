@@ -57,6 +57,8 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
     if summary.faces:
         lines.append(("faces", f"{summary.faces:,}"))
     lines.append(("holds", ", ".join(("coordinates", *summary.holds))))
+    if summary.crs is not None:
+        lines.append(("crs", summary.crs))
     if summary.positions:
         lines += _measures(summary)
     memory = terminal.bytes_text(summary.memory)

@@ -32,6 +32,8 @@ class Summary:
         finite rows.
     holds : tuple of str
         Names of the values of each row other than its coordinates.
+    crs : str or None
+        Coordinate reference system, if the file states one.
     minimum, maximum : tuple of float
         Corners of the bounding box in x, y, z; empty without finite rows.
     positions : int
@@ -56,6 +58,7 @@ class Summary:
     faces: int
     not_finite: int
     holds: tuple[str, ...]
+    crs: str | None
     minimum: tuple[float, ...]
     maximum: tuple[float, ...]
     positions: int
@@ -112,6 +115,7 @@ def summarise(cloud: Cloud) -> Summary:
         rows=len(cloud),
         faces=0 if cloud.faces is None else len(cloud.faces),
         not_finite=len(cloud) - len(points),
+        crs=cloud.crs,
         holds=_holds(cloud),
         minimum=tuple(points.min(axis=0).tolist()) if len(points) else (),
         maximum=tuple(points.max(axis=0).tolist()) if len(points) else (),

@@ -70,7 +70,7 @@ def run(
     files.check_place(certificate)
     files.check_apart(source, certificate)
     cloud = files.read(source, source_format)
-    _tell_of_polygons(cloud)
+    _note_polygons(cloud)
     with files.about(source):
         found = _verify(cloud, source, frame, nonfinite, threads)
     if certificate is not None:
@@ -102,15 +102,15 @@ def _verify(
         return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads)
 
 
-def _tell_of_polygons(cloud: Cloud) -> None:
-    """Say on stderr which faces of the file are not those that were verified."""
+def _note_polygons(cloud: Cloud) -> None:
+    """Report faces of the file that are not among the triangles verified, on stderr."""
     found = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
     cut, left_out = (each if isinstance(each, int) else 0 for each in found)  # glTF holds any names
-    told = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
-    told += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
-    if told:
+    notes = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
+    notes += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
+    if notes:
         with redirect_stdout(sys.stderr):
-            terminal.sentence(f"liftmesh: note: faces of the file: {', '.join(told)}")
+            terminal.sentence(f"liftmesh: note: faces of the file: {', '.join(notes)}")
 
 
 def _write(path: Path, found: Certificate) -> None:

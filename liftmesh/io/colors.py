@@ -23,6 +23,8 @@ from liftmesh.errors import InputError
 # Error of k/255 when printed with six digits, or in single precision.
 _PRINTED = 1e-6
 
+_ROWS = 1 << 14  # converted at a time
+
 
 def as_uint8(colors: Array) -> NDArray[np.uint8]:
     """Convert colours to 8-bit integers.
@@ -152,11 +154,16 @@ def fits_eight_bits(colors: Array) -> bool:
     """
     if colors.dtype == np.uint8:
         return True
+    blocks = (colors[start : start + _ROWS] for start in range(0, len(colors), _ROWS))
+    return all(map(_is_eight_bits, blocks))
+
+
+def _is_eight_bits(colors: Array) -> bool:
     values = as_float(colors)
-    eighths = as_uint8(colors) / 255.0
+    levels = _levels(values) / 255.0
     if colors.dtype.kind == "f":
-        eighths = eighths.astype(colors.dtype).astype(np.float64)
-    return np.array_equal(eighths, values)
+        levels = levels.astype(colors.dtype).astype(np.float64)
+    return np.array_equal(levels, values)
 
 
 def recognized(values: Floats) -> Array | None:
@@ -213,7 +220,7 @@ class ColorScale:
         if not self._inside:
             return
         self._whole &= bool(np.all(values == np.rint(values)))
-        self._eighths &= bool(np.all(np.abs(values - _eighths(values) / 255.0) <= _PRINTED))
+        self._eighths &= bool(np.all(np.abs(values - _levels(values) / 255.0) <= _PRINTED))
         self._top = max(self._top, float(values.max(initial=0.0)))
 
     def convert(self, values: Floats) -> Array | None:
@@ -233,10 +240,10 @@ class ColorScale:
             return None
         if self._top > 1:
             return values.astype(np.uint8 if self._top <= 255 else np.uint16)
-        return _eighths(values).astype(np.uint8) if self._eighths else values
+        return _levels(values).astype(np.uint8) if self._eighths else values
 
 
-def _eighths(values: Floats) -> Floats:
+def _levels(values: Floats) -> Floats:
     scaled: Floats = np.rint(values * 255.0)
     return scaled
 

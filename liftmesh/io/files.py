@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import io
+import operator
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -111,7 +112,8 @@ def read_chunks(
 
     PLY, text, NPY and NPZ are read in chunks; text is parsed twice, to determine the types of the
     columns first. Other formats, pipes, and PLY files whose vertices have lists are read whole,
-    then split.
+    then split. Of files that are read in chunks, only what the rows need is read: damage to the
+    faces, which `read` reports, is not noticed.
 
     Parameters
     ----------
@@ -133,7 +135,7 @@ def read_chunks(
     InputError
         `rows` is not a positive whole number.
     FormatError
-        As for `read`: before the first chunk, or at the invalid chunk.
+        As for `read`, apart from faces: before the first chunk, or at the invalid chunk.
     OSError
         The file does not exist or cannot be opened.
 
@@ -144,8 +146,7 @@ def read_chunks(
     >>> [len(chunk) for chunk in read_chunks(table, rows=2, format="xyz")]
     [2, 1]
     """
-    if isinstance(rows, bool) or not isinstance(rows, int) or rows < 1:
-        raise InputError(f"rows is {rows!r}: give a whole number from 1")
+    rows = _checked_rows(rows)
     name = _name(source)
     found = _find(source, format, name)
     chunks = found.read_chunks or _split(_reader(found, name))
@@ -218,7 +219,7 @@ def write(
     FormatError
         The format or an option is unknown, or the format cannot hold this mesh.
     InputError
-        Colours or other arrays are invalid.
+        An option has an unknown value, or colours or other arrays are invalid.
     UnsupportedTypeError
         ``mesh`` cannot be converted to a cloud, or is a path: `read` it first.
     OSError
@@ -242,14 +243,24 @@ def write(
     if cloud.faces is not None:
         checked_faces(cloud.faces, len(cloud), name)
     check_needs(found, cloud)
-    if isinstance(target, str | os.PathLike):
-        with replacing(target) as stream:
-            origin, size = _write(stream, cloud, writer, options)
-    else:
+    if not isinstance(target, str | os.PathLike):
         _check_stream(target, "write")
         origin, size = _write(target, cloud, writer, options)
-    path = Path(target) if isinstance(target, str | os.PathLike) else None
-    return Written(path, found.name, size, origin, dropped(found, cloud, options, origin))
+        return Written(None, found.name, size, origin, dropped(found, cloud, options, origin))
+    with replacing(target) as stream:  # an error up to its end leaves the old file
+        origin, size = _write(stream, cloud, writer, options)
+        lost = dropped(found, cloud, options, origin)
+    return Written(Path(target), found.name, size, origin, lost)
+
+
+def _checked_rows(rows: Any) -> int:
+    try:
+        count = 0 if isinstance(rows, bool) else operator.index(rows)
+    except TypeError:
+        count = 0
+    if count < 1:
+        raise InputError(f"rows is {rows!r}: give a whole number from 1")
+    return count
 
 
 def _chunks(

@@ -68,8 +68,9 @@ class Format:
     keeps : tuple of str
         The parts of a cloud that the file preserves: "points" (every row in its place, including
         rows in no face), "faces", "colors" (with 8 bits per channel), "alpha", "deep_colors"
-        (colours of more than 8 bits), "normals", "attributes" (named values), "crs", "float64"
-        (every coordinate bit for bit). By default all of them.
+        (colours of more than 8 bits), "normals" (directions, in single precision at least),
+        "attributes" (named values; the format may split an (n, k) attribute into k columns),
+        "crs", "float64" (every coordinate bit for bit). By default all of them.
     needs : tuple of str
         The requirements on a cloud: "points" (at least one row), "faces" (at least one), "finite"
         (no NaN or infinity in a row that the file holds). By default none.
@@ -148,22 +149,22 @@ def dropped(
         kept -= set(found.loses(cloud, options))
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
-    missing = [
-        name for word, name in CONTENT.items() if word not in kept and _has(cloud, word, origin)
-    ]
+    missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
+    if "float64" not in kept and not _fits_single(cloud.points[_held(found, cloud)], origin):
+        missing.append(CONTENT["float64"])
     if "attributes" in missing:
         at = missing.index("attributes")
         missing[at : at + 1] = sorted(cloud.attributes)
     return tuple(missing)
 
 
-def _has(cloud: Cloud, word: str, origin: Origin | None) -> bool:
+def _has(cloud: Cloud, word: str) -> bool:
     """Whether a cloud has a part that could be lost."""
     colors = cloud.colors
     if word == "points":
         return _has_unused_rows(cloud)
     if word == "float64":
-        return not _fits_single(cloud.points, origin)
+        return False  # its coordinates decide, relative to the origin of the file
     if word == "alpha":
         return colors is not None and not is_opaque(colors)
     if word == "deep_colors":

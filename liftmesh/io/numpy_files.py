@@ -77,8 +77,9 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     left = remaining(stream)
     if layout.size > left:
         raise FormatError(f"{name}: {layout.what}: the file holds only {left} bytes of values")
-    for part in array_parts(stream, layout, name, rows):
-        yield _points_alone(part, name)
+    _check_layout(layout, name)
+    for number, part in enumerate(array_parts(stream, layout, name, rows)):
+        yield _points_alone(part, name, number * rows)
 
 
 def read_npz(stream: BinaryIO, name: str) -> Cloud:
@@ -117,10 +118,11 @@ def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     with _archive(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
+        _check_layout(members[needed[0]].layout, name)
         crs = {} if roles.crs is None else {roles.crs: members[roles.crs].whole()}
         streams = [members[key].parts(rows) for key in needed]
-        for parts in zip(*streams, strict=True):
-            yield roles.cloud(dict(zip(needed, parts, strict=True)) | crs)
+        for number, parts in enumerate(zip(*streams, strict=True)):
+            yield roles.cloud(dict(zip(needed, parts, strict=True)) | crs, number * rows)
 
 
 def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> None:
@@ -145,7 +147,8 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     arrays = {key: values for key, values in parts.items() if values is not None}
     for key, values in cloud.attributes.items():
         leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
-        if key in _RESERVED or key in arrays or values.dtype.hasobject or leads_out:
+        taken = key in _RESERVED or key in arrays or "\0" in key
+        if taken or values.dtype.hasobject or leads_out:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
     _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
 
@@ -235,9 +238,16 @@ class _Member:
             yield from array_parts(cast("BinaryIO", stream), layout, self._where, rows)
 
 
-def _points_alone(array: Array, name: str) -> Cloud:
+def _check_layout(layout: Layout, name: str) -> None:
+    """Raise where an array cannot be points, before any of its values is read."""
+    if layout.dtype.names is None:
+        _check_shape(layout.shape, name)
+    _points_alone(np.empty((0, *layout.shape[1:]) if layout.shape else (), layout.dtype), name)
+
+
+def _points_alone(array: Array, name: str, first: int = 0) -> Cloud:
     if array.dtype.names is None:
-        return Cloud(_points(array, name))
+        return Cloud(_points(array, name, first))
     types = {each: array.dtype[each] for each in array.dtype.names}
     numeric = all(each.kind in "biuf" for each in types.values())
     if array.ndim != 1 or not numeric or not {"x", "y"} <= types.keys():
@@ -247,16 +257,22 @@ def _points_alone(array: Array, name: str) -> Cloud:
     return builder.cloud()
 
 
-def _points(array: Array, name: str) -> Floats:
-    if array.ndim != 2 or array.shape[1] not in (2, 3):
+def _check_shape(shape: tuple[int, ...], name: str) -> None:
+    if len(shape) != 2 or shape[1] not in (2, 3):
         raise FormatError(
-            f"{name}: the points have shape {array.shape}, not (n, 2) or (n, 3): save "
+            f"{name}: the points have shape {shape}, not (n, 2) or (n, 3): save "
             "array[:, :3] as points, and further columns by name with numpy.savez"
         )
+
+
+def _points(array: Array, name: str, first: int = 0) -> Floats:
+    """Rows of three coordinates; ``first`` is the row of the file that the array begins with."""
+    _check_shape(array.shape, name)
     try:
         return as_rows3(array)
     except InputError as error:
-        raise FormatError(f"{name}: the points cannot be used: {error}") from error
+        counted = f" (rows counted from row {first} of the file)" if first else ""
+        raise FormatError(f"{name}: the points cannot be used: {error}{counted}") from error
 
 
 class _Shaped(Protocol):
@@ -290,14 +306,14 @@ class _Roles:
         self._skipped = tuple(
             f"{key} {shape}" for key, shape in rest.items() if key not in self._attributes
         )
-        special = [key for key in ("colors", "normals") if key in arrays]
+        special = [key for key in ("colors", "normals") if key in arrays and not self._alone]
         self.row_arrays = [self._points, *special, *self._attributes]
 
-    def cloud(self, arrays: Mapping[str, Array]) -> Cloud:
-        """Make a cloud of all arrays, or of some rows of the arrays with one row per point."""
+    def cloud(self, arrays: Mapping[str, Array], first: int = 0) -> Cloud:
+        """Make a cloud of all arrays, or of their rows from ``first`` on."""
         if self._alone:
-            return _points_alone(arrays[self._points], self._name)
-        points = _points(arrays[self._points], self._name)
+            return _points_alone(arrays[self._points], self._name, first)
+        points = _points(arrays[self._points], self._name, first)
         faces = arrays.get(self._faces) if self._faces else None
         return Cloud(
             points,

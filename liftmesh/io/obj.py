@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, BinaryIO
 
@@ -21,7 +21,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.colors import as_float, recognized
+from liftmesh.io.colors import as_float, fits_eight_bits, recognized
 from liftmesh.io.faces import Ragged, face_counts, triangulated
 from liftmesh.io.format import Format, crs_comment, stated_crs
 from liftmesh.io.text_tables import (
@@ -384,6 +384,14 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
         write_rows(stream, [counted], prefix="f ")
 
 
+def _lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Colours within printed precision of 8-bit ones are read as these."""
+    if cloud.colors is None or fits_eight_bits(cloud.colors[:, :3]):
+        return ()
+    levels = recognized(as_float(cloud.colors[:, :3]))
+    return () if levels is not None and levels.dtype.kind == "f" else ("deep_colors",)
+
+
 FORMAT = Format(
     name="obj",
     suffixes=(".obj",),
@@ -392,4 +400,5 @@ FORMAT = Format(
     description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
     keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "float64"),
     needs=("points",),
+    loses=_lost,
 )

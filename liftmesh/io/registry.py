@@ -197,8 +197,17 @@ def as_cloud(source: Any) -> Cloud:
     """
     for adapter in _adapters():
         if adapter.accepts(source):
-            return adapter.to_cloud(source)
+            return _checked(adapter.to_cloud(source), adapter, source)
     raise _unsupported(source)
+
+
+def _checked(cloud: object, adapter: Adapter, source: object) -> Cloud:
+    if isinstance(cloud, Cloud):
+        return cloud
+    raise UnsupportedTypeError(
+        f"the adapter {adapter.name!r} makes a {qualified_name(cloud)} of a "
+        f"{qualified_name(source)}: it must make a liftmesh.Cloud"
+    )
 
 
 def _adapters() -> Iterator[Adapter]:

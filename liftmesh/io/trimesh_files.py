@@ -282,8 +282,14 @@ def _round_below(low: Floats, size: float) -> Floats:
 
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Points without faces are written without normals."""
-    return () if _has_faces(cloud) else ("normals",)
+    """Points are written without normals, and normals of meshes with unit length."""
+    kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
+    return () if kept else ("normals",)
+
+
+def _are_unit(normals: Array) -> bool:
+    lengths = np.sqrt((normals.astype(np.float64) ** 2).sum(axis=1))
+    return bool((np.abs(lengths - 1.0) <= TOLERANCE).all())
 
 
 _GLTF: dict[str, Any] = {

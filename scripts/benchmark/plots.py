@@ -32,7 +32,7 @@ COLUMNS = 4
 
 
 def draw(measurements: list[Measurement], path: Path) -> list[Path]:
-    """Draw the pictures as PNG and SVG beside a path; return the files."""
+    """Draw the pictures as PNG and SVG in the folder of a path; return the files."""
     made: list[Path] = []
     with mpl.rc_context(STYLE):
         uniform = [m for m in measurements if m.distribution == "uniform"]

@@ -30,7 +30,7 @@ def write(
     imports: Mapping[str, float],
     settings: Mapping[str, Any],
 ) -> None:
-    """Write a report beside the path, then rename it."""
+    """Write a report under a temporary name, then rename it."""
     report = {
         "note": NOTE,
         "machine": describe_machine(),
@@ -41,9 +41,9 @@ def write(
         "measurements": [as_record(measurement) for measurement in measurements],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_suffix(".part")
-    beside.write_text(compact(json.dumps(report, indent=1, default=str)) + "\n")
-    beside.replace(path)
+    temporary = path.with_suffix(".part")
+    temporary.write_text(compact(json.dumps(report, indent=1, default=str)) + "\n")
+    temporary.replace(path)
 
 
 def compact(text: str) -> str:

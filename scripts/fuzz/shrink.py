@@ -33,7 +33,7 @@ def shrunk(data: bytes, fails: Callable[[bytes], bool], deadline: float) -> byte
 
 
 def shrink(target: Target, find: Path) -> tuple[Path, str]:
-    """Shrink a find; return the smaller file beside it, and the description of its failure.
+    """Shrink a find; return the smaller file in its folder, and the description of its failure.
 
     The description may change in its numbers only.
     """

@@ -2,7 +2,7 @@
 
     python scripts/paper_port                every variant at n = 1,000: some minutes
     python scripts/paper_port --quick        optimisation, and variants of the position test
-    python scripts/paper_port --growth       the printed seconds beside the counts at each n
+    python scripts/paper_port --growth       the printed seconds and the counts at each n
     python scripts/paper_port --simulate     instructions and mispredicted branches (valgrind)
 
 The C program is in this folder and is built with cc (or CC). Every variant runs LF and LFRes in

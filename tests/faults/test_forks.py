@@ -1,4 +1,4 @@
-"""Processes that come of others: a fork amid a run is refused in the child, and harms nobody."""
+"""Forked processes: a fork during a run is refused in the child, and harms nobody."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ FORK_AMID = """
     if os.getpid() != parent:  # nothing is left of the run, and threads are to be had again
         right = np.array_equal(liftmesh.delaunay(few).simplices, expected)
         liftmesh.delaunay(points, progress=look)
-        os._exit(0 if "forked amid a run" in str(found) and right and most == 3 else 1)
+        os._exit(0 if "forked during a run" in str(found) and right and most == 3 else 1)
     print(found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
 

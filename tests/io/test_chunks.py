@@ -214,3 +214,48 @@ def test_colours_of_an_npz_must_fit_the_points() -> None:
     data = npz(points=AWKWARD, colors=np.zeros((4, 3)))
     with pytest.raises(FormatError, match=r"colors have shape \(4, 3\) for 5 points"):
         next(liftmesh.read_chunks(io.BytesIO(data), rows=2, format="npz"))
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.array(3.0),
+        np.zeros((0, 7)),
+        np.zeros(0),
+        np.zeros((0, 3), dtype="U1"),
+        np.zeros(0, dtype=[("a", "f8")]),
+        np.zeros((), dtype=[("x", "f8"), ("y", "f8")]),
+        np.zeros((4, 4)),
+    ],
+    ids=lambda array: f"{array.dtype}{array.shape}",
+)
+def test_arrays_that_are_no_points_are_refused_in_chunks_too(array: np.ndarray) -> None:
+    for kind, data in (("npy", npy(array)), ("npz", npz(points=array)), ("npz", npz(only=array))):
+        if kind == "npz" and array.dtype.names:
+            continue  # structured points are read where they are alone
+        with pytest.raises(FormatError):
+            liftmesh.read(io.BytesIO(data), format=kind)
+        with pytest.raises(FormatError):
+            next(liftmesh.read_chunks(io.BytesIO(data), rows=2, format=kind))
+
+
+def test_a_text_alone_is_no_cloud() -> None:
+    with pytest.raises(FormatError):
+        next(liftmesh.read_chunks(io.BytesIO(npz(crs=np.array("EPSG:1"))), format="npz"))
+
+
+@pytest.mark.parametrize("kind", ["npy", "npz"])
+def test_errors_tell_where_the_rows_are_counted_from(kind: str) -> None:
+    points = np.arange(18).reshape(6, 3)
+    points[5] = 2**53 + 1
+    data = npy(points) if kind == "npy" else npz(points=points)
+    chunks = liftmesh.read_chunks(io.BytesIO(data), rows=2, format=kind)
+    assert [len(next(chunks)), len(next(chunks))] == [2, 2]
+    with pytest.raises(FormatError, match=r"row 1 holds .*\(rows counted from row 4 of the file\)"):
+        next(chunks)
+
+
+def test_rows_may_be_a_whole_number_of_numpy() -> None:
+    data = io.BytesIO(npy(AWKWARD))
+    chunks = liftmesh.read_chunks(data, rows=np.int64(2), format="npy")  # type: ignore[arg-type]
+    assert [len(chunk) for chunk in chunks] == [2, 2, 1]

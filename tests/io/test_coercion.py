@@ -84,7 +84,7 @@ def test_to_cloud_must_give_a_cloud() -> None:
         def to_cloud(self) -> int:
             return 3
 
-    with pytest.raises(UnsupportedTypeError, match=r"returns a builtins\.int: it must return"):
+    with pytest.raises(UnsupportedTypeError, match=r"makes a builtins\.int of a .*Wrong: it must"):
         liftmesh.as_cloud(Wrong())
 
 
@@ -119,7 +119,59 @@ def test_the_coordinate_system_goes_all_the_way(tmp_path: Path) -> None:
     assert liftmesh.triangulate(tmp_path / "mesh.ply").crs == "EPSG:25832"
 
 
-@pytest.mark.parametrize("crs", [25832, "", b"EPSG:25832"])
+@pytest.mark.parametrize("crs", [25832, "", b"EPSG:25832", "EPSG\0"])
 def test_a_coordinate_system_is_a_text(crs: Any) -> None:
     with pytest.raises(InputError, match=r"crs is .*: give WKT or 'EPSG:n' as a string, or None"):
         Cloud(POINTS, crs=crs)
+
+
+def test_a_mirrored_geometry_keeps_its_outside() -> None:
+    box = trimesh.creation.box()
+    scene = trimesh.Scene()
+    scene.add_geometry(box, transform=np.diag([-1.0, 1.0, 1.0, 1.0]))
+    cloud = liftmesh.as_cloud(scene)
+    assert trimesh.Trimesh(cloud.points, cloud.faces, process=False).volume > 0
+
+
+@pytest.mark.parametrize("scale", [1e-120, 1e120, 0.0])
+def test_normals_of_a_scene_do_not_depend_on_its_scale(scale: float) -> None:
+    up = np.tile([0.0, 0, 1], (4, 1))
+    mesh = trimesh.Trimesh(POINTS, FACES, process=False, vertex_normals=up)
+    scene = trimesh.Scene()
+    scene.add_geometry(mesh, transform=np.diag([scale, scale, scale, 1.0]))
+    normals = liftmesh.as_cloud(scene).normals
+    assert normals is None if scale == 0 else np.allclose(normals, up)
+
+
+def test_a_face_beyond_32_bits_is_reported_as_it_is() -> None:
+    faces = FACES.astype(np.int64)
+    faces[1, 2] = 2**32 + 2
+    mesh = trimesh.Trimesh(POINTS, faces, process=False, validate=False)
+    for source in (mesh, trimesh.Scene(mesh)):
+        with pytest.raises(liftmesh.FormatError, match="refers to vertex 4294967298"):
+            liftmesh.write(io.BytesIO(), source, format="ply")
+
+
+def test_the_coordinate_system_of_all_parts_is_that_of_the_scene() -> None:
+    mesh = liftmesh.triangulate(Cloud(POINTS, crs="EPSG:2056")).to_trimesh()
+    assert liftmesh.as_cloud(mesh.scene()).crs == "EPSG:2056"
+    other = liftmesh.triangulate(Cloud(POINTS, crs="EPSG:25832")).to_trimesh()
+    assert liftmesh.as_cloud(trimesh.Scene([mesh, other])).crs is None
+
+
+@pytest.mark.parametrize("kind", [liftmesh.Surface, Convertible, trimesh.Trimesh])
+def test_a_class_is_no_cloud(kind: type) -> None:
+    with pytest.raises(UnsupportedTypeError, match=r"^an? .* is not a point cloud"):
+        liftmesh.as_cloud(kind)
+
+
+def test_the_values_of_a_mesh_like_object_may_be_lists() -> None:
+    source = SimpleNamespace(vertices=POINTS, faces=FACES, attributes={"a": [1, 2, 3, 4]})
+    stream = io.BytesIO()
+    liftmesh.write(stream, source, format="ply")
+    assert liftmesh.read(io.BytesIO(stream.getvalue()), format="ply").attributes["a"].tolist() == [
+        1,
+        2,
+        3,
+        4,
+    ]

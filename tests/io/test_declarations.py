@@ -55,7 +55,16 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
     "alpha": (replace(MESH, colors=RGBA), {"faces", "colors", "alpha"}),
     "16-bit colours": (replace(MESH, colors=DEEP), {"faces", "colors", "deep_colors"}),
     "float colours": (replace(MESH, colors=DEEP / 65535.0), {"faces", "colors", "deep_colors"}),
+    "colours near 8 bits": (
+        replace(MESH, colors=RGB / 255.0 + np.where(RGB == 9, 4e-7, 0)),
+        {"faces", "colors", "deep_colors"},
+    ),
     "normals": (replace(MESH, normals=NORMALS), {"faces", "normals"}),
+    "normals of other lengths": (replace(MESH, normals=2 * NORMALS), {"faces", "normals"}),
+    "a row in no face that single precision does not hold": (
+        Cloud(np.vstack([POINTS[:3], [[0.1, 0.2, 0.3]]]), faces=FACES),
+        {"faces", "points", "float64"},
+    ),
     "normals of points": (Cloud(POINTS, normals=NORMALS), {"points", "normals"}),
     "named values": (
         replace(MESH, attributes={"class": np.arange(4, dtype=np.uint8), "z0": POINTS[:, 2]}),
@@ -129,9 +138,9 @@ def same_rows(back: Cloud, cloud: Cloud) -> bool:
 
 
 def same_positions(back: Cloud, cloud: Cloud) -> bool:
-    if cloud.faces is not None and len(cloud.faces):
-        return back.faces is not None and corners(back) == corners(cloud)
-    return np.array_equal(back.points, cloud.points)
+    if cloud.faces is not None and (back.faces is None or corners(back) != corners(cloud)):
+        return False
+    return len(back) != len(cloud) or np.array_equal(back.points, cloud.points)
 
 
 def equal(ours: np.ndarray | None, theirs: np.ndarray | None) -> bool:
@@ -164,6 +173,8 @@ def test_a_format_keeps_what_it_declares_and_names_the_rest(
     if declared.loses is not None:
         promised -= set(declared.loses(cloud, options))
     lost = needed - promised
+    if "points" in lost and content == "a row in no face that single precision does not hold":
+        lost -= {"float64"}  # the row is not in the file
     found = kept(back, cloud)
     assert {word for word in promised & needed if not found[word]} == set()
     assert {word for word in lost if found[word]} == set()
@@ -191,6 +202,22 @@ def is_refused(cloud: Cloud, kind: str, folder: Path) -> bool:
         return re.search("vertex 1 is|without (points|faces)", str(error)) is not None
     (folder / "refused").unlink()
     return False
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj", "npz", "off", "stl", "glb"])
+def test_an_error_after_the_bytes_are_written_leaves_the_old_file(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> tuple[str, ...]:
+        raise MemoryError
+
+    monkeypatch.setattr("liftmesh.io.files.dropped", fail)
+    target = tmp_path / f"mesh.{kind}"
+    target.write_bytes(b"old")
+    with pytest.raises(MemoryError):
+        liftmesh.write(target, MESH)
+    assert target.read_bytes() == b"old"
+    assert [path.name for path in tmp_path.iterdir()] == [target.name]
 
 
 def test_stl_looks_at_the_rows_of_its_triangles_alone() -> None:

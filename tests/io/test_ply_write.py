@@ -159,7 +159,7 @@ def test_comments_stand_in_the_header() -> None:
     ],
 )
 def test_bad_options_are_refused(options: dict[str, object]) -> None:
-    with pytest.raises(FormatError, match=next(iter(options))[:5]):
+    with pytest.raises((FormatError, InputError), match=next(iter(options))[:5]):
         saved(full_mesh(), "ply", **options)
 
 
@@ -180,3 +180,23 @@ def test_strided_points_and_wide_faces() -> None:
     wide[:, ::2] = AWKWARD
     mesh = Cloud(wide[:, ::2], faces=FACES.astype(np.int64))
     assert_same_mesh(loaded(saved(mesh, "ply"), "ply"), Cloud(AWKWARD, faces=FACES))
+
+
+@pytest.mark.parametrize("kind", [np.uint32, np.uint64])
+def test_colours_of_wider_integers_are_not_written_exactly(kind: type) -> None:
+    wide = Cloud(AWKWARD[:1], colors=np.array([[0, 200, 2**32 - 1]], dtype=kind))
+    with pytest.raises(FormatError, match="cannot be written exactly as PLY: convert them to"):
+        saved(wide, "ply", colors="exact")
+
+
+def test_attributes_without_values_are_refused() -> None:
+    with pytest.raises(FormatError, match=r"'a' has the shape \(1, 0\): it has no values"):
+        saved(Cloud(AWKWARD[:1], attributes={"a": np.zeros((1, 0))}), "ply")
+
+
+def test_no_header_line_is_written_that_cannot_be_read() -> None:
+    for crs in ("x" * 20_000, "ß" * 5_000):
+        assert loaded(saved(Cloud(AWKWARD, crs=crs), "ply"), "ply").crs == crs
+    for crs in ("x" * 70_000, "ß" * 12_000):
+        with pytest.raises(FormatError, match=r"has [\d,]+ characters: a line of a PLY header has"):
+            saved(Cloud(AWKWARD, crs=crs), "ply")

@@ -18,7 +18,7 @@ from liftmesh import arrays
 from liftmesh._typing import Array, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
-from liftmesh.io.colors import as_float
+from liftmesh.io.colors import as_float, is_opaque
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -202,7 +202,7 @@ def _tensor_colors(cloud: Cloud) -> dict[str, Array]:
         return {}
     single = cloud.colors.dtype.kind in "ui" or cloud.colors.dtype == np.float32
     colors = as_float(cloud.colors).astype(np.float32 if single else np.float64)
-    if colors.shape[1] == 3 or bool((colors[:, 3] == 1).all()):
+    if is_opaque(colors):
         return {"colors": colors[:, :3]}
     return {"colors": colors[:, :3], "alpha": colors[:, 3:]}
 

@@ -9,7 +9,6 @@ import numpy as np
 from liftmesh import arrays
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
-from liftmesh.errors import UnsupportedTypeError
 
 _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "__len__")
 
@@ -31,32 +30,29 @@ def from_array(source: Any) -> Cloud:
 
 def has_to_cloud(source: object) -> bool:
     """Whether an object converts itself."""
-    return hasattr(source, "to_cloud")
+    return hasattr(source, "to_cloud") and not isinstance(source, type)
 
 
 def converted(source: Any) -> Cloud:
     """Call an object's own ``to_cloud()``."""
-    cloud = source.to_cloud()
-    if isinstance(cloud, Cloud):
-        return cloud
-    raise UnsupportedTypeError(
-        f"to_cloud() of a {qualified_name(source)} returns a {qualified_name(cloud)}: "
-        "it must return a liftmesh.Cloud"
-    )
+    cloud: Cloud = source.to_cloud()  # which `as_cloud` checks
+    return cloud
 
 
 def is_mesh_like(source: object) -> bool:
     """Whether an object has the attributes of a mesh."""
-    return hasattr(source, "vertices") and hasattr(source, "faces")
+    has_both = hasattr(source, "vertices") and hasattr(source, "faces")
+    return has_both and not isinstance(source, type)
 
 
 def from_mesh_like(source: Any) -> Cloud:
     """Make a cloud of ``vertices``, ``faces`` and, if present, colours, normals and attributes."""
+    attributes = getattr(source, "attributes", None) or {}
     return Cloud(
         arrays.as_rows3(source.vertices),
         colors=_optional(source, "colors"),
         normals=_optional(source, "normals"),
-        attributes=dict(getattr(source, "attributes", None) or {}),
+        attributes={name: np.asarray(values) for name, values in attributes.items()},
         faces=_optional(source, "faces"),
     )
 

@@ -56,16 +56,9 @@ def to_cloud(source: Any) -> Cloud:
     """
     if hasattr(source, "graph"):
         return from_scene(source, "the scene")
-    attributes: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
-    faces = getattr(source, "faces", None)
-    return Cloud(
-        points=arrays.as_rows3(np.asarray(source.vertices)),
-        colors=_colors(source),
-        normals=_normals(source),
-        attributes={name: np.atleast_1d(values) for name, values in attributes.items()},
-        faces=None if faces is None else np.asarray(faces, dtype=np.int32),
-        **_described(source.metadata),
-    )
+    named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
+    attributes = {name: np.atleast_1d(values) for name, values in named.items()}
+    return replace(_geometry(source), attributes=attributes)
 
 
 def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
@@ -98,9 +91,11 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
     16
     """
     placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
-    parts = [_transformed(to_cloud(each), matrix) for each, matrix in placed if _holds_points(each)]
+    held = [(_geometry(each), matrix) for each, matrix in placed if _holds_points(each)]
+    parts = [_transformed(cloud, matrix) for cloud, matrix in held]
     skipped = len(placed) - len(parts)
     described = _described(scene.metadata)
+    described["crs"] = described["crs"] or _common_crs(parts)
     if skipped:
         described["metadata"]["skipped"] = (f"{skipped} lines",)
     return Cloud(
@@ -185,6 +180,33 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
     return points
 
 
+def _geometry(source: Any) -> Cloud:
+    """A mesh or a point cloud without its named values."""
+    return Cloud(
+        points=arrays.as_rows3(np.asarray(source.vertices)),
+        colors=_colors(source),
+        normals=_normals(source),
+        faces=_faces(source),
+        **_described(source.metadata),
+    )
+
+
+def _faces(source: Any) -> Array | None:
+    """The faces as int32; as they are if one is beyond it, for whoever checks them."""
+    faces = getattr(source, "faces", None)
+    if faces is None:
+        return None
+    faces = np.asarray(faces)
+    limits = np.iinfo(np.int32)
+    fit = not faces.size or (faces.min() >= limits.min and faces.max() <= limits.max)
+    return faces.astype(np.int32, copy=False) if fit else faces
+
+
+def _common_crs(parts: list[Cloud]) -> str | None:
+    stated = {part.crs for part in parts}
+    return stated.pop() if len(stated) == 1 else None
+
+
 def _metadata(cloud: Cloud) -> dict[str, Any]:
     crs = {} if cloud.crs is None else {"crs": cloud.crs}
     return {**cloud.metadata, **crs}
@@ -213,12 +235,20 @@ def _transformed(cloud: Cloud, matrix: Floats) -> Cloud:
     """Transform points and normals of a geometry."""
     if np.array_equal(matrix, np.eye(4)):
         return cloud
-    points = cloud.points @ matrix[:3, :3].T + matrix[:3, 3]
-    return replace(cloud, points=points, normals=_rotated(cloud.normals, matrix[:3, :3]))
+    linear = matrix[:3, :3]
+    points = cloud.points @ linear.T + matrix[:3, 3]
+    size = np.abs(linear).max()
+    scaled = linear / size if np.isfinite(size) and size > 0 else np.zeros((3, 3))
+    determinant = np.linalg.det(scaled)
+    faces = cloud.faces
+    if faces is not None and determinant < 0:
+        faces = faces[:, ::-1]  # a mirrored mesh keeps its outside
+    normals = None if cloud.normals is None else _rotated(cloud.normals, scaled, determinant)
+    return replace(cloud, points=points, normals=normals, faces=faces)
 
 
-def _rotated(normals: Array | None, matrix: Floats) -> Array | None:
-    if normals is None or np.linalg.det(matrix) == 0:
+def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:
+    if determinant == 0:
         return None
     rotated: Floats = normals @ np.linalg.inv(matrix)
     lengths = np.sqrt((rotated * rotated).sum(axis=1, keepdims=True))

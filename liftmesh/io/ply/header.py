@@ -30,7 +30,7 @@ TYPES = {
 # The byte order of each encoding; text has none.
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
-_LONGEST_LINE = 1 << 16
+LONGEST_LINE = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class _HeaderReader:
         )
 
     def _line(self, *, first: bool = False) -> str:
-        raw = self._stream.readline(8 if first else _LONGEST_LINE)
+        raw = self._stream.readline(8 if first else LONGEST_LINE)
         self.number += 1
         if not raw.endswith(b"\n") and not first:
             raise self._error("the header does not end: there is no complete end_header line")

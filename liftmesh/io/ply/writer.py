@@ -15,18 +15,19 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.choices import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_uint8
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import crs_comment
-from liftmesh.io.text_tables import write_rows
+from liftmesh.io.ply.header import LONGEST_LINE
+from liftmesh.io.text_tables import shortened, write_rows
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
 
 
 _ENCODINGS = {"binary": "binary_little_endian", "ascii": "ascii"}
-_COLORS = ("uint8", "exact")
 _ROWS = 1 << 13  # a block that fits in the cache of one core
 
 
@@ -34,8 +35,8 @@ def write_ply(
     stream: BinaryIO,
     cloud: Cloud,
     *,
-    encoding: str = "binary",
-    colors: str = "uint8",
+    encoding: PlyEncoding = "binary",
+    colors: PlyColors = "uint8",
     comments: Sequence[str] = (),
 ) -> None:
     """Write a cloud, or a mesh, as PLY.
@@ -57,15 +58,12 @@ def write_ply(
     Raises
     ------
     FormatError
-        An option or an attribute cannot be written.
+        An attribute, a comment or the colours cannot be written.
     InputError
-        A colour is outside its range.
+        An option has another value, or a colour is outside its range.
     """
-    if encoding not in _ENCODINGS or colors not in _COLORS:
-        raise FormatError(
-            f"encoding={encoding!r}, colors={colors!r}: "
-            f"encoding is one of {[*_ENCODINGS]}, colors one of {[*_COLORS]}"
-        )
+    check_option("encoding", encoding, PlyEncoding)
+    check_option("colors", colors, PlyColors)
     columns = _columns(cloud, exact=colors == "exact")
     stream.write(_header(cloud, columns, _ENCODINGS[encoding], comments))
     if encoding == "ascii":
@@ -79,13 +77,23 @@ def _columns(cloud: Cloud, *, exact: bool) -> dict[str, Array]:
     if cloud.normals is not None:
         columns |= zip(NORMAL, portable(cloud.normals, "normals").T, strict=True)
     if cloud.colors is not None:
-        color = portable(cloud.colors, "colors") if exact else as_uint8(cloud.colors)
+        color = _exact_colors(cloud.colors) if exact else as_uint8(cloud.colors)
         columns |= zip((*COLOR, ALPHA), color.T, strict=False)
     attributes = scalar_columns(cloud.attributes)
     taken = columns.keys() & attributes.keys()
     if taken:
         raise FormatError(f"attribute {min(taken)!r} has the name of a column of PLY: rename it")
     return columns | attributes
+
+
+def _exact_colors(colors: Array) -> Array:
+    """Colours in their own type: wider integers would come back with another full scale."""
+    if colors.dtype.kind == "u" and colors.dtype.itemsize > 2:
+        raise FormatError(
+            f"colors of type {colors.dtype} cannot be written exactly as PLY: convert them to "
+            "uint16 or to floats in [0, 1]"
+        )
+    return portable(colors, "colors")
 
 
 def _header(
@@ -101,11 +109,15 @@ def _header(
 
 
 def _comments(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
-    yield "comment liftmesh"
-    yield from (f"comment {comment}" for comment in crs_comment(cloud.crs))
-    for comment in [comments] if isinstance(comments, str) else comments:
+    given = [comments] if isinstance(comments, str) else comments
+    for comment in ["liftmesh", *crs_comment(cloud.crs), *given]:
         if not comment.isascii() or not comment.isprintable():
             raise FormatError(f"comment {comment!r} is not one line of ASCII, as PLY requires")
+        if len(comment) > LONGEST_LINE // 2:
+            raise FormatError(
+                f"comment {shortened(comment)!r} has {len(comment):,} characters: a line of a PLY "
+                f"header has at most {LONGEST_LINE // 2:,} here"
+            )
         yield f"comment {comment}"
 
 
@@ -190,6 +202,8 @@ def scalar_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     for name, values in attributes.items():
         _check_name(name)
         width = math.prod(values.shape[1:])  # reshape cannot infer it without rows
+        if not width:
+            raise FormatError(f"attribute {name!r} has the shape {values.shape}: it has no values")
         flat = portable(np.asarray(values).reshape(len(values), width), f"attribute {name!r}")
         names = [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(flat.shape[1])]
         taken = columns.keys() & set(names)

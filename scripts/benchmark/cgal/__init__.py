@@ -26,12 +26,12 @@ def build(folder: Path) -> Path:
     program = folder / f"cgal_peer-{fingerprint(compiler)}"
     if not program.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        beside = program.with_suffix(f".{os.getpid()}")
-        command = [*compiler, *FLAGS, str(SOURCE), "-o", str(beside), *LIBRARIES]
+        temporary = program.with_suffix(f".{os.getpid()}")
+        command = [*compiler, *FLAGS, str(SOURCE), "-o", str(temporary), *LIBRARIES]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             raise UnavailableError(f"the compiler refused: {first_error(done.stderr)}")
-        beside.replace(program)
+        temporary.replace(program)
     return program
 
 
