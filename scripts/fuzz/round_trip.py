@@ -3,7 +3,7 @@
 A reader returns a cloud or raises a FormatError whose message begins with the file's name; no other
 exception may escape. A cloud that was read is consistent, and survives a round trip bit for bit:
 as PLY in both encodings, and as OBJ as far as OBJ can represent it. Only the payload of a NaN does
-not survive a text format.
+not survive a text format. Read in chunks, it has the same rows.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh import Cloud, FormatError, InputError, read, write
+from liftmesh import Cloud, FormatError, InputError, read, read_chunks, write
 from liftmesh.io.columns import COLOR
 
 Array = NDArray[Any]
@@ -36,6 +36,7 @@ def outcome(data: bytes, kind: str) -> Cloud | str:
     _check_ply(cloud, encoding="binary")
     _check_ply(cloud, encoding="ascii")
     _check_obj(cloud)
+    _check_chunks(cloud, data, kind)
     return cloud
 
 
@@ -51,6 +52,19 @@ def _check_consistent(cloud: Cloud) -> None:
     if faces is not None and faces.size:
         demand(faces.dtype == np.int32 and faces.shape[1] == 3, "faces are not triples of int32")
         demand(faces.min() >= 0 and faces.max() < len(cloud), "a face refers to no vertex")
+
+
+def _check_chunks(cloud: Cloud, data: bytes, kind: str) -> None:
+    start = 0
+    for chunk in read_chunks(io.BytesIO(data), rows=2, format=kind):
+        part = cloud.select(slice(start, start + len(chunk)))
+        demand(_same_bits(chunk.points, part.points), "chunks change points")
+        _compare(chunk, part, ("colors", "normals"), "reading in chunks")
+        demand([*chunk.attributes] == [*part.attributes], "chunks rename attributes")
+        for name, values in part.attributes.items():
+            demand(_same_bits(chunk.attributes[name], values), f"chunks change {name!r}")
+        start += len(chunk)
+    demand(start == len(cloud), f"chunks have {start} rows of {len(cloud)}")
 
 
 def _check_ply(cloud: Cloud, *, encoding: str) -> None:
