@@ -50,13 +50,13 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "engine_max": "the slowest seed",
         "lf_over_indexed": "our seconds: LF over LFRes by a spatial index",
         "facets": "lower facets",
-        "lf_dot_products": "dot products a facet: LF",
-        "lfres_dot_products": "dot products a facet: LFRes",
+        "lf_dot_products": "dot products per facet: LF",
+        "lfres_dot_products": "dot products per facet: LFRes",
         "dot_product_ratio": "dot products: LF over LFRes",
-        "indexed_dot_products": "dot products a facet: LFRes by a spatial index",
-        "lf_planes": "candidate planes a facet: LF",
-        "lfres_planes": "candidate planes a facet: LFRes",
-        "indexed_planes": "candidate planes a facet: LFRes by a spatial index",
+        "indexed_dot_products": "dot products per facet: LFRes by a spatial index",
+        "lf_planes": "candidate planes per facet: LF",
+        "lfres_planes": "candidate planes per facet: LFRes",
+        "indexed_planes": "candidate planes per facet: LFRes by a spatial index",
         **{
             f"rejected {name}": f"share of the points LFRes looks at that {name} rejects"
             for name in REJECTIONS
@@ -137,7 +137,7 @@ _ABOVE_SECONDS = (
     "Seconds, as printed and as measured (median over the seeds; half the spread between them):"
 )
 _ABOVE_WORK = (
-    "Dot products a facet, and of the points that LFRes looks at the share that each proposition "
+    "Dot products per facet, and of the points that LFRes looks at the share that each proposition "
     "rejects:"
 )
 MARKDOWN_SECONDS_HEADER = (
