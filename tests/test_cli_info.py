@@ -39,6 +39,14 @@ def test_the_terrain():
     assert told["memory"] == "about 19.4 MB to triangulate"
 
 
+def test_the_coordinate_system_is_shown_where_there_is_one(tmp_path):
+    lm.write(tmp_path / "cloud.ply", lm.Cloud(np.eye(3), crs="EPSG:25832"))
+    assert lines_of(tmp_path / "cloud.ply")["crs"] == "EPSG:25832"
+    assert summary_of(tmp_path / "cloud.ply")["crs"] == "EPSG:25832"
+    assert "crs" not in lines_of(TERRAIN)
+    assert summary_of(TERRAIN)["crs"] is None
+
+
 def test_spacing_is_the_median_distance_to_the_nearest():
     points = lm.read(ROOT / "data" / "hill.csv").points
     between = cdist(points[:, :2], points[:, :2]) + np.diag(np.full(len(points), np.inf))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import tracemalloc
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -259,3 +260,30 @@ def test_rows_may_be_a_whole_number_of_numpy() -> None:
     data = io.BytesIO(npy(AWKWARD))
     chunks = liftmesh.read_chunks(data, rows=np.int64(2), format="npy")  # type: ignore[arg-type]
     assert [len(chunk) for chunk in chunks] == [2, 2, 1]
+
+
+@pytest.mark.parametrize("missing", [8, 1000])
+def test_a_member_shorter_than_its_header_says_is_refused(missing: int) -> None:
+    whole = npy(np.random.default_rng(3).random((200, 3)))
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("points.npy", whole[:-missing])
+    with pytest.raises(FormatError, match=r"points\.npy: "):
+        liftmesh.read(io.BytesIO(stream.getvalue()), format="npz")
+    with pytest.raises(FormatError, match=r"points\.npy: .*(truncated|the member has)"):
+        for _ in liftmesh.read_chunks(io.BytesIO(stream.getvalue()), rows=7, format="npz"):
+            pass
+
+
+def test_a_ply_file_without_vertices_has_no_chunks() -> None:
+    data = b"ply\nformat ascii 1.0\nelement material 1\nproperty uchar red\nend_header\n7\n"
+    with pytest.raises(FormatError, match="no vertex element"):
+        next(liftmesh.read_chunks(io.BytesIO(data), format="ply"))
+
+
+@pytest.mark.parametrize("comment", ["crs EPSG:25832", "crs 25832", "crs [", 'crs ""', "crs"])
+def test_comments_that_only_look_like_a_coordinate_system_are_comments(comment: str) -> None:
+    data = saved(Cloud(AWKWARD), "ply", comments=[comment])
+    cloud = liftmesh.read(io.BytesIO(data), format="ply")
+    assert cloud.crs is None
+    assert comment in cloud.metadata["comments"]
