@@ -19,6 +19,8 @@ __all__ += ["__version__"]
 
 def __getattr__(name: str) -> Any:
     """Import a public name on first access."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name != "__version__":
         return _load(name)
     from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed

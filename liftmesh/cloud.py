@@ -63,7 +63,7 @@ class Cloud:
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
                     "give one row per point"
                 )
-        if self.crs is not None and not _is_text(self.crs):
+        if self.crs is not None and not is_crs(self.crs):
             raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
         object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
@@ -108,8 +108,13 @@ class Cloud:
         return [(name, values) for name, values in named if values is not None]
 
 
-def _is_text(crs: object) -> bool:
-    return isinstance(crs, str) and bool(crs) and "\0" not in crs
+def is_crs(value: object) -> bool:
+    """Whether a value can be a `Cloud.crs`: a text that is not empty and holds no NUL.
+
+    >>> is_crs("EPSG:25832"), is_crs(25832)
+    (True, False)
+    """
+    return isinstance(value, str) and bool(value) and "\0" not in value
 
 
 def constructed_from(result: Any) -> tuple[Any, ...]:

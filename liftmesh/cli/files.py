@@ -50,14 +50,14 @@ def read(path: Path, file_format: str | None) -> Cloud:
     typer.BadParameter
         The path is stdin, and no format is given.
     """
-    from liftmesh.io import files as formats  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import files as io_files  # noqa: PLC0415 - help and --version do without
 
     if is_stream(path) and file_format is None:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
-        return formats.read(source, format=file_format)
+        return io_files.read(source, format=file_format)
 
 
 @contextmanager
@@ -93,14 +93,14 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     FormatError
         The file cannot be written.
     """
-    from liftmesh.io import files as formats  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import files as io_files  # noqa: PLC0415 - help and --version do without
 
     with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
         if not is_stream(path):
-            return formats.write(path, mesh, format=file_format)
+            return io_files.write(path, mesh, format=file_format)
         # A separate stream: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
-            return formats.write(stream, mesh, format=file_format)
+            return io_files.write(stream, mesh, format=file_format)
 
 
 @contextmanager

@@ -19,7 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.arrays import used_rows
-from liftmesh.cloud import Cloud
+from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import fits_eight_bits, is_opaque
 
@@ -227,4 +227,4 @@ def _crs(comment: str) -> str | None:
         crs = json.loads(comment.removeprefix(_CRS))
     except (ValueError, RecursionError):
         return None
-    return crs if isinstance(crs, str) and crs else None
+    return crs if is_crs(crs) else None

@@ -19,7 +19,7 @@ from numpy.lib import format as npy
 
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_rows3
-from liftmesh.cloud import Cloud
+from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
@@ -322,7 +322,7 @@ class _Roles:
             attributes={key: arrays[key] for key in self._attributes},
             faces=None if faces is None else checked_faces(faces, len(points), self._name),
             metadata={"skipped": self._skipped} if self._skipped else {},
-            crs=None if self.crs is None else str(arrays[self.crs]) or None,
+            crs=None if self.crs is None else _crs(arrays[self.crs]),
         )
 
     def _known(self) -> set[str | None]:
@@ -347,6 +347,11 @@ class _Roles:
             raise FormatError(f"{self._name}: {key} have shape {shape} for {count} points")
         if dtype.kind not in "iuf":
             raise FormatError(f"{self._name}: {key} of type {dtype} are not numbers")
+
+
+def _crs(array: Array) -> str | None:
+    crs = str(array)
+    return crs if is_crs(crs) else None
 
 
 def _is_text(array: _Shaped) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -175,3 +176,23 @@ def test_the_values_of_a_mesh_like_object_may_be_lists() -> None:
         3,
         4,
     ]
+
+
+@pytest.mark.parametrize("text", ["a\0b", "\0", ""])
+def test_what_cannot_be_a_coordinate_system_does_not_spoil_a_file(text: str) -> None:
+    """Files of other programs may state anything: their points are read all the same."""
+    stream = io.BytesIO()
+    np.savez(stream, points=POINTS, crs=np.array(text))
+    assert liftmesh.read(io.BytesIO(stream.getvalue()), format="npz").crs is None
+    chunks = liftmesh.read_chunks(io.BytesIO(stream.getvalue()), format="npz")
+    assert [chunk.crs for chunk in chunks] == [None]
+    stated = f"crs {json.dumps(text)}"
+    for kind in ("ply", "obj"):
+        stream = io.BytesIO()
+        liftmesh.write(stream, POINTS, format=kind, comments=[stated])
+        assert liftmesh.read(io.BytesIO(stream.getvalue()), format=kind).crs is None
+    scene = trimesh.Scene(trimesh.Trimesh(POINTS, FACES, process=False), metadata={"crs": text})
+    cloud = liftmesh.as_cloud(scene)
+    assert (cloud.crs, cloud.metadata["crs"]) == (None, text)
+    again = liftmesh.read(io.BytesIO(scene.export(file_type="glb")), format="glb")
+    assert (again.crs, len(again)) == (None, 4)

@@ -15,7 +15,7 @@ import numpy as np
 
 from liftmesh import arrays
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.cloud import Cloud
+from liftmesh.cloud import Cloud, is_crs
 from liftmesh.io.colors import as_uint8, with_alpha
 from liftmesh.io.faces import checked_faces
 from liftmesh.optional import load
@@ -216,7 +216,7 @@ def _described(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Split metadata into a cloud's metadata and its coordinate system."""
     rest = dict(metadata)
     crs = rest.pop("crs", None)
-    if isinstance(crs, str) and crs:
+    if is_crs(crs):
         return {"metadata": rest, "crs": crs}
     return {"metadata": dict(metadata), "crs": None}
 
