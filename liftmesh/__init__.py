@@ -13,6 +13,8 @@ from typing import Any
 
 import lazy_loader
 
+from liftmesh.interruption import deferred
+
 _load, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
 
@@ -22,7 +24,8 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name != "__version__":
-        return _load(name)
+        with deferred():  # NumPy cannot be imported again where Ctrl-C broke its import off
+            return _load(name)
     from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
 
     globals()[name] = version("liftmesh")

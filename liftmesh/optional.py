@@ -6,6 +6,7 @@ import importlib
 from typing import Any
 
 from liftmesh.errors import MissingDependencyError
+from liftmesh.interruption import deferred
 
 _HINTS = {
     "libusb": "install the system library libusb-1.0 (Debian, Ubuntu: libusb-1.0-0)",
@@ -41,7 +42,8 @@ def load(module: str, *, extra: str | None = None) -> Any:
     2.0
     """
     try:
-        return importlib.import_module(module)
+        with deferred():
+            return importlib.import_module(module)
     except ImportError as error:
         package = module.partition(".")[0]
         raise MissingDependencyError(_explain(package, extra, error)) from error

@@ -105,8 +105,7 @@ def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
     """Build trimesh's hull; return it (or None), the seconds it took, and the error if any."""
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
-    # Imported in the other thread too: trimesh swallows Ctrl-C while it imports its dependencies.
-    convex, qhull = interruptible(lambda: (load("trimesh.convex"), load("scipy.spatial")))
+    convex, qhull = load("trimesh.convex"), load("scipy.spatial")
 
     def build() -> Any:
         with np.errstate(all="ignore"):

@@ -18,6 +18,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from liftmesh.interruption import check
+
 # Linux's flag to open a file without a name, the folder through which to name it later, and the
 # errors of file systems that do not support such files.
 _NAMELESS: int = getattr(os, "O_TMPFILE", 0)
@@ -116,7 +118,9 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
             stream.flush()
             _check_place(target, folder)
             _keep_permissions(target, stream)
+            check()
             _give_name(stream, temporary, folder)
+        check()
         _put_in_place(temporary, target, folder)
     except BaseException:
         with suppress(OSError):

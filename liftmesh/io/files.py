@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 from liftmesh.errors import FormatError, InputError
+from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
@@ -98,7 +99,7 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name)
-    with _opened(source, name) as stream:
+    with _opened(source, name) as stream, kept():
         return _labelled(read_whole(stream, name), found, name)
 
 
@@ -275,7 +276,8 @@ def _split(reader: Reader) -> ChunkReader:
     """Make a chunk reader from a reader of whole files."""
 
     def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        cloud = reader(stream, name)
+        with kept():
+            cloud = reader(stream, name)
         for start in range(0, len(cloud), rows):
             yield cloud.select(slice(start, start + rows))
 
@@ -360,5 +362,6 @@ def _write(
         stream.write(held.getbuffer())
         return origin, size
     begin = stream.tell()
-    origin = writer(stream, cloud, **options)
+    with kept():
+        origin = writer(stream, cloud, **options)
     return origin, stream.tell() - begin

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
+from liftmesh.interruption import deferred, kept
 from liftmesh.io import numpy_files, obj, off, ply, text, trimesh_files
 from liftmesh.io.format import Format
 from liftmesh.io.objects import open3d, plain, trimesh
@@ -197,7 +198,9 @@ def as_cloud(source: Any) -> Cloud:
     """
     for adapter in _adapters():
         if adapter.accepts(source):
-            return _checked(adapter.to_cloud(source), adapter, source)
+            with kept():
+                cloud = adapter.to_cloud(source)
+            return _checked(cloud, adapter, source)
     raise _unsupported(source)
 
 
@@ -285,7 +288,8 @@ def _entries(group: str) -> list[EntryPoint]:
 def _loaded(entry: EntryPoint, kind: type[Entry]) -> Entry:
     """Load the object of an entry point and check its type."""
     try:
-        loaded = entry.load()
+        with deferred():
+            loaded = entry.load()
     except Exception as error:
         raise _NotLoadedError(f"cannot be loaded ({type(error).__name__}: {error})") from error
     if not isinstance(loaded, kind):

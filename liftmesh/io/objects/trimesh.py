@@ -16,6 +16,7 @@ import numpy as np
 from liftmesh import arrays
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud, is_crs
+from liftmesh.interruption import kept
 from liftmesh.io.colors import as_uint8, with_alpha
 from liftmesh.io.faces import checked_faces
 from liftmesh.optional import load
@@ -135,15 +136,17 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     (3, 3)
     """
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
-    mesh: trimesh.Trimesh = load("trimesh").Trimesh(
-        vertices=cloud.points.copy(),
-        faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
-        vertex_colors=colors,
-        vertex_normals=None if cloud.normals is None else np.array(cloud.normals),
-        vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
-        metadata=_metadata(cloud),
-        process=False,
-    )
+    library = load("trimesh")
+    with kept():
+        mesh: trimesh.Trimesh = library.Trimesh(
+            vertices=cloud.points.copy(),
+            faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
+            vertex_colors=colors,
+            vertex_normals=None if cloud.normals is None else np.array(cloud.normals),
+            vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
+            metadata=_metadata(cloud),
+            process=False,
+        )
     return mesh
 
 
@@ -174,9 +177,11 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
     (3, 3)
     """
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
-    points: trimesh.PointCloud = load("trimesh").PointCloud(
-        cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
-    )
+    library = load("trimesh")
+    with kept():
+        points: trimesh.PointCloud = library.PointCloud(
+            cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
+        )
     return points
 
 

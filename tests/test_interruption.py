@@ -1,0 +1,286 @@
+"""Signals while other libraries run: none is lost, and none breaks an import off."""
+
+from __future__ import annotations
+
+import inspect
+import io
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from faults.children import output
+
+import liftmesh
+from liftmesh import interruption
+from liftmesh.interruption import deferred, kept
+
+MESH = liftmesh.triangulate(np.random.default_rng(3).random((40, 3)))
+TRIMESH = str(Path(trimesh.__file__).parent)
+
+
+class Late(BaseException):
+    """What a handler of SIGTERM or SIGALRM raises."""
+
+
+@contextmanager
+def handled(number: int, handler: Any) -> Iterator[None]:
+    before = signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)
+
+
+def late(*_: object) -> None:
+    raise Late
+
+
+def swallowing(number: int = signal.SIGINT) -> None:
+    with suppress(BaseException):
+        signal.raise_signal(number)
+
+
+def test_what_is_caught_inside_is_raised_at_the_end() -> None:
+    after = []
+
+    def goes_on() -> None:
+        swallowing()
+        after.append("the end")
+
+    with pytest.raises(KeyboardInterrupt), kept():
+        goes_on()
+    assert after
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGALRM])
+def test_other_signals_whose_handlers_raise_are_kept_too(number: int) -> None:
+    with handled(number, late), pytest.raises(Late), kept():
+        swallowing(number)
+
+
+def test_what_comes_out_by_itself_is_raised_once() -> None:
+    with pytest.raises(KeyboardInterrupt) as caught, kept():
+        signal.raise_signal(signal.SIGINT)
+    assert caught.value.__context__ is None
+
+
+def test_the_signal_wins_over_the_exception_that_it_became() -> None:
+    def wrapping() -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except BaseException as error:
+            raise ImportError("not a whole file") from error
+
+    with pytest.raises(KeyboardInterrupt), kept():
+        wrapping()
+
+
+def test_other_exceptions_pass() -> None:
+    with pytest.raises(ZeroDivisionError), kept():
+        _ = 1 // 0
+
+
+@pytest.mark.parametrize("inner", [kept, deferred])
+@pytest.mark.parametrize("outer", [kept, deferred])
+def test_guards_within_guards(inner: Callable[[], Any], outer: Callable[[], Any]) -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt), outer(), suppress(BaseException), inner():
+        swallowing()
+    assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_the_first_signal_waits_for_an_import_and_the_second_does_not() -> None:
+    steps = []
+
+    def imports() -> None:
+        for step in ("one", "two"):
+            signal.raise_signal(signal.SIGINT)
+            steps.append(step)
+
+    with pytest.raises(KeyboardInterrupt), deferred():
+        imports()
+    assert steps == ["one"]
+
+
+def test_a_handler_that_does_not_raise_is_called_once() -> None:
+    heard: list[int] = []
+    for guard in (kept, deferred):
+        with handled(signal.SIGINT, lambda number, _: heard.append(number)):
+            with guard():
+                signal.raise_signal(signal.SIGINT)
+            assert heard == [signal.SIGINT]
+            heard.clear()
+
+
+def test_handlers_are_as_before_and_those_set_inside_stay() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with handled(signal.SIGTERM, signal.SIG_IGN):
+        with kept():
+            assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+            assert signal.getsignal(signal.SIGINT) != before
+        assert signal.getsignal(signal.SIGINT) is before
+    with kept():
+        signal.signal(signal.SIGINT, late)
+    assert signal.getsignal(signal.SIGINT) is late
+    signal.signal(signal.SIGINT, before)
+
+
+def test_other_threads_leave_the_handlers_alone() -> None:
+    found = []
+
+    def look() -> None:
+        with kept(), deferred():
+            found.append(signal.getsignal(signal.SIGINT))
+
+    before = signal.getsignal(signal.SIGINT)
+    thread = threading.Thread(target=look)
+    thread.start()
+    thread.join()
+    assert found == [before]
+
+
+def lines_of_a_guard(guard: Callable[[], Any], at: int) -> int:
+    """Enter and leave a guard; call the handler at one of its lines, as Python does."""
+    lines = 0
+
+    def trace(frame: FrameType, event: str, _: Any) -> Any:
+        nonlocal lines
+        outer: FrameType | None = frame
+        while outer is not None and outer.f_code.co_filename != interruption.__file__:
+            outer = outer.f_back
+        if outer is not None and event in {"call", "line"}:
+            lines += 1
+            if lines == at:
+                sys.settrace(None)
+                frame.f_trace = None
+                handler = signal.getsignal(signal.SIGINT)
+                assert callable(handler)
+                handler(signal.SIGINT, frame)
+        return trace
+
+    sys.settrace(trace)
+    try:
+        with guard():
+            pass
+    finally:
+        sys.settrace(None)
+    return lines
+
+
+@pytest.mark.parametrize("guard", [kept, deferred])
+def test_a_signal_at_any_line_of_a_guard_is_heard_and_leaves_the_handlers(
+    guard: Callable[[], Any],
+) -> None:
+    before = signal.getsignal(signal.SIGINT)
+    lines = lines_of_a_guard(guard, 0)
+    assert lines > 50
+    for at in range(1, lines + 1):
+        with pytest.raises(KeyboardInterrupt):
+            lines_of_a_guard(guard, at)
+        assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_check_raises_what_was_announced_until_it_is_withdrawn(tmp_path: Path) -> None:
+    interruption.announce(Late())
+    try:
+        with pytest.raises(Late):
+            interruption.check()
+        with pytest.raises(Late):
+            liftmesh.write(tmp_path / "mesh.ply", MESH)
+    finally:
+        interruption.withdraw()
+    interruption.check()
+    assert [*tmp_path.iterdir()] == []
+
+
+# --- trimesh -------------------------------------------------------------------------------------
+
+
+def saved(kind: str) -> bytes:
+    stream = io.BytesIO()
+    liftmesh.write(stream, MESH, format=kind)
+    return stream.getvalue()
+
+
+def reading(kind: str) -> Callable[[], object]:
+    data = saved(kind)
+    return lambda: liftmesh.read(io.BytesIO(data), format=kind)
+
+
+WITH_TRIMESH: dict[str, Callable[[], object]] = {
+    **{f"read {kind}": reading(kind) for kind in ("stl", "glb", "gltf")},
+    **{f"write {kind}": lambda kind=kind: saved(kind) for kind in ("stl", "glb", "gltf")},
+    "to_trimesh": MESH.to_trimesh,
+    "as_cloud": lambda: liftmesh.as_cloud(trimesh.Scene(trimesh.creation.box())),
+    "compare": lambda: liftmesh.compare(MESH),
+}
+
+
+def calls_of_trimesh(work: Callable[[], object], at: int) -> int:
+    """Run some work, and send a signal at a call of a function of trimesh; count the calls."""
+    calls = 0
+
+    def profile(frame: FrameType, event: str, _: Any) -> None:
+        nonlocal calls
+        # A generator is also called where it is thrown away; what it raises there is printed.
+        is_plain = not frame.f_code.co_flags & inspect.CO_GENERATOR
+        if event == "call" and is_plain and frame.f_code.co_filename.startswith(TRIMESH):
+            calls += 1
+            if calls == at:
+                sys.setprofile(None)
+                signal.raise_signal(signal.SIGINT)
+
+    sys.setprofile(profile)
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return calls
+
+
+@pytest.mark.parametrize("job", [job for job in WITH_TRIMESH if job != "compare"])
+def test_ctrl_c_at_any_call_of_trimesh_is_heard(job: str) -> None:
+    work = WITH_TRIMESH[job]
+    work()
+    calls = calls_of_trimesh(work, 0)
+    assert calls > 3
+    for at in np.unique(np.linspace(1, calls, 150).astype(int)):
+        with pytest.raises(KeyboardInterrupt):
+            calls_of_trimesh(work, int(at))
+
+
+def test_ctrl_c_amid_the_import_of_trimesh_leaves_no_module_missing() -> None:
+    program = """
+    import io, os, signal, sys
+    import numpy as np
+    import liftmesh
+
+    class Signalling:
+        seen = 0
+
+        def find_spec(self, name, path=None, target=None):
+            if name in {"networkx", "PIL", "trimesh.path.exchange.load"} and not self.seen:
+                self.seen = 1
+                os.kill(os.getpid(), signal.SIGINT)
+
+    finder = Signalling()
+    sys.meta_path.insert(0, finder)
+    stream = io.BytesIO()
+    for _ in range(2):
+        try:
+            liftmesh.write(stream, liftmesh.Cloud(np.eye(3)), format="glb")
+        except KeyboardInterrupt:
+            print("interrupted")
+    import trimesh
+    print(finder.seen, len(stream.getvalue()) > 100)
+    print(type(trimesh.exchange.load.load_path).__name__, type(trimesh.graph.nx).__name__)
+    """
+    assert output(program).split() == ["interrupted", "1", "True", "function", "module"]
