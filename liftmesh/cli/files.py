@@ -166,7 +166,7 @@ def check_apart(*paths: Path | None) -> None:
 def _same(one: Path, other: Path) -> bool:
     if one.is_file() and other.is_file():
         return one.samefile(other)  # also through links
-    return not one.exists() and one.resolve() == other.resolve()
+    return not one.exists() and os.path.realpath(one) == os.path.realpath(other)
 
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:

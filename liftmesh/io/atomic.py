@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from liftmesh.interruption import check
+from liftmesh.io.links import check_links
 
 # Linux's flag to open a file without a name, the folder through which to name it later, and the
 # errors of file systems that do not support such files.
@@ -49,6 +50,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     OSError
         The folder does not exist, is not writable or disappears during writing, ``path`` is a
         folder or a read-only file, or the disk is full; the error names the path.
+    FormatError
+        The symbolic links of ``path`` lead in a circle.
 
     Examples
     --------
@@ -59,8 +62,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     >>> target.read_bytes()
     b'hello'
     """
+    check_writable(path)
     target = Path(os.path.realpath(path))
-    check_writable(target)
     is_special = target.exists() and not target.is_file()
     with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
         yield stream
@@ -79,6 +82,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     OSError
         It is a folder or a read-only file, or its folder does not exist, is a file or is
         read-only; the error names the path concerned.
+    FormatError
+        Its symbolic links lead in a circle.
 
     Examples
     --------
@@ -86,6 +91,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     Traceback (most recent call last):
     IsADirectoryError: [Errno 21] cannot write a file here: it is a folder: '/'
     """
+    check_links(path)
     target = Path(os.path.realpath(path))
     if target.is_dir():
         raise IsADirectoryError(

@@ -17,6 +17,7 @@ from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
+from liftmesh.io.links import check_links
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.streams import remaining, seekable
 
@@ -318,6 +319,7 @@ def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
         return
     if Path(source).is_dir():
         raise FormatError(f"{name}: this is a folder, not a file")
+    check_links(source)
     with Path(source).open("rb") as stream:
         yield _filled(seekable(stream), name)
 

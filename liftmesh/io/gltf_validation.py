@@ -52,7 +52,7 @@ class Resolver:
         try:
             path = (folder / unquote(wanted)).resolve()
             is_there = path.is_file()
-        except (OSError, ValueError):  # no name that a file can have
+        except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a circle
             path, is_there = folder, False
         if "://" in wanted or not path.is_relative_to(folder):
             raise FormatError(
