@@ -154,7 +154,7 @@ def test_the_command_line_tells_the_version(command: list[str], tmp_path: Path) 
 
 
 def test_the_main_module_runs_only_when_it_is_asked_to(tmp_path: Path) -> None:
-    assert python("import liftmesh.__main__ as it; print(it.main.__module__)", tmp_path) == (
+    assert python("import liftmesh.__main__ as it; print(it.program.__module__)", tmp_path) == (
         "liftmesh.cli\n"
     )
 

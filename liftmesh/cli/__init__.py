@@ -1,27 +1,49 @@
 """The command line: ``liftmesh triangulate``, ``liftmesh compare``, ``liftmesh info`` and others.
 
-`main` runs a command and converts an exception to one line on stderr and an exit code; the
-commands themselves only raise. typer and rich are imported in this room only.
+`program` and `main` run a command and convert an exception to one line on stderr and an exit code;
+the commands themselves only raise. typer and rich are imported in this room only.
 """
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from liftmesh.cli import exit_codes
-from liftmesh.cli.signals import Terminated, ending_at_sigterm, out_of_memory
+from liftmesh.cli.memory import out_of_memory
+from liftmesh.cli.signals import Ending
+from liftmesh.cli.standard_streams import discard_stdout, open_closed
+from liftmesh.cli.watchdog import Watchdog
 from liftmesh.errors import LiftmeshError
 
-__all__ = ["main"]
+__all__ = ["main", "program"]
+
+
+def program() -> int:
+    """Run the command line as a process of its own, which ends afterwards.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    ending = Ending(is_final=True)
+    watchdog = Watchdog(ending)
+
+    def prepare() -> None:
+        open_closed()
+        watchdog.start()
+
+    code = _run(sys.argv[1:], ending, prepare)
+    watchdog.stop()
+    return code
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line.
+    """Run the command line within a process that goes on afterwards.
 
     Parameters
     ----------
@@ -39,29 +61,60 @@ def main(arguments: Sequence[str] | None = None) -> int:
     liftmesh ...
     0
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    return _run(sys.argv[1:] if arguments is None else arguments, Ending(is_final=False))
+
+
+def _run(
+    arguments: Sequence[str], ending: Ending, prepare: Callable[[], None] = lambda: None
+) -> int:
+    """Run a command; a signal decides the exit code, even if the command caught its exception."""
+    words = list(arguments)
     debug = _pop_flag(words, "--debug")
+    code = int(exit_codes.BUG)
+    # A handler raises once: wherever that is, the outer clause gets it.
     try:
-        with ending_at_sigterm():
-            app = import_module("liftmesh.cli.application").app
-            code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
-            sys.stdout.flush()
-        if code == exit_codes.INTERRUPTED:  # typer converts Ctrl-C to this code itself
-            _print_error("interrupted")
+        try:
+            ending.listen()
+            prepare()
+            code = _command(words, ending, debug=debug)
+        finally:
+            ending.decided = True
+    except BaseException:
+        if ending.number is None:
+            raise
+    if ending.number is not None:
+        code = ending.tell(ending.number)
+    ending.stop()
+    return code
+
+
+def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
+    """Run a command; convert an exception to its exit code and one line, unless a signal came."""
+    try:
+        app = import_module("liftmesh.cli.application").app
+        code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
+        sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # typer and rich exit when a pipe closes
-        _discard_stdout()  # without a message
-        code = exit_codes.PIPE_CLOSED
-    except Terminated:
-        code = exit_codes.TERMINATED
-        _print_error("terminated by SIGTERM")
-    except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - the program's last handler
-        _name_stdout(error)
-        if debug:
-            traceback.print_exc()
-        code, message = _explain(error)
-        if message:
-            _print_error(message)
+        discard_stdout()  # without a message
+        return exit_codes.PIPE_CLOSED
+    except (KeyboardInterrupt, Exception) as error:
+        if ending.number is not None:
+            raise
+        return _fail(error, debug=debug)
+    if code == exit_codes.INTERRUPTED and ending.number is None:  # typer's, of another handler
+        _print_error("interrupted")
     return int(code)
+
+
+def _fail(error: BaseException, *, debug: bool) -> int:
+    """Print one line about an exception; return the exit code."""
+    _name_stdout(error)
+    if debug:
+        traceback.print_exc()
+    code, message = _explain(error)
+    if message:
+        _print_error(message)
+    return code
 
 
 def _pop_flag(words: list[str], flag: str) -> bool:
@@ -125,9 +178,4 @@ def _name_stdout(error: BaseException) -> None:
         try:
             sys.stdout.flush()
         except OSError:
-            _discard_stdout()
-
-
-def _discard_stdout() -> None:
-    """Redirect stdout to the null device, so that Python closes it without an error at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            discard_stdout()

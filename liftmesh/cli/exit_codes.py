@@ -17,7 +17,7 @@ MEANINGS = {
     USAGE: "wrong usage",
     BAD_INPUT: "invalid file or points, or not enough memory",
     BUG: "a bug in liftmesh",
-    INTERRUPTED: "interrupted by Ctrl-C",
+    INTERRUPTED: "interrupted by Ctrl-C; SIGINT stays ignored where it is, as after nohup",
     PIPE_CLOSED: "the reader of the output closed the pipe",
     TERMINATED: "terminated by SIGTERM",
 }

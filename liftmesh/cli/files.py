@@ -20,6 +20,7 @@ from liftmesh.errors import (
     InputError,
     NonFiniteError,
 )
+from liftmesh.interruption import check
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -98,6 +99,7 @@ def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
     with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
         if not is_stream(path):
             return io_files.write(path, mesh, format=file_format)
+        check()
         # A separate stream: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
             return io_files.write(stream, mesh, format=file_format)

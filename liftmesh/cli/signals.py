@@ -1,62 +1,109 @@
-"""Premature ends of a command: termination by a signal, and lack of memory."""
+"""SIGINT (Ctrl-C) and SIGTERM: the first one ends a command, whatever the command does with it.
+
+The handler states which signal came first and raises an exception in the main thread, so that what
+was begun is cleaned up. Code may catch it; so the statement holds by itself: from then on no file
+is put in place (`liftmesh.interruption.check`), and the exit code is that of the signal. A signal
+that is ignored when the process starts, as SIGINT is after nohup, stays ignored.
+
+While one long call of compiled code runs, Python calls no handler: `liftmesh.cli.watchdog` ends
+the process then.
+"""
 
 from __future__ import annotations
 
+import os
+import select
 import signal
+import sys
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import suppress
+from types import FrameType
+from typing import Any
+
+from liftmesh import interruption
+from liftmesh.cli import exit_codes
+from liftmesh.cli.standard_streams import discard_stdout
+
+CODES: dict[int, int] = {
+    signal.SIGINT: exit_codes.INTERRUPTED,
+    signal.SIGTERM: exit_codes.TERMINATED,
+}
+_MESSAGES: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated by SIGTERM"}
+_DEFAULTS = (signal.SIG_DFL, signal.default_int_handler)
+_CLEAN_LINE = "\r\x1b[2K\x1b[?25h"  # on a terminal: no spinner, and a cursor again
 
 
 class Terminated(BaseException):
     """SIGTERM as an exception, so that partly written files are removed as for Ctrl-C."""
 
 
-@contextmanager
-def ending_at_sigterm() -> Iterator[None]:
-    """Convert SIGTERM to `Terminated`, unless another handler is installed."""
-    ours = threading.current_thread() is threading.main_thread()
-    if not ours or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        yield
-        return
+class Ending:
+    """The signal that ends a command, if any.
 
-    def end(*_arguments: object) -> None:
-        raise Terminated
-
-    signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-
-def out_of_memory(error: BaseException | None) -> bool:
-    """Whether an exception is due to lack of memory.
-
-    Parameters
+    Attributes
     ----------
-    error : BaseException, optional
-        The exception; that of a compiled module that cannot be loaded is recognised by its message.
-
-    Returns
-    -------
-    bool
-        True also if lack of memory is the cause of another exception.
-
-    Examples
-    --------
-    >>> out_of_memory(ImportError("a.so: failed to map segment from shared object"))
-    True
+    number : int, optional
+        The first signal.
+    decided : bool
+        Set once the command is over: handlers no longer raise.
     """
-    if error is None:
-        return False
-    words = (
-        "failed to map segment",
-        "cannot allocate memory",
-        "Cannot allocate memory",
-        "without setting an exception",  # Python's parser can lose its MemoryError
-        "without exception set",
-    )
-    kinds = (ImportError, OSError, SystemError)
-    unable = isinstance(error, kinds) and any(word in str(error) for word in words)
-    return unable or isinstance(error, MemoryError) or out_of_memory(error.__cause__)
+
+    def __init__(self, *, is_final: bool) -> None:
+        self.number: int | None = None
+        self.decided = False
+        self._is_final = is_final
+        self._told = threading.Lock()
+        self._before: dict[int, Any] = {}
+
+    def listen(self) -> None:
+        """Replace the default handlers, if this is the main thread."""
+        if threading.current_thread() is not threading.main_thread():
+            return
+        for number in CODES:
+            handler = signal.getsignal(number)
+            if handler in _DEFAULTS:
+                self._before[number] = handler
+                signal.signal(number, self._hear)
+
+        if self._is_final:
+            sys.unraisablehook = self._complain
+
+    def stop(self) -> None:
+        """Restore the handlers; in a process that is over, ignore the signals from now on."""
+        for number, handler in self._before.items():
+            signal.signal(number, signal.SIG_IGN if self._is_final else handler)
+        interruption.withdraw()
+        if self._is_final and self.number is not None:
+            discard_stdout()  # what is not printed yet would come after the signal
+
+    def _complain(self, what: sys.UnraisableHookArgs) -> None:
+        """Print an exception that nobody can catch, unless it is that of the signal."""
+        if self.number is None:
+            sys.__unraisablehook__(what)
+
+    def _hear(self, number: int, _frame: FrameType | None) -> None:
+        if self.number is None:
+            self.number = number
+        elif self._is_final:
+            return  # the watchdog ends the process
+        error = KeyboardInterrupt() if number == signal.SIGINT else Terminated()
+        interruption.announce(error)
+        if not self.decided:
+            raise error
+
+    def tell(self, number: int) -> int:
+        """Print one line about the signal, once; return the exit code."""
+        if self._told.acquire(blocking=False):
+            line = f"liftmesh: error: {_MESSAGES[number]}\n"
+            if self._is_final:
+                _write_now(line)
+            else:
+                sys.stderr.write(line)
+        return CODES[number]
+
+
+def _write_now(line: str) -> None:
+    """Write to stderr without Python's streams, which the main thread may be using."""
+    with suppress(OSError, ValueError):  # closed
+        if select.select([], [2], [], 0.1)[1]:  # a full pipe must not hold up the end
+            os.write(2, f"{_CLEAN_LINE if os.isatty(2) else ''}{line}".encode())

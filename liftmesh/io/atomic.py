@@ -30,6 +30,9 @@ _UNABLE = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}
 # A writable folder need not be readable.
 _FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)
 
+# The folders, as descriptors, and names of temporary files that may exist at the moment.
+_unfinished: set[tuple[int, str]] = set()
+
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
@@ -118,6 +121,7 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
     # The descriptor refers to the folder even if it is renamed in the meantime.
     folder = os.open(target.parent, _FOLDER)
     temporary = f".liftmesh-{os.urandom(8).hex()}"
+    _unfinished.add((folder, temporary))
     try:
         with _create(temporary, folder) as stream:
             yield stream
@@ -133,7 +137,15 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
             os.unlink(temporary, dir_fd=folder)
         raise
     finally:
+        _unfinished.discard((folder, temporary))
         os.close(folder)
+
+
+def remove_unfinished() -> None:
+    """Remove the temporary files of this process, which is about to end at once."""
+    for folder, temporary in tuple(_unfinished):
+        with suppress(OSError):
+            os.unlink(temporary, dir_fd=folder)
 
 
 @contextmanager

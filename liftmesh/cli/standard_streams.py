@@ -1,0 +1,94 @@
+"""Standard streams that are closed when the process starts, as by ``>&-`` in a shell.
+
+The next file to be opened would get the number of a closed stream, and what other code prints would
+end up in it. So the null device is opened under each such number. Python's own stream is None then;
+`Closed` takes its place and says so where it is used. What is printed on a closed stderr is
+dropped, since there is nobody left to tell.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import sys
+from contextlib import suppress
+from typing import Any, NoReturn
+
+_NAMES = ("stdin", "stdout", "stderr")
+
+
+class Closed(io.TextIOBase):
+    """Stands for a closed stream.
+
+    Parameters
+    ----------
+    stream : str
+        Its name.
+    """
+
+    def __init__(self, stream: str) -> None:
+        self._stream = stream
+
+    @property
+    def buffer(self) -> Any:
+        """The stream of bytes, which is closed too."""
+        self._refuse()
+
+    def write(self, _text: str, /) -> NoReturn:
+        """Say that the stream is closed."""
+        self._refuse()
+
+    def fileno(self) -> NoReturn:
+        """Say that the stream is closed."""
+        self._refuse()
+
+    def _refuse(self) -> NoReturn:
+        way = "reads from" if self._stream == "stdin" else "writes to"
+        reason = f"closed, but this command {way} it: redirect it, or leave it open"
+        raise OSError(errno.EBADF, reason, self._stream)
+
+
+def open_closed() -> None:
+    """Open the null device for each closed stream."""
+    for number, name in enumerate(_NAMES):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest free number, which is this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, Closed(name) if number < 2 else os.fdopen(2, "w", closefd=False))
+
+
+def has_stdout() -> bool:
+    """Whether stdout is open.
+
+    Returns
+    -------
+    bool
+        False if it was closed when the process started.
+
+    Examples
+    --------
+    >>> has_stdout()
+    True
+    """
+    return not isinstance(sys.stdout, Closed)
+
+
+def check_stdout() -> None:
+    """Raise before the work starts if the result could not be printed.
+
+    Raises
+    ------
+    OSError
+        stdout was closed when the process started.
+    """
+    if not has_stdout():
+        sys.stdout.write("")
+
+
+def discard_stdout() -> None:
+    """Redirect stdout to the null device, so that Python closes it without an error at exit."""
+    with suppress(OSError, ValueError):  # no file, or closed
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
