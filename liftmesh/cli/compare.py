@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import exit_codes, files, options, terminal
+from liftmesh.cli import exit_codes, files, options, standard_streams, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -66,6 +66,7 @@ def run(
     json : bool
         Print JSON.
     """
+    standard_streams.check_stdout()
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
     files.check_target(lower)
     files.check_target(hull)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import stage
 from liftmesh.errors import (
     DegenerateInputError,
@@ -194,6 +195,8 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
 
     if path is None:
         return
+    if is_stream(path):
+        check_stdout()
     if not (file_format or path.suffix):
         raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
     found = find_format(file_format or path.suffix, str(path))

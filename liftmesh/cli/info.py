@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from liftmesh.cli import files, options, terminal
+from liftmesh.cli import files, options, standard_streams, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cli.summary import Summary
@@ -40,6 +40,7 @@ def run(
     json : bool
         Print JSON.
     """
+    standard_streams.check_stdout()
     cloud = files.read(source, source_format)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 

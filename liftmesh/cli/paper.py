@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import terminal
+from liftmesh.cli import standard_streams, terminal
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -135,8 +135,9 @@ def run(
     settings = choice.settings()
     out.mkdir(parents=True, exist_ok=True)
     results = Results(out, settings)
-    _measure(results, settings.trials(choice.tables))
-    _finish(out, results, settings, choice, figures=figures)
+    with standard_streams.dispensable_stdout():
+        _measure(results, settings.trials(choice.tables))
+        _finish(out, results, settings, choice, figures=figures)
 
 
 def _check_drawing() -> None:

@@ -12,7 +12,8 @@ import errno
 import io
 import os
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any, NoReturn
 
 _NAMES = ("stdin", "stdout", "stderr")
@@ -60,22 +61,6 @@ def open_closed() -> None:
             setattr(sys, name, Closed(name) if number < 2 else os.fdopen(2, "w", closefd=False))
 
 
-def has_stdout() -> bool:
-    """Whether stdout is open.
-
-    Returns
-    -------
-    bool
-        False if it was closed when the process started.
-
-    Examples
-    --------
-    >>> has_stdout()
-    True
-    """
-    return not isinstance(sys.stdout, Closed)
-
-
 def check_stdout() -> None:
     """Raise before the work starts if the result could not be printed.
 
@@ -84,8 +69,18 @@ def check_stdout() -> None:
     OSError
         stdout was closed when the process started.
     """
-    if not has_stdout():
+    if isinstance(sys.stdout, Closed):
         sys.stdout.write("")
+
+
+@contextmanager
+def dispensable_stdout() -> Iterator[None]:
+    """Drop what is printed if stdout is closed: the results are in files."""
+    if not isinstance(sys.stdout, Closed):
+        yield
+        return
+    with open(os.devnull, "w", encoding="utf-8") as null, redirect_stdout(null):  # noqa: PTH123
+        yield
 
 
 def discard_stdout() -> None:

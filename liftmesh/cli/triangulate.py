@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from contextlib import nullcontext, redirect_stdout
+from contextlib import redirect_stdout
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates, Method
-from liftmesh.cli import files, options, terminal
+from liftmesh.cli import files, options, standard_streams, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -74,6 +74,8 @@ def run(
         Print JSON.
     """
     frame, vertex = options.parse_plane(plane), options.parse_q(q)
+    if json:
+        standard_streams.check_stdout()
     options.check_threads(threads)
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
@@ -96,7 +98,8 @@ def run(
     written = files.write(target, surface, target_format)
     seconds["write"] = perf_counter() - start
     # If the mesh itself goes to stdout, the report goes to stderr.
-    with redirect_stdout(sys.stderr) if files.is_stream(target) else nullcontext():
+    is_stdout = files.is_stream(target)
+    with redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout():
         _print_report(written, surface.report, seconds, as_json=json)
 
 

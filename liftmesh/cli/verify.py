@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import NonFinite
-from liftmesh.cli import exit_codes, files, options, terminal
+from liftmesh.cli import exit_codes, files, options, standard_streams, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -65,6 +65,7 @@ def run(
     json : bool
         Print JSON.
     """
+    standard_streams.check_stdout()
     frame = options.parse_plane(plane)
     options.check_threads(threads)
     files.check_place(certificate)

@@ -1,0 +1,125 @@
+"""Standard streams that are closed: a command works without them, or says so and writes nothing."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import COMMAND, PLAIN
+
+import liftmesh
+from liftmesh.cli import exit_codes
+
+STDOUT = "liftmesh: error: stdout: closed, but this command writes to it: redirect it"
+STDIN = "liftmesh: error: stdin: closed, but this command reads from it: redirect it"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    liftmesh.write(tmp_path / "cloud.ply", np.random.default_rng(0).random((20, 3)))
+    liftmesh.triangulate(tmp_path / "cloud.ply").save(tmp_path / "mesh.ply")
+    return tmp_path
+
+
+def run(words: str, closed: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command with streams closed by a shell, as in ``liftmesh info cloud.ply >&-``."""
+    shell = ["bash", "-c", f'exec "$@" {closed}', "bash", *COMMAND, *words.split()]
+    return subprocess.run(
+        shell, cwd=folder, capture_output=True, text=True, timeout=60, env=PLAIN, check=False
+    )
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info cloud.ply",
+        "info cloud.ply --json",
+        "verify mesh.ply",
+        "verify mesh.ply --json",
+        "verify mesh.ply --certificate new.json",
+        "verify mesh.ply --certificate -",
+        "compare cloud.ply --lower new.ply --hull new.obj",
+        "triangulate cloud.ply - --format ply",
+        "triangulate cloud.ply new.ply --json",
+        "--help",
+        "--version",
+        "info --help",
+    ],
+)
+def test_a_result_without_stdout_is_refused_before_anything_is_written(
+    words: str, folder: Path
+) -> None:
+    before = names(folder)
+    done = run(words, ">&-", folder)
+    assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
+    assert done.stderr.startswith(STDOUT)
+    assert done.stderr.count("\n") == 1
+    assert names(folder) == before
+
+
+@pytest.mark.parametrize("words", ["info - --from ply", "triangulate - new.ply --from ply"])
+def test_input_without_stdin_is_refused(words: str, folder: Path) -> None:
+    before = names(folder)
+    done = run(words, "<&-", folder)
+    assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
+    assert done.stderr.startswith(STDIN)
+    assert done.stderr.count("\n") == 1
+    assert names(folder) == before
+
+
+@pytest.mark.parametrize("closed", [">&-", "<&-", "2>&-", "<&- >&-", "<&- >&- 2>&-"])
+def test_a_file_is_written_whole_without_any_stream(closed: str, folder: Path) -> None:
+    """No stream is needed, and none is the file: what was printed would be in it."""
+    expected = (folder / "mesh.ply").read_bytes()
+    done = run("triangulate cloud.ply new.ply", closed, folder)
+    assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
+    assert ("20 vertices" in done.stdout) == (">&-" not in closed.replace("2>&-", ""))
+    assert (folder / "new.ply").read_bytes() == expected
+
+
+PLACES = """
+import os
+real = os.link
+
+def link(*words, **options):
+    places = [os.readlink(f"/proc/self/fd/{number}") for number in range(3)]
+    with open("places.txt", "w") as file:
+        file.write(" ".join(places))
+    real(*words, **options)
+
+os.link = link
+"""
+
+
+def test_no_file_takes_the_place_of_a_closed_stream(folder: Path) -> None:
+    """What a library printed would end up in it."""
+    (folder / "sitecustomize.py").write_text(PLACES)
+    env = {**PLAIN, "PYTHONPATH": str(folder)}
+    command = [*COMMAND, "triangulate", "cloud.ply", "new.ply"]
+    shell = ["bash", "-c", 'exec "$@" <&- >&- 2>&-', "bash", *command]
+    assert subprocess.run(shell, cwd=folder, timeout=60, env=env, check=False).returncode == 0
+    assert (folder / "places.txt").read_text().split() == ["/dev/null"] * 3
+
+
+def test_an_error_without_stderr_keeps_its_exit_code(folder: Path) -> None:
+    done = run("info nowhere.ply", "2>&-", folder)
+    assert (done.returncode, done.stdout, done.stderr) == (exit_codes.BAD_INPUT, "", "")
+
+
+def test_verify_without_stderr_says_what_it_found(folder: Path) -> None:
+    done = run("verify mesh.ply", "2>&- <&-", folder)
+    assert done.returncode == exit_codes.DONE
+    assert done.stdout.startswith("Valid")
+
+
+def test_paper_needs_no_stdout(folder: Path) -> None:
+    done = run("paper --n 20 --seeds 1 --no-figures --out made", ">&-", folder)
+    assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
+    assert os.path.getsize(folder / "made" / "tables.md")  # noqa: PTH202
