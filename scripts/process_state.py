@@ -1,11 +1,15 @@
-"""The resources that this process holds: resident memory, open files, threads."""
+"""The resources that this process holds, the signals it hears, and the processes below it."""
 
 from __future__ import annotations
 
 import gc
 import os
+import signal
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 MEGA = 1_000_000
 
@@ -48,3 +52,18 @@ def _resident() -> int:
 
 def _listed(kind: str) -> int:
     return len(os.listdir(f"/proc/self/{kind}"))  # noqa: PTH208 - as above
+
+
+def hear_ctrl_c() -> None:
+    """Give SIGINT its default back, also in children: it is inherited as ignored after nohup."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def descendants(process: int | str = "self") -> Iterator[int]:
+    """Yield the numbers of all processes below a process, the nearest first."""
+    with suppress(OSError):  # it may end meanwhile
+        for thread in Path(f"/proc/{process}/task").iterdir():
+            for child in (thread / "children").read_text("ascii").split():
+                yield int(child)
+                yield from descendants(child)

@@ -1,12 +1,58 @@
-"""What holds for every test: the same examples each time, and no test left out."""
+"""What holds for every test: the same examples each time, an end in time, and no test left out.
+
+Whoever starts the tests may ignore SIGINT (nohup does, and some services that run tests). Programs
+inherit that, so that they would never hear the Ctrl-C that a test sends. So it gets its default
+back here, before any test starts a program. And no program outlives the time that a test has.
+"""
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+
 import pytest
 from hypothesis import settings
+from process_state import descendants, hear_ctrl_c
+
+hear_ctrl_c()
 
 settings.register_profile("liftmesh", derandomize=True, deadline=None, database=None)
 settings.load_profile("liftmesh")
+
+LIMIT = 500.0  # seconds of a test, after which the programs it started are killed
+
+_ends: list[float] = []  # of the test that runs
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol() -> Iterator[None]:
+    """Limit the time of a test."""
+    _ends.append(time.monotonic() + LIMIT)
+    try:
+        return (yield)
+    finally:
+        _ends.clear()
+
+
+def _watch() -> None:
+    while True:
+        time.sleep(5)
+        if any(time.monotonic() > end for end in _ends):
+            end_children()
+
+
+def end_children() -> None:
+    """Kill all processes below this one."""
+    for process in [*descendants()]:
+        with suppress(ProcessLookupError):
+            os.kill(process, signal.SIGKILL)
+
+
+threading.Thread(target=_watch, daemon=True).start()
 
 LEFT_OUT = ("skipped", "xfailed", "deselected")
 

@@ -21,12 +21,15 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from process_state import hear_ctrl_c
+
 from interrupt.campaign import Interrupt, JobResult, interrupt_command, interrupt_job
 from interrupt.jobs import COMMANDS, JOBS, prepare
 
 
 def main() -> None:
     """Interrupt every job, and print a summary."""
+    hear_ctrl_c()
     options = read_options()
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="liftmesh-", dir=options.folder) as name:
