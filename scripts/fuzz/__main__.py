@@ -1,9 +1,10 @@
-"""Fuzz the kernel or a file reader, guided by coverage.
+"""Fuzz the kernel or a file reader, guided by coverage; or all readers with files that lie.
 
     python scripts/fuzz kernel --seconds 600
     python scripts/fuzz ply --seconds 600 --jobs 2
     python scripts/fuzz kernel --run tests/regressions/*.bin
     python scripts/fuzz obj --keep
+    python scripts/fuzz structure --seconds 600 --jobs 2 --formats gltf npz
 
 libFuzzer drives the kernel, built with AddressSanitizer and UndefinedBehaviorSanitizer; the
 assertions are in `kernel/`. Atheris drives the readers of PLY, OBJ and text; the assertions are in
@@ -11,6 +12,10 @@ assertions are in `kernel/`. Atheris drives the readers of PLY, OBJ and text; th
 left in out/fuzz. It shrinks every find, and exits with 1 if there is one. `--run` runs the given
 files and nothing else; `--keep` replaces the corpus in tests/corpus by a minimal one with the same
 coverage.
+
+`structure` is not guided by coverage: it makes files of every format from their parts, tells lies
+about some of these, and measures how each file is read (`structure/`). The same seed makes the same
+files. `--run` gives it files of any format.
 
 Needs clang with its sanitizers for the kernel, and Atheris for the readers.
 """
@@ -25,15 +30,22 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from fuzz.build import OUT
 from fuzz.campaign import Outcome, fuzz, reason
 from fuzz.distill import distill
 from fuzz.shrink import shrink
+from fuzz.structure.campaign import ENDLESS, hunt, run_files
+from fuzz.structure.generators import GENERATORS
 from fuzz.targets import TARGETS, Target
+
+STRUCTURE = "structure"
 
 
 def main() -> None:
     """Run the command."""
     options = read_options()
+    if options.target == STRUCTURE:
+        raise SystemExit(run_files(options.run) if options.run else hunt_lies(options))
     target = TARGETS[options.target]
     if options.run:
         raise SystemExit(try_files(target, options.run))
@@ -48,12 +60,14 @@ def read_options() -> Namespace:
     """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("target", choices=TARGETS)
+    add("target", choices=[*TARGETS, STRUCTURE])
     add("--seconds", type=int, default=60)
     add("--jobs", type=int, default=1, help="processes that share a corpus")
     add("--seed", type=int, help="default: random")
     add("--folder", type=Path, help="of the growing corpus and the finds, instead of out/fuzz")
     add("--run", type=Path, nargs="+", metavar="FILE", help="run these files only")
+    add("--formats", nargs="+", choices=GENERATORS, default=[*GENERATORS], help="of structure")
+    add("--cases", type=int, default=ENDLESS, help="of structure, for each format and process")
     add("--keep", action="store_true", help="minimise the corpus in tests/corpus")
     return parser.parse_args()
 
@@ -64,6 +78,23 @@ def try_files(target: Target, files: list[Path]) -> int:
     for path, why in reasons.items():
         print(f"{path}: {why or 'passes'}")
     return int(any(reasons.values()))
+
+
+def hunt_lies(options: Namespace) -> int:
+    """Read files that lie, and print a summary; return 1 if there are faults."""
+    seed = random.SystemRandom().randrange(1 << 31) if options.seed is None else options.seed
+    found = hunt(
+        (options.folder or OUT / STRUCTURE).resolve(),
+        seconds=options.seconds,
+        seed=seed,
+        jobs=options.jobs,
+        cases=options.cases,
+        names=options.formats,
+    )
+    for fault in found.faults:
+        print(fault)
+    print(f"{found}, seed {seed}")
+    return int(bool(found.faults) or not found.cases)
 
 
 def campaign(target: Target, options: Namespace) -> int:

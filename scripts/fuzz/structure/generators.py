@@ -1,0 +1,32 @@
+"""The generators of files: the same number makes the same file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fuzz.structure.gltf import gltf
+from fuzz.structure.numpy_files import npy, npz
+from fuzz.structure.parts import Chance
+from fuzz.structure.ply import ply
+from fuzz.structure.text import ascii_stl, binary_stl, obj, off, table
+
+if TYPE_CHECKING:
+    from fuzz.structure.case import Case
+
+GENERATORS: dict[str, Callable[[Chance], Case]] = {
+    "ply": ply,
+    "obj": obj,
+    "off": off,
+    "text": table,
+    "ascii-stl": ascii_stl,
+    "stl": binary_stl,
+    "gltf": gltf,
+    "npy": npy,
+    "npz": npz,
+}
+
+
+def generated(name: str, number: int) -> Case:
+    """Make the file of a generator with a number."""
+    return GENERATORS[name](Chance(f"{name} {number}"))

@@ -1,0 +1,112 @@
+"""Formats of text: tables of points, OBJ, OFF and STL."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fuzz.mutator import vocabulary
+from fuzz.structure.case import Case, Points, quarters, told
+from fuzz.structure.parts import Chance, Part
+
+OBJ_WORDS = vocabulary("obj")
+TABLE_WORDS = vocabulary("xyz")
+OFF_WORDS = [b"OFF", b"COFF", b"NOFF", b"STOFF", b"4OFF", b"# a\n", b"OFF 1 1 1\n"]
+STL_WORDS = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"normal",
+             b"vertex", b"solid a\n", b"endsolid\n", b"solid liftmesh origin 1 2 3\n"]  # fmt: skip
+
+
+def line(*values: object, between: bytes = b" ") -> list[Part]:
+    """Make the parts of a line: its values, what separates them, and its end."""
+    parts: list[Part] = []
+    for value in values:
+        is_real = isinstance(value, float)
+        parts.append(Part(value if is_real or isinstance(value, int) else str(value).encode()))
+        parts.append(Part(between))
+    return [*parts[:-1], Part(b"\n")]
+
+
+def table(chance: Chance) -> Case:
+    """Make a table of points, with or without a header."""
+    rows, more = chance.randint(1, 6), chance.choice((0, 0, 1, 3, 4))
+    points, rest = quarters(chance, rows), quarters(chance, rows, more)
+    between = chance.choice((b" ", b",", b";", b"\t", b"  "))
+    parts: list[Part] = []
+    if chance.one_in(3):
+        parts += line("# a remark")
+    names = {0: (), 1: ("class",), 3: ("red", "green", "blue"), 4: ("nx", "ny", "nz", "alpha")}
+    if chance.one_in(2):
+        parts += line("x", "y", "z", *names[more], between=between)
+    for point, values in zip(points.tolist(), rest.tolist(), strict=True):
+        parts += line(*point, *values, between=between)
+    return told(chance.choice(("xyz", "csv")), parts, TABLE_WORDS, points, chance)
+
+
+def obj(chance: Chance) -> Case:
+    """Make an OBJ file with colours, normals, groups and faces in all forms."""
+    rows = chance.randint(1, 6)
+    points, more = quarters(chance, rows), chance.choice((0, 0, 1, 3, 4))
+    rest = [[chance.randint(0, 255) / 255 for _ in range(more)] for _ in range(rows)]
+    parts = line('# crs "EPSG:25832"') if chance.one_in(4) else []
+    for point, values in zip(points.tolist(), rest, strict=True):
+        parts += line("v", *point, *values)
+    form = chance.choice(("{0}", "{0}//{0}", "{0}/{0}", "{0}/{0}/{0}", "-{0}"))
+    if form.count("{0}") > 1:
+        for _ in range(rows):
+            parts += [*line("vn", 0.0, 0.0, 1.0), *line("vt", 0.5, 0.5)]
+    for _ in range(chance.randint(0, 6)):
+        parts += line(chance.choice(("g a", "o b", "usemtl c", "s off", "# d"))) * chance.one_in(3)
+        size = chance.choice((3, 3, 4, 1, 7))
+        parts += line("f", *(form.format(chance.randint(1, rows)) for _ in range(size)))
+    return told("obj", parts, OBJ_WORDS, points, chance)
+
+
+def off(chance: Chance) -> Case:
+    """Make an OFF file."""
+    rows, faces = chance.randint(1, 6), chance.randint(0, 6)
+    points = quarters(chance, rows)
+    head = chance.choice(("OFF", "COFF", "NOFF"))
+    parts = line(head, rows, faces, 0) if chance.one_in(4) else [
+        *line(head), *line(rows, faces, 0)]  # fmt: skip
+    for point in points.tolist():
+        parts += line(*point, *([0.5, 0.5, 0.5, 1.0] if head != "OFF" else []))
+    size = chance.choice((3, 3, 4, 0))  # 0: faces of different sizes
+    for _ in range(faces):
+        corners = [chance.randrange(rows) for _ in range(size or chance.randint(0, 6))]
+        parts += line(len(corners), *corners)
+    return told("off", parts, OFF_WORDS, points, chance)
+
+
+def ascii_stl(chance: Chance) -> Case:
+    """Make an STL file as text."""
+    corners = _corners(chance)
+    parts = line("solid", chance.choice(("a", "liftmesh origin 0.0 0.0 0.0")))
+    for facet in corners.tolist():
+        parts += [*line("facet", "normal", 0.0, 0.0, 1.0), *line("outer", "loop")]
+        for corner in facet:
+            parts += line("vertex", *corner)
+        parts += [*line("endloop"), *line("endfacet")]
+    parts += line("endsolid", "a")
+    return told("stl", parts, STL_WORDS, welded(corners), chance)
+
+
+def binary_stl(chance: Chance) -> Case:
+    """Make a binary STL file."""
+    corners = _corners(chance)
+    head = chance.choice((b"liftmesh", b"solid a", b"liftmesh origin 0.0 0.0 0.0", b""))
+    parts = [Part(head), Part(bytes(80 - len(head))), Part(len(corners), "<I")]
+    for facet in corners.reshape(-1, 9).tolist():
+        parts += [Part(value, "<f") for value in (0.0, 0.0, 1.0, *facet)]
+        parts.append(Part(chance.choice((0, 0, 0, 31)), "<H"))
+    return told("stl", parts, STL_WORDS, welded(corners), chance)
+
+
+def _corners(chance: Chance) -> Points:
+    return quarters(chance, 3 * chance.randint(1, 5)).reshape(-1, 3, 3)
+
+
+def welded(corners: Points) -> Points:
+    """Merge equal corners."""
+    rows: Sequence[Sequence[float]] = sorted({*map(tuple, corners.reshape(-1, 3).tolist())})
+    return np.array(rows)
