@@ -20,6 +20,7 @@ from typing import BinaryIO
 
 from liftmesh.interruption import check
 from liftmesh.io.links import check_links
+from liftmesh.io.streams import add_name
 
 # Linux's flag to open a file without a name, the folder through which to name it later, and the
 # errors of file systems that do not support such files.
@@ -154,8 +155,7 @@ def _named(target: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.filename is None and error.errno is not None:
-            error.filename = str(target)
+        add_name(error, str(target))
         raise
 
 

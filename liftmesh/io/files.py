@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, cast
 
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
@@ -19,7 +19,7 @@ from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
 from liftmesh.io.links import check_links
 from liftmesh.io.registry import as_cloud, find_format
-from liftmesh.io.streams import remaining, seekable
+from liftmesh.io.streams import WholeWriter, add_name, remaining, seekable
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -320,8 +320,12 @@ def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
     if Path(source).is_dir():
         raise FormatError(f"{name}: this is a folder, not a file")
     check_links(source)
-    with Path(source).open("rb") as stream:
-        yield _filled(seekable(stream), name)
+    try:
+        with Path(source).open("rb") as stream:
+            yield _filled(seekable(stream), name)
+    except OSError as error:  # of the stream, which knows no name
+        add_name(error, name)
+        raise
 
 
 def _filled(stream: BinaryIO, name: str) -> BinaryIO:
@@ -358,6 +362,8 @@ def _writer(found: Format, name: str, options: dict[str, Any]) -> Callable[..., 
 def _write(
     stream: BinaryIO, cloud: Cloud, writer: Callable[..., Origin | None], options: dict[str, Any]
 ) -> tuple[Origin | None, int]:
+    if isinstance(stream, io.RawIOBase):
+        return _write(cast("BinaryIO", WholeWriter(stream)), cloud, writer, options)
     if not stream.seekable():
         held = io.BytesIO()
         origin, size = _write(held, cloud, writer, options)

@@ -1,10 +1,11 @@
-"""Helpers for binary streams: seekable, of known size, and exact reads."""
+"""Helpers for binary streams: seekable, of known size, exact reads, whole writes, named errors."""
 
 from __future__ import annotations
 
+import errno
 import io
 import os
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
 
@@ -32,3 +33,33 @@ def read_exactly(stream: BinaryIO, size: int, name: str, what: str) -> bytes:
             f"{left}: it is truncated, or its header is wrong"
         )
     return data
+
+
+class WholeWriter:
+    """A stream without a buffer, which may write a part of what it is given, made to write all."""
+
+    def __init__(self, raw: io.RawIOBase) -> None:
+        self._raw = raw
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._raw, name)
+
+    def write(self, data: bytes | memoryview) -> int:
+        """Write all bytes, or raise."""
+        left = memoryview(data).cast("B")
+        size = len(left)
+        while left:
+            written = self._raw.write(left)
+            if not written:
+                raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+            left = left[written:]
+        return size
+
+
+def add_name(error: OSError, name: str) -> None:
+    """Name the file in an error of a stream, which knows no name, or only a temporary one."""
+    known = error.filename
+    is_temporary = known == "." or str(known).startswith((".liftmesh-", "/proc/self/fd/"))
+    if error.errno is not None and (not isinstance(known, str) or is_temporary):
+        error.filename = name
+        del error.filename2  # of a link or a renaming

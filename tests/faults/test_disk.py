@@ -82,6 +82,29 @@ def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == len(FORMATS)
 
 
+def test_a_stream_without_a_buffer_that_takes_a_part() -> None:
+    program = """
+        import io, sys, tempfile
+        import numpy as np, liftmesh
+        mesh = liftmesh.triangulate(np.random.default_rng(0).random((30, 3)))
+        for kind in sys.argv[1:]:
+            whole = io.BytesIO()
+            size = liftmesh.write(whole, mesh, format=kind).bytes
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size - 1, resource.RLIM_INFINITY))
+            with tempfile.TemporaryFile(buffering=0) as stream:
+                try:
+                    print(kind, liftmesh.write(stream, mesh, format=kind))
+                except OSError as error:
+                    print(error.strerror)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY,) * 2)
+            with tempfile.TemporaryFile(buffering=0) as stream:
+                liftmesh.write(stream, mesh, format=kind)
+                stream.seek(0)
+                assert stream.read() == whole.getvalue()
+    """
+    assert output(program, *FORMATS) == "File too large\n" * len(FORMATS)
+
+
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_device_that_is_full(kind: str) -> None:
     cloud = liftmesh.triangulate(np.random.default_rng(0).random((10_000, 3)))
@@ -93,6 +116,12 @@ def test_a_device_that_is_full(kind: str) -> None:
         open("/dev/full", "wb", buffering=0) as stream,  # noqa: PTH123 - a device
     ):
         liftmesh.write(stream, cloud, format=kind)
+
+
+@pytest.mark.parametrize("kind", ["ply", "npy", "npz", "xyz", "stl"])
+def test_a_device_that_cannot_be_read(kind: str) -> None:
+    with pytest.raises(OSError, match=r"/proc/self/mem"):
+        liftmesh.read("/proc/self/mem", format=kind)
 
 
 @pytest.mark.parametrize(
