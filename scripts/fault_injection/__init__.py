@@ -1,0 +1,1 @@
+"""Fault injection: system calls on files that fail, one after the other."""

@@ -1,0 +1,194 @@
+"""What is disturbed: files written and read by the library, and commands in forks.
+
+A job works in a folder. `prepare` fills it; `run` does the work, between `Watch.begin` and
+`Watch.end`, and says how it ended.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+import liftmesh
+from liftmesh import Cloud, LiftmeshError
+from liftmesh.cli import main
+from liftmesh.cli.exit_codes import BAD_INPUT, DONE, USAGE
+
+WRITTEN = ("ply", "obj", "npz", "off", "stl", "glb", "gltf")
+OLD = b"what was there before\n"
+LONGEST = 60  # seconds after which a case hangs
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a job ended: well, in an error as documented, or in another way; and what it read."""
+
+    is_done: bool
+    message: str = ""
+    wrong: str = ""
+    points: bytes = b""
+
+
+class Watch(Protocol):
+    """Watches the system calls of a job."""
+
+    def begin(self) -> None:
+        """Begin to count calls, and to let one of them fail."""
+
+    def end(self) -> None:
+        """End it, in the process that did the work."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A piece of work on files of a folder."""
+
+    name: str
+    prepare: Callable[[Path], None]
+    run: Callable[[Path, Watch], Ended]
+    target: str  # the file that races are about
+    is_reader: bool = False
+    nameless: bool = True  # whether the file system has files without a name
+
+
+def jobs(samples: Path, rows: int) -> list[Job]:
+    """List all jobs; the files that they read are made in a folder of their own."""
+    points = np.random.default_rng(rows).random((rows, 3)).round(3)
+    mesh = liftmesh.triangulate(points).to_cloud()
+    for kind in WRITTEN:
+        liftmesh.write(samples / f"mesh.{kind}", mesh)
+    np.save(samples / "mesh.npy", mesh.points)
+    lines = [" ".join(map(str, row)) for row in mesh.points.tolist()]
+    (samples / "mesh.xyz").write_text("\n".join(lines))
+    readers = [_reader(samples, kind) for kind in (*WRITTEN, "npy", "xyz")]
+    writers = [_writer(mesh, kind, is_there=there) for kind in WRITTEN for there in (True, False)]
+    return [*readers, *writers, _with_names(mesh), *_commands(samples)]
+
+
+def attempted(work: Callable[[], Cloud | None], folder: Path, watch: Watch) -> Ended:
+    """Work, and say whether an error is as documented: it must name a file of the folder."""
+    watch.begin()
+    try:
+        cloud = work()
+    except (LiftmeshError, OSError) as error:
+        named = str(getattr(error, "filename", None) or error)
+        wrong = "" if str(folder) in named else f"the error names no file: {error!r}"
+        return Ended(is_done=False, message=str(error), wrong=wrong)
+    except Exception as error:  # noqa: BLE001 - this is what is looked for
+        return Ended(is_done=False, wrong=f"{type(error).__name__}: {error}")
+    finally:
+        watch.end()
+    return Ended(is_done=True, points=b"" if cloud is None else cloud.points.tobytes())
+
+
+def _reader(samples: Path, kind: str) -> Job:
+    name = f"mesh.{kind}"
+
+    def prepare(folder: Path) -> None:
+        shutil.copyfile(samples / name, folder / name)
+
+    def run(folder: Path, watch: Watch) -> Ended:
+        return attempted(lambda: liftmesh.read(folder / name), folder, watch)
+
+    return Job(f"read {kind}", prepare, run, name, is_reader=True)
+
+
+def _writer(mesh: Cloud, kind: str, *, is_there: bool, nameless: bool = True) -> Job:
+    name = f"mesh.{kind}"
+
+    def prepare(folder: Path) -> None:
+        if is_there:
+            (folder / name).write_bytes(OLD)
+
+    def work(folder: Path) -> None:
+        liftmesh.write(folder / name, mesh)
+
+    def run(folder: Path, watch: Watch) -> Ended:
+        return attempted(lambda: work(folder), folder, watch)
+
+    label = f"{'replace' if is_there else 'write'} {kind}{'' if nameless else ' by its name'}"
+    return Job(label, prepare, run, name, nameless=nameless)
+
+
+def _with_names(mesh: Cloud) -> Job:
+    return _writer(mesh, "ply", is_there=True, nameless=False)
+
+
+def _commands(samples: Path) -> list[Job]:
+    lines = {
+        "triangulate mesh.xyz new.ply": "new.ply",
+        "triangulate mesh.ply new.npz": "new.npz",
+        "triangulate mesh.npz new.glb": "new.glb",
+        "triangulate mesh.xyz - --format obj": "",
+        "verify mesh.ply --certificate new.json": "new.json",
+        "info mesh.npy --json": "",
+        "info mesh.obj": "",
+    }
+    for line in lines:  # imports what the forks would import
+        main([str(samples / word) if "." in word else word for word in line.split()])
+    return [_command(samples, line.split(), target) for line, target in lines.items()]
+
+
+def _command(samples: Path, words: list[str], target: str) -> Job:
+    def prepare(folder: Path) -> None:
+        shutil.copyfile(samples / words[1], folder / words[1])
+        if target:
+            (folder / target).write_bytes(OLD)
+
+    def run(folder: Path, watch: Watch) -> Ended:
+        is_file = [word.startswith("mesh.") or word == target for word in words]
+        placed = [
+            str(folder / word) if file else word for word, file in zip(words, is_file, strict=True)
+        ]
+        return _forked(placed, folder, watch)
+
+    return Job(" ".join(words), prepare, run, target or words[1])
+
+
+def _forked(words: list[str], folder: Path, watch: Watch) -> Ended:
+    """Run a command in a fork, its stdout a file of the folder; its errors are told by stderr."""
+    complaints = folder.with_name("stderr")
+    flags = os.O_CREAT | os.O_WRONLY | os.O_TRUNC
+    streams = [os.open(path, flags) for path in (folder / "stdout", complaints)]
+    child = os.fork()
+    if not child:
+        _be(words, streams, watch)
+    for stream in streams:
+        os.close(stream)
+    _, status = os.waitpid(child, 0)
+    said = complaints.read_text("utf-8", "replace")
+    return _ended(os.waitstatus_to_exitcode(status), said, folder)
+
+
+def _be(words: list[str], streams: list[int], watch: Watch) -> None:
+    """Be the command, and end."""
+    signal.alarm(LONGEST)
+    for to, stream in enumerate(streams, 1):
+        os.dup2(stream, to)
+    watch.begin()
+    code = main(words)
+    try:
+        sys.stdout.flush()
+    except OSError:
+        code = 120  # as Python ends
+    watch.end()
+    os._exit(code)
+
+
+def _ended(code: int, said: str, folder: Path) -> Ended:
+    if code == DONE:
+        return Ended(is_done=True)
+    is_line = said.startswith("liftmesh: error: ") and said.count("\n") == 1
+    is_named = str(folder) in said or ": stdout: " in said
+    as_documented = code in (BAD_INPUT, USAGE) and is_line and is_named
+    return Ended(
+        is_done=False, message=said, wrong="" if as_documented else f"exit {code}: {said[-400:]!r}"
+    )
