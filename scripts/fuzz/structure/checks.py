@@ -120,9 +120,9 @@ def _check_points(cloud: Cloud, case: Case) -> None:
         demand(not missing, f"{len(missing)} points of {len(made)} are missing")
     else:
         same = found.shape == made.shape and np.array_equal(found, made)
-        demand(same, f"{len(found)} points, not the {len(made)} that were written")
+        demand(same, f"other points: {len(found)}, where {len(made)} were written")
     if case.kind not in ("stl", "glb", "gltf"):
-        demand(np.array_equal(in_order(cloud.points), case.points), "other points than written")
+        demand(np.array_equal(in_order(cloud.points), case.points), "other points: not bit for bit")
 
 
 def _check_own(cloud: Cloud) -> None:

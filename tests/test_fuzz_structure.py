@@ -1,0 +1,100 @@
+"""Files made of their parts, with lies about some: some thousands here, as always the same.
+
+A longer campaign is `python scripts/fuzz structure --seconds N`.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from faults.lies import npy
+from fuzz.structure.campaign import hunt
+from fuzz.structure.case import Case, in_order
+from fuzz.structure.checks import check
+from fuzz.structure.generators import GENERATORS, generated
+from fuzz.structure.parts import Chance, Liar, Part, encoded
+
+SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+CASES = 150
+
+
+def test_thousands_of_lies_find_nothing(tmp_path: Path) -> None:
+    found = hunt(tmp_path, seconds=60, seed=0, jobs=2, cases=CASES)
+    assert found.faults == []
+    assert found.cases == dict.fromkeys(GENERATORS, 2 * CASES)
+
+
+@pytest.mark.parametrize("name", GENERATORS)
+def test_a_number_makes_one_file_and_many_of_them_are_true(name: str) -> None:
+    cases = [generated(name, number) for number in range(60)]
+    assert [generated(name, number).data for number in range(60)] == [each.data for each in cases]
+    assert len({each.data for each in cases}) >= len(cases) - 3  # some are cut off at once
+    assert 3 < sum(each.points is not None for each in cases) < 40
+
+
+def test_parts_keep_their_form() -> None:
+    parts = [
+        Part(3, "<H"),
+        Part(-1, ">i"),
+        Part(1e300, "<f"),
+        Part(7),
+        Part(b"a"),
+        Part(2**70, "B"),
+    ]
+    text = b"\x03\x00" + b"\xff" * 4 + b"\x00\x00\x80\x7f" + b"7" + b"a" + b"\x00"
+    assert encoded(parts) == text
+    assert encoded(Liar(parts[:], [b"b"], Chance(1)).lie(0)) == text
+
+
+TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+CORNERS = in_order(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]))
+
+
+def test_what_is_wrong_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with (tmp_path / "printed").open("ab+") as stream:
+        printed = stream.fileno()
+        assert check(Case("obj", TRIANGLE, CORNERS), printed).fault == ""
+        assert "other points" in check(Case("obj", TRIANGLE, CORNERS + 1.0), printed).fault
+        assert "whole file is refused" in check(Case("obj", b"v 1", CORNERS), printed).fault
+        stream.write(b"Traceback")
+        stream.flush()
+        assert check(Case("obj", TRIANGLE), printed).fault == "printed: Traceback"
+        assert check(Case("obj", TRIANGLE), printed).fault == ""
+        monkeypatch.setattr("fuzz.structure.checks.MEMORY", -(1 << 40))
+        assert check(Case("obj", TRIANGLE), printed).fault.startswith("memory")
+        monkeypatch.setattr("fuzz.structure.checks.SECONDS", -1.0)
+        assert check(Case("obj", TRIANGLE), printed).fault.startswith("time")
+
+
+def test_an_exception_that_escapes_is_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*args: object) -> None:
+        raise ZeroDivisionError("of all things")
+
+    monkeypatch.setattr("liftmesh.io.npy_array.Layout.read", broken)
+    with (tmp_path / "printed").open("ab+") as stream:
+        found = check(Case("npy", npy("<f8", (4, 3))), stream.fileno())
+    assert re.fullmatch(r"ZeroDivisionError.*: of all things", found.fault)
+
+
+def run(*words: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "fuzz", "structure", *map(str, words)]
+    return subprocess.run(command, cwd=SCRIPTS, capture_output=True, text=True, check=False)
+
+
+def test_the_command_sums_up_and_reads_files_again(tmp_path: Path) -> None:
+    done = run("--cases", 3, "--formats", "npy", "off", "--seed", 5, "--folder", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.fullmatch(
+        r"structure: 6 cases, 0 faults, slowest .* s \(.*\), fattest .* MB \(.*\), seed 5\n",
+        done.stdout,
+    )
+    (tmp_path / "cloud.obj").write_bytes(TRIANGLE)
+    done = run("--run", tmp_path / "cloud.obj")
+    assert (done.returncode, done.stdout) == (0, f"{tmp_path}/cloud.obj: passes\n")
