@@ -165,7 +165,9 @@ def test_kernel_sources_include_what_is_below_them_by_room() -> None:
             assert {Path(name).parent.as_posix() for name in included} <= {room, *below}, source
 
 
-@pytest.mark.parametrize("page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md"])
+@pytest.mark.parametrize(
+    "page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"]
+)
 def test_programs_that_a_page_names_are_there(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")
     spans = re.findall(r"`([^`]+)`", text)

@@ -19,6 +19,8 @@ from fuzz.structure.checks import check
 from fuzz.structure.generators import GENERATORS, generated
 from fuzz.structure.parts import Chance, Liar, Part, encoded
 
+from liftmesh.io.registry import FORMATS, find_format
+
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 CASES = 150
 
@@ -27,6 +29,12 @@ def test_thousands_of_lies_find_nothing(tmp_path: Path) -> None:
     found = hunt(tmp_path, seconds=60, seed=0, jobs=2, cases=CASES)
     assert found.faults == []
     assert found.cases == dict.fromkeys(GENERATORS, 2 * CASES)
+
+
+def test_every_format_has_a_generator() -> None:
+    kinds = {generated(name, number).kind for name in GENERATORS for number in range(20)}
+    made = {find_format(kind, "a file").name for kind in kinds}
+    assert made == {each.name for each in FORMATS if each.read is not None}
 
 
 @pytest.mark.parametrize("name", GENERATORS)
