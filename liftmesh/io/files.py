@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
@@ -19,7 +19,7 @@ from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
 from liftmesh.io.links import check_links
 from liftmesh.io.registry import as_cloud, find_format
-from liftmesh.io.streams import WholeWriter, add_name, remaining, seekable
+from liftmesh.io.streams import add_name, remaining, seekable, written_whole
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -363,7 +363,7 @@ def _write(
     stream: BinaryIO, cloud: Cloud, writer: Callable[..., Origin | None], options: dict[str, Any]
 ) -> tuple[Origin | None, int]:
     if isinstance(stream, io.RawIOBase):
-        return _write(cast("BinaryIO", WholeWriter(stream)), cloud, writer, options)
+        return _write(written_whole(stream), cloud, writer, options)
     if not stream.seekable():
         held = io.BytesIO()
         origin, size = _write(held, cloud, writer, options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, cast
 
 from liftmesh.errors import FormatError
 
@@ -35,8 +35,13 @@ def read_exactly(stream: BinaryIO, size: int, name: str, what: str) -> bytes:
     return data
 
 
-class WholeWriter:
-    """A stream without a buffer, which may write a part of what it is given, made to write all."""
+def written_whole(raw: io.RawIOBase) -> BinaryIO:
+    """Return a stream that writes all that it is given: one without a buffer may write a part."""
+    return cast("BinaryIO", _WholeWriter(raw))
+
+
+class _WholeWriter:
+    """A stream without a buffer, apart from `write`."""
 
     def __init__(self, raw: io.RawIOBase) -> None:
         self._raw = raw
