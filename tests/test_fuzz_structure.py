@@ -21,7 +21,8 @@ from fuzz.structure.parts import Chance, Liar, Part, encoded
 
 from liftmesh.io.registry import FORMATS, find_format
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+TESTS = Path(__file__).resolve().parent
+SCRIPTS = TESTS.parent / "scripts"
 CASES = 150
 
 
@@ -29,6 +30,21 @@ def test_thousands_of_lies_find_nothing(tmp_path: Path) -> None:
     found = hunt(tmp_path, seconds=60, seed=0, jobs=2, cases=CASES)
     assert found.faults == []
     assert found.cases == dict.fromkeys(GENERATORS, 2 * CASES)
+
+
+FILES = [
+    path
+    for path in sorted((TESTS / "regressions").iterdir()) + sorted((TESTS / "corpus").rglob("*"))
+    if path.is_file() and path.suffix not in {".md", ".bin"} and path.parent.name != "kernel"
+]
+
+
+def test_no_known_file_does_harm(tmp_path: Path) -> None:
+    assert len(FILES) > 150
+    with (tmp_path / "printed").open("ab+") as stream:
+        for path in FILES:
+            case = Case(path.suffix[1:] or path.parent.name, path.read_bytes())
+            assert check(case, stream.fileno()).fault == "", path
 
 
 def test_every_format_has_a_generator() -> None:

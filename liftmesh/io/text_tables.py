@@ -177,7 +177,8 @@ def number_table(
         return np.empty((0, width or 0))
     texts = block.texts
     if delimiter and any('"' in text for text in texts):
-        texts = [text.replace('"', "") for text in texts]
+        # At lines of nothing NumPy only warns; a delimiter has a value on either side.
+        texts = [text.replace('"', "") or delimiter for text in texts]
     try:
         table = np.loadtxt(texts, delimiter=delimiter, comments=None, ndmin=2, dtype=float)
     except ValueError as error:

@@ -174,7 +174,7 @@ def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
     shown = Cloud(
         _shifted(cloud.points, origin),
         colors=cloud.colors,
-        normals=cloud.normals,
+        normals=_squarable(cloud.normals),
         faces=cloud.faces,
     )
     geometry = to_mesh(shown) if _has_faces(cloud) else to_points(shown)
@@ -287,8 +287,18 @@ def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     return () if kept else ("normals",)
 
 
+def _squarable(normals: Array | None) -> Array | None:
+    """Shorten or lengthen normals whose squares overflow or vanish; None if one is not finite."""
+    if normals is None or not np.isfinite(normals).all():
+        return None
+    largest = np.abs(normals).max(axis=1, keepdims=True).astype(np.float64)
+    is_extreme = (largest > 1e100) | ((largest > 0) & (largest < 1e-100))
+    return normals / np.where(is_extreme, largest, 1.0) if is_extreme.any() else normals
+
+
 def _are_unit(normals: Array) -> bool:
-    lengths = np.sqrt((normals.astype(np.float64) ** 2).sum(axis=1))
+    with np.errstate(over="ignore", invalid="ignore"):
+        lengths = np.sqrt((normals.astype(np.float64) ** 2).sum(axis=1))
     return bool((np.abs(lengths - 1.0) <= TOLERANCE).all())
 
 
