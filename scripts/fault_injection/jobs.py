@@ -6,6 +6,8 @@ A job works in a folder. `prepare` fills it; `run` does the work, between `Watch
 
 from __future__ import annotations
 
+import base64
+import json
 import os
 import shutil
 import signal
@@ -68,7 +70,10 @@ def jobs(samples: Path, rows: int) -> list[Job]:
     np.save(samples / "mesh.npy", mesh.points)
     lines = [" ".join(map(str, row)) for row in mesh.points.tolist()]
     (samples / "mesh.xyz").write_text("\n".join(lines))
+    _with_a_buffer_file(samples)
     readers = [_reader(samples, kind) for kind in (*WRITTEN, "npy", "xyz")]
+    readers += [_reader(samples, kind, in_chunks=True) for kind in ("ply", "npy", "npz", "xyz")]
+    readers.append(_reader(samples, "gltf", "parted"))
     writers = [_writer(mesh, kind, is_there=there) for kind in WRITTEN for there in (True, False)]
     return [*readers, *writers, _with_names(mesh), *_commands(samples)]
 
@@ -89,16 +94,33 @@ def attempted(work: Callable[[], Cloud | None], folder: Path, watch: Watch) -> E
     return Ended(is_done=True, points=b"" if cloud is None else cloud.points.tobytes())
 
 
-def _reader(samples: Path, kind: str) -> Job:
-    name = f"mesh.{kind}"
+def _reader(samples: Path, kind: str, stem: str = "mesh", *, in_chunks: bool = False) -> Job:
+    name = f"{stem}.{kind}"
 
     def prepare(folder: Path) -> None:
-        shutil.copyfile(samples / name, folder / name)
+        for each in samples.glob(f"{stem}.*" if stem == "parted" else name):
+            shutil.copyfile(each, folder / each.name)
+
+    def work(folder: Path) -> Cloud:
+        if not in_chunks:
+            return liftmesh.read(folder / name)
+        chunks = liftmesh.read_chunks(folder / name, rows=100)
+        return Cloud(np.concatenate([chunk.points for chunk in chunks]))
 
     def run(folder: Path, watch: Watch) -> Ended:
-        return attempted(lambda: liftmesh.read(folder / name), folder, watch)
+        return attempted(lambda: work(folder), folder, watch)
 
-    return Job(f"read {kind}", prepare, run, name, is_reader=True)
+    label = f"read {name}{' in chunks' if in_chunks else ''}"
+    return Job(label, prepare, run, name, is_reader=True)
+
+
+def _with_a_buffer_file(samples: Path) -> None:
+    """Make a glTF file whose numbers stand in a file beside it."""
+    tree = json.loads((samples / "mesh.gltf").read_text())
+    (buffer,) = tree["buffers"]
+    (samples / "parted.bin").write_bytes(base64.b64decode(buffer["uri"].partition(",")[2]))
+    buffer["uri"] = "parted.bin"
+    (samples / "parted.gltf").write_text(json.dumps(tree))
 
 
 def _writer(mesh: Cloud, kind: str, *, is_there: bool, nameless: bool = True) -> Job:
