@@ -47,6 +47,7 @@ def run(
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
+    max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Compare the hulls, write the requested files, and print the result.
@@ -63,15 +64,18 @@ def run(
         Maximum number of proofs.
     source_format : str, optional
         Format of IN, instead of its suffix.
+    max_bytes : str, optional
+        Limit of what the file may expand to.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
+    limit = options.parse_size(max_bytes)
     files.check_target(lower)
     files.check_target(hull)
     files.check_apart(source, lower, hull)
-    cloud = files.read(source, source_format)
+    cloud = files.read(source, source_format, limit)
     with files.about(source):
         result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=proofs)
     if lower is not None:

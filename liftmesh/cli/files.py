@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
 
-def read(path: Path, file_format: str | None) -> Cloud:
+def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> Cloud:
     """Read a cloud, or stdin if the path is ``-``.
 
     Parameters
@@ -39,6 +39,8 @@ def read(path: Path, file_format: str | None) -> Cloud:
         The file.
     file_format : str, optional
         Its format; by default that of its suffix.
+    max_bytes : int, optional
+        As in `liftmesh.read`.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def read(path: Path, file_format: str | None) -> Cloud:
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
-        return io_files.read(source, format=file_format)
+        return io_files.read(source, format=file_format, max_bytes=max_bytes)
 
 
 @contextmanager

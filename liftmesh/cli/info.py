@@ -27,6 +27,7 @@ def run(
         Path, typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --from).")
     ],
     source_format: options.SourceFormat = None,
+    max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a file and print its summary.
@@ -37,11 +38,13 @@ def run(
         FILE.
     source_format : str, optional
         Format of FILE, instead of its suffix.
+    max_bytes : str, optional
+        Limit of what the file may expand to.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
-    cloud = files.read(source, source_format)
+    cloud = files.read(source, source_format, options.parse_size(max_bytes))
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"summarising {len(cloud):,} rows"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
@@ -35,6 +36,14 @@ Threads: TypeAlias = Annotated[
         "--threads",
         metavar="N",
         help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
+    ),
+]
+MaxBytes: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--max-bytes",
+        metavar="SIZE",
+        help="Limit of what a compressed or instanced file may expand to in memory, as 500M or 4G.",
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
@@ -98,6 +107,39 @@ def parse_q(text: str) -> Any:
     if numbers is None or not all(map(math.isfinite, numbers)):
         raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or a finite QX,QY")
     return numbers
+
+
+def parse_size(text: str | None) -> int | None:
+    """Parse the value of ``--max-bytes``.
+
+    Parameters
+    ----------
+    text : str, optional
+        A whole number of bytes, or of the unit that follows it: k, M, G or T, decimal as in the
+        output of the commands.
+
+    Returns
+    -------
+    int or None
+        Number of bytes; None without an option.
+
+    Raises
+    ------
+    typer.BadParameter
+        The text is not a size from 1 byte.
+
+    Examples
+    --------
+    >>> parse_size("500M")
+    500000000
+    """
+    if text is None:
+        return None
+    found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
+    size = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
+    if not size:
+        raise typer.BadParameter(f"--max-bytes {text!r} is not a size: give one as 500M or 4G")
+    return size
 
 
 def check_threads(threads: int | None) -> None:

@@ -56,6 +56,7 @@ def run(
         typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
     ] = None,
     threads: options.Threads = None,
+    max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report.
@@ -70,6 +71,8 @@ def run(
         Formats, instead of the suffixes.
     threads : int, optional
         As in `liftmesh.triangulate`.
+    max_bytes : str, optional
+        Limit of what the file may expand to.
     json : bool
         Print JSON.
     """
@@ -77,11 +80,12 @@ def run(
     if json:
         standard_streams.check_stdout()
     options.check_threads(threads)
+    limit = options.parse_size(max_bytes)
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     files.check_apart(source, target)
     start = perf_counter()
-    cloud = files.read(source, source_format)
+    cloud = files.read(source, source_format, limit)
     seconds = {"read": perf_counter() - start}
     with files.about(source):
         surface = _triangulate(

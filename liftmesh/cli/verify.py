@@ -44,6 +44,7 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     source_format: options.SourceFormat = None,
+    max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found.
@@ -62,15 +63,18 @@ def run(
         As in `liftmesh.verify`.
     source_format : str, optional
         Format, in place of the suffix.
+    max_bytes : str, optional
+        Limit of what the file may expand to.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
     frame = options.parse_plane(plane)
     options.check_threads(threads)
+    limit = options.parse_size(max_bytes)
     files.check_place(certificate)
     files.check_apart(source, certificate)
-    cloud = files.read(source, source_format)
+    cloud = files.read(source, source_format, limit)
     _note_polygons(cloud)
     with files.about(source):
         found = _verify(cloud, source, frame, nonfinite, threads)

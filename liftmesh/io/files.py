@@ -9,8 +9,9 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 CHUNK_ROWS = 1_000_000
+
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +68,12 @@ class Written:
     dropped: tuple[str, ...] = ()
 
 
-def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: A002
+def read(
+    source: PathOrStream,
+    *,
+    format: str | None = None,  # noqa: A002
+    max_bytes: int | None = None,
+) -> Cloud:
     r"""Read a point cloud or a mesh.
 
     Parameters
@@ -74,6 +82,10 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
         PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
+    max_bytes : int, optional
+        Maximum number of bytes in memory of what a file may expand to: of the meshes of a GLB or
+        glTF file, each as often as it is used, by default 256 MiB or 20 times the file; of the
+        arrays of an NPZ file, by default as many as it states. Other formats do not expand.
 
     Returns
     -------
@@ -85,8 +97,10 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
     Raises
     ------
     FormatError
-        The format is unknown, or the file is invalid: the message gives the file, the line or
-        byte, and the cause.
+        The format is unknown, the file is invalid, or it expands to more than the limit: the
+        message gives the file, the line or byte, and the cause.
+    InputError
+        `max_bytes` is not a positive whole number.
     OSError
         The file does not exist or cannot be opened.
 
@@ -99,7 +113,7 @@ def read(source: PathOrStream, *, format: str | None = None) -> Cloud:  # noqa: 
     """
     name = _name(source)
     found = _find(source, format, name)
-    read_whole = _reader(found, name)
+    read_whole = _reader(found, name, max_bytes)
     with _opened(source, name) as stream, kept():
         return _labelled(read_whole(stream, name), found, name)
 
@@ -109,6 +123,7 @@ def read_chunks(
     *,
     rows: int = CHUNK_ROWS,
     format: str | None = None,  # noqa: A002
+    max_bytes: int | None = None,
 ) -> Iterator[Cloud]:
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
@@ -125,6 +140,8 @@ def read_chunks(
         Maximum number of rows of a chunk.
     format : str, optional
         As for `read`.
+    max_bytes : int, optional
+        As for `read`; of the arrays of an NPZ file, only those in use count.
 
     Yields
     ------
@@ -135,7 +152,7 @@ def read_chunks(
     Raises
     ------
     InputError
-        `rows` is not a positive whole number.
+        `rows` or `max_bytes` is not a positive whole number.
     FormatError
         As for `read`, apart from faces: before the first chunk, or at the invalid chunk.
     OSError
@@ -148,20 +165,25 @@ def read_chunks(
     >>> [len(chunk) for chunk in read_chunks(table, rows=2, format="xyz")]
     [2, 1]
     """
-    rows = _checked_rows(rows)
+    rows = _positive(rows, "rows")
     name = _name(source)
     found = _find(source, format, name)
-    chunks = found.read_chunks or _split(_reader(found, name))
+    if found.read_chunks is None:
+        chunks = _split(_reader(found, name, max_bytes))
+    else:
+        chunks = _limited(found.read_chunks, found, max_bytes)
     return _chunks(source, found, chunks, name, rows)
 
 
-def read_cloud(source: object) -> Cloud:
+def read_cloud(source: object, *, max_bytes: int | None = None) -> Cloud:
     """Read a file, or convert any object that holds points to a cloud.
 
     Parameters
     ----------
     source : path or object
         A path, as for `read`, or any object that `as_cloud` accepts.
+    max_bytes : int, optional
+        As for `read`.
 
     Returns
     -------
@@ -171,7 +193,7 @@ def read_cloud(source: object) -> Cloud:
     Raises
     ------
     InputError
-        Arrays have the wrong shape or type.
+        Arrays have the wrong shape or type, or `max_bytes` is invalid.
     UnsupportedTypeError
         No adapter accepts the object.
     FormatError
@@ -183,7 +205,7 @@ def read_cloud(source: object) -> Cloud:
     2
     """
     if isinstance(source, str | os.PathLike):
-        return read(source)
+        return read(source, max_bytes=max_bytes)
     return as_cloud(source)
 
 
@@ -255,13 +277,13 @@ def write(
     return Written(Path(target), found.name, size, origin, lost)
 
 
-def _checked_rows(rows: Any) -> int:
+def _positive(value: Any, what: str) -> int:
     try:
-        count = 0 if isinstance(rows, bool) else operator.index(rows)
+        count = 0 if isinstance(value, bool) else operator.index(value)
     except TypeError:
         count = 0
     if count < 1:
-        raise InputError(f"rows is {rows!r}: give a whole number from 1")
+        raise InputError(f"{what} is {value!r}: give a whole number from 1")
     return count
 
 
@@ -304,10 +326,18 @@ def _find(place: object, wanted: str | None, name: str) -> Format:
     return find_format(Path(name).suffix, name)
 
 
-def _reader(found: Format, name: str) -> Reader:
+def _reader(found: Format, name: str, max_bytes: int | None) -> Reader:
     if found.read is None:
         raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
-    return found.read
+    return _limited(found.read, found, max_bytes)
+
+
+def _limited(
+    reader: Callable[..., Read], found: Format, max_bytes: int | None
+) -> Callable[..., Read]:
+    """Set the limit of a reader, if its format expands; others take none."""
+    limit = None if max_bytes is None else _positive(max_bytes, "max_bytes")
+    return partial(reader, max_bytes=limit) if found.expands else reader
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -24,8 +24,8 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import fits_eight_bits, is_opaque
 
 Origin: TypeAlias = tuple[float, float, float]
-Reader: TypeAlias = Callable[[BinaryIO, str], Cloud]
-ChunkReader: TypeAlias = Callable[[BinaryIO, str, int], Iterator[Cloud]]
+Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
+ChunkReader: TypeAlias = Callable[..., Iterator[Cloud]]  # (stream, name, rows), and the same
 Writer: TypeAlias = Callable[..., Origin | None]
 Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
 
@@ -81,6 +81,10 @@ class Format:
         ``read_chunks(stream, name, rows)`` yields clouds of at most ``rows`` consecutive rows each,
         without faces; together they are the rows that ``read`` returns. Formats without it are read
         whole, then split.
+    expands : bool
+        Whether a file can hold more than its bytes, compressed or by repetition. Then ``read`` and
+        ``read_chunks`` take ``max_bytes=``: the limit in bytes of what it may expand to, or None
+        for the format's own.
 
     Raises
     ------
@@ -106,6 +110,7 @@ class Format:
     needs: tuple[str, ...] = ()
     loses: Losses | None = None
     read_chunks: ChunkReader | None = None
+    expands: bool = False
 
     def __post_init__(self) -> None:
         for name, words, known in (
