@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.interruption import deferred, kept
-from liftmesh.io import numpy_files, obj, off, ply, text, trimesh_files
+from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
 from liftmesh.io.format import Format
 from liftmesh.io.objects import open3d, plain, trimesh
 from liftmesh.io.objects.plain import qualified_name
@@ -92,6 +92,7 @@ FORMATS: tuple[Format, ...] = (
     numpy_files.NPY,
     numpy_files.NPZ,
     off.FORMAT,
+    stl.FORMAT,
     *trimesh_files.FORMATS,
 )
 

@@ -155,5 +155,5 @@ def test_warnings_of_broken_files_are_errors_outside_of_tests_too() -> None:
         text = (
             b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 x 0\n"
         )
-        with pytest.raises(FormatError, match="not a valid stl file"):
+        with pytest.raises(FormatError, match="line 6, value 2: 'x' is not a number"):
             loaded(text + b"endloop\nendfacet\nendsolid\n", "stl")

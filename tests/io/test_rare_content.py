@@ -78,11 +78,15 @@ def test_numpy_arrays_of_the_second_layout() -> None:
     assert_same_bits(loaded(stream.getvalue(), "npy").points, POINTS)
 
 
-def test_an_origin_of_another_program_is_left_alone() -> None:
+@pytest.mark.parametrize(
+    "told",
+    ["north", [1.0, 2.0], {"x": 1.0}, ["1", "2", "3"], [True, 0, 3], [None] * 3, [10**400, 0, 0]],
+)
+def test_an_origin_is_three_finite_numbers(told: object) -> None:
     mesh = trimesh.Trimesh(small_mesh().points, small_mesh().faces, process=False)
-    for told in ("north", [1.0, 2.0], {"x": 1.0}):
-        data = trimesh.Scene(mesh, metadata={"origin": told}).export(file_type="glb")
-        np.testing.assert_array_equal(loaded(data, "glb").points, small_mesh().points)
+    data = trimesh.Scene(mesh, metadata={"origin": told}).export(file_type="glb")
+    with pytest.raises(FormatError, match=r"<stream>: the origin is .*: expected three finite"):
+        loaded(data, "glb")
 
 
 def test_an_origin_too_long_for_stl() -> None:

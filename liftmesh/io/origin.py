@@ -1,0 +1,135 @@
+"""The origin of files in single precision.
+
+A float has 24 bits: at 5,200,000 m its steps are half a metre. If rounding the coordinates along an
+axis would move a vertex by more than a millionth of the model's size, an origin near the smallest
+coordinate is subtracted first: a round number, a multiple of one unit, or of a power of ten for
+models smaller than one unit. The file records it, and its reader adds it again.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.errors import FormatError
+from liftmesh.io.text_tables import shortened
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.io.format import Origin
+
+TOLERANCE = 1e-6
+
+
+def needed_origin(points: Floats, what: str) -> Origin | None:
+    """Compute the origin to subtract before coordinates are rounded to single precision.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        Finite coordinates.
+    what : str
+        The format's name for messages.
+
+    Returns
+    -------
+    tuple of float, or None
+        x, y and z of the origin, 0 along axes that need none; None if no axis needs one.
+
+    Raises
+    ------
+    FormatError
+        Even with an origin the coordinates do not fit single precision.
+
+    Examples
+    --------
+    >>> needed_origin(np.array([[450000.1, 5200000.2, 3.0], [450100.0, 5200100.0, 4.0]]), "stl")
+    (450000.0, 5200000.0, 0.0)
+    >>> needed_origin(np.array([[0.1, 0.2, 3.0], [100.0, 100.0, 4.0]]), "stl") is None
+    True
+    """
+    if not len(points):
+        return None
+    low = points.min(axis=0)
+    with np.errstate(over="ignore"):
+        size = float((points.max(axis=0) - low).max())
+    needed = _moved(points) > TOLERANCE * size
+    origin = np.where(needed, _round_below(low, size), 0.0)
+    fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
+    if not fits:
+        raise FormatError(
+            f"the coordinates do not fit the single precision of {what}: write PLY or OBJ"
+        )
+    return (float(origin[0]), float(origin[1]), float(origin[2])) if needed.any() else None
+
+
+def _moved(points: Floats) -> Floats:
+    """Compute for each axis how far rounding to single precision moves coordinates at most."""
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        moved: Floats = np.abs(points - points.astype(np.float32)).max(axis=0)
+    return moved
+
+
+def _round_below(low: Floats, size: float) -> Floats:
+    if size == 0:
+        return low
+    step = 10.0 ** min(np.floor(np.log10(size)), 0.0)
+    rounded: Floats = np.floor(low / step) * step
+    return rounded
+
+
+def without_origin(points: Floats, origin: Origin | None) -> Floats:
+    """Subtract an origin, if there is one."""
+    return points if origin is None else points - np.array(origin)
+
+
+def with_origin(cloud: Cloud, origin: Origin | None) -> Cloud:
+    """Add the origin that a file states, if it does, and record it in the metadata."""
+    if origin is None:
+        return cloud
+    return replace(
+        cloud,
+        points=cloud.points + np.array(origin),
+        metadata={**cloud.metadata, "origin": origin},
+    )
+
+
+def checked_origin(values: object, name: str) -> Origin:
+    """Check an origin that a file states.
+
+    Raises
+    ------
+    FormatError
+        It is not a list of three finite numbers.
+
+    Examples
+    --------
+    >>> checked_origin([450000, 5200000.5, 0], "mesh.glb")
+    (450000.0, 5200000.5, 0.0)
+    """
+    if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
+        raise FormatError(f"{name}: the origin is {_shown(values)}: expected three finite numbers")
+    return (float(values[0]), float(values[1]), float(values[2]))
+
+
+def _shown(values: object) -> str:
+    """Show the first values of a list; of nested ones, which may be deep, their type."""
+    listed = values[:4] if isinstance(values, list) else [values]
+    nested = (list, dict)
+    return ", ".join(
+        shortened(type(v).__name__ if isinstance(v, nested) else repr(v)) for v in listed
+    )
+
+
+def _is_finite(value: object) -> bool:
+    """Whether a value is a number within the range of doubles; booleans are none."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond all doubles
+        return False

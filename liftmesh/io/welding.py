@@ -1,0 +1,92 @@
+"""Merging of equal rows of coordinates.
+
+Rows are sorted by a hash of their coordinates, and neighbours in this order compared. If different
+rows share a hash, the coordinates themselves are sorted. The hash depends on a secret of the
+process, so that no file can be made to collide; the result does not depend on it. Many rows are
+first distributed by the leading bits of their hashes, so that no step takes long: between steps
+Python hears signals.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh._typing import Floats, Integers, Mask
+
+_PART = 1 << 20  # rows sorted at once
+_FACTORS = tuple(secrets.randbits(64) | 1 for _ in range(3))
+
+Hashes = NDArray[np.uint64]
+
+
+def weld(points: Floats) -> tuple[Integers, Integers]:
+    """Find the equal rows of an array.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        Coordinates; -0.0 equals 0.0, and NaN no other.
+
+    Returns
+    -------
+    kept : (m,) ndarray of int64
+        The first row at each position, in increasing order.
+    place : (n,) ndarray of int64
+        For each row, the index in ``kept`` of the row that is equal to it.
+
+    Examples
+    --------
+    >>> kept, place = weld(np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]))
+    >>> kept.tolist(), place.tolist()
+    ([0, 1], [0, 1, 0])
+    """
+    rows = np.arange(len(points))
+    first = rows.copy()
+    hashes = _hashes(points)
+    for part in _parts(hashes, rows[~np.isnan(points).any(axis=1)], 63):
+        _find_first(points, hashes, part, first)
+    kept = first == rows
+    return np.flatnonzero(kept), (np.cumsum(kept) - 1)[first]
+
+
+def _hashes(points: Floats) -> Hashes:
+    """Hash rows; equal rows have equal hashes."""
+    hashes = np.zeros(len(points), dtype=np.uint64)
+    for axis, factor in enumerate(_FACTORS):
+        hashes += (points[:, axis] + 0.0).view(np.uint64)  # + 0.0 turns -0.0 into 0.0
+        hashes *= np.uint64(factor)
+        hashes ^= hashes >> np.uint64(32)
+    return hashes
+
+
+def _parts(hashes: Hashes, rows: Integers, bit: int) -> Iterator[Integers]:
+    """Distribute rows by the bits of their hashes until few are left in a part."""
+    if len(rows) <= _PART or bit < 0:
+        yield rows
+        return
+    upper = (hashes[rows] >> np.uint64(bit)) & np.uint64(1) == 1
+    yield from _parts(hashes, rows[~upper], bit - 1)
+    yield from _parts(hashes, rows[upper], bit - 1)
+
+
+def _find_first(points: Floats, hashes: Hashes, rows: Integers, first: Integers) -> None:
+    """Set the first row that is equal to each of some rows; all rows equal to one are given."""
+    order = rows[np.argsort(hashes[rows])]
+    alike = hashes[order[1:]] == hashes[order[:-1]]
+    equal = _equal_to_next(points, order)
+    if not np.array_equal(alike, equal):
+        order = rows[np.lexsort(points[rows].T)]
+        equal = _equal_to_next(points, order)
+    begins = np.flatnonzero(np.concatenate([[True], ~equal]))[: len(rows)]
+    lowest = np.minimum.reduceat(order, begins) if len(rows) else order
+    first[order] = np.repeat(lowest, np.diff(begins, append=len(rows)))
+
+
+def _equal_to_next(points: Floats, order: Integers) -> Mask:
+    placed = points[order]
+    equal: Mask = (placed[1:] == placed[:-1]).all(axis=1)
+    return equal
