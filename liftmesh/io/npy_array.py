@@ -9,19 +9,28 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import BinaryIO
+from typing import BinaryIO, Protocol
 
 import numpy as np
 from numpy.lib import format as npy
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.streams import read_exactly
+from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
+
+_PIECE = 1 << 20  # bytes read at a time
+
+
+class Source(Protocol):
+    """What an array is read from: a file, or a member of an archive."""
+
+    def read(self, size: int = -1, /) -> bytes:
+        """Read at most ``size`` bytes."""
 
 
 def read_array(stream: BinaryIO, name: str) -> Array:
-    """Read one array; its values are never unpickled.
+    """Read one array from a file; its values are never unpickled.
 
     Raises
     ------
@@ -30,8 +39,8 @@ def read_array(stream: BinaryIO, name: str) -> Array:
         objects.
     """
     layout = Layout.read(stream, name)
-    data = read_exactly(stream, layout.size, name, layout.what)
-    return layout.array(data, layout.shape, name)
+    layout.check_size(remaining(stream), name)
+    return array_of(stream, layout, name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +52,7 @@ class Layout:
     dtype: np.dtype
 
     @classmethod
-    def read(cls, stream: BinaryIO, name: str) -> Layout:
+    def read(cls, stream: Source, name: str) -> Layout:
         """Read the header and leave the stream at the first value."""
         try:
             layout = cls(*_header(stream))
@@ -72,16 +81,23 @@ class Layout:
         """Description of the array for messages."""
         return f"{self.dtype} array of shape {shortened(str(self.shape))}"
 
+    def check_size(self, left: int, name: str) -> None:
+        """Raise if fewer bytes are left than the values take, before memory is allocated."""
+        if self.size > left:
+            raise FormatError(
+                f"{name}: {self.what} should take {self.size} bytes, but {left} are left: the file "
+                "is truncated, or its header is wrong"
+            )
+
     @property
     def is_by_rows(self) -> bool:
         """Whether the values of a row are contiguous, so that rows can be read in parts."""
         return len(self.shape) > 0 and (len(self.shape) == 1 or not self.by_columns)
 
-    def array(self, data: bytes, shape: tuple[int, ...], name: str) -> Array:
-        """Build an array of the given shape from its bytes."""
+    def array(self, data: bytearray, shape: tuple[int, ...], name: str) -> Array:
+        """Build an array of the given shape on its bytes."""
         count = math.prod(shape)
-        flat = np.frombuffer(bytearray(data), self.dtype, count) if data else None
-        flat = np.empty(count, self.dtype) if flat is None else flat
+        flat = np.frombuffer(data, self.dtype, count) if data else np.empty(count, self.dtype)
         try:
             return flat.reshape(shape, order="F" if self.by_columns else "C")
         except ValueError as error:  # more axes than NumPy allows, or an empty and a huge one
@@ -90,7 +106,7 @@ class Layout:
             ) from error
 
 
-def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype]:
+def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
     version = npy.read_magic(stream)
     if version == (1, 0):
         return npy.read_array_header_1_0(stream)
@@ -99,12 +115,15 @@ def _header(stream: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype]:
     raise ValueError(f"version {version} of the layout is not supported")
 
 
-def array_parts(stream: BinaryIO, layout: Layout, name: str, rows: int) -> Iterator[Array]:
+def array_of(stream: Source, layout: Layout, name: str) -> Array:
+    """Read the values of an array, once their size has been checked."""
+    return layout.array(_read_values(stream, layout.size, name, layout.what), layout.shape, name)
+
+
+def array_parts(stream: Source, layout: Layout, name: str, rows: int) -> Iterator[Array]:
     """Read an array some rows at a time; read it whole, then split it, if not stored by rows."""
     if not layout.is_by_rows:
-        array = layout.array(
-            _read_values(stream, layout.size, name, layout.what), layout.shape, name
-        )
+        array = array_of(stream, layout, name)
         yield from (array[start : start + rows] for start in range(0, len(array), rows))
         return
     total, *rest = layout.shape
@@ -115,8 +134,12 @@ def array_parts(stream: BinaryIO, layout: Layout, name: str, rows: int) -> Itera
         yield layout.array(data, (count, *rest), name)
 
 
-def _read_values(stream: BinaryIO, size: int, name: str, what: str) -> bytes:
-    data = stream.read(size)
-    if len(data) != size:
-        raise FormatError(f"{name}: {what}: the values end too early: the file is truncated")
-    return data
+def _read_values(stream: Source, size: int, name: str, what: str) -> bytearray:
+    """Read into memory that the array will own: there is no second copy of the values."""
+    values = bytearray(size)
+    for start in range(0, size, _PIECE):
+        piece = stream.read(min(_PIECE, size - start))
+        if len(piece) != min(_PIECE, size - start):
+            raise FormatError(f"{name}: {what}: the values end too early: the file is truncated")
+        values[start : start + len(piece)] = piece
+    return values

@@ -5,14 +5,11 @@ Nothing is unpickled: a file cannot execute code.
 
 from __future__ import annotations
 
-import io
 import re
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from functools import cached_property
-from typing import BinaryIO, Protocol, cast
+from contextlib import suppress
+from typing import BinaryIO, Protocol
 
 import numpy as np
 from numpy.lib import format as npy
@@ -24,7 +21,9 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import Format
+from liftmesh.io.limits import check_expanded
 from liftmesh.io.npy_array import Layout, array_parts, read_array
+from liftmesh.io.npz_archive import opened
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 
@@ -32,15 +31,6 @@ _POINTS = ("points", "vertices", "xyz")
 _FACES = ("faces", "triangles")
 _CRS = "crs"
 _RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
-
-# Deflate compresses at most 1,032-fold.
-_DENSEST = 1100
-
-# Exceptions of zipfile for files that are damaged, encrypted, or of unknown compression.
-_BROKEN = (
-    zipfile.BadZipFile, zlib.error, EOFError, ValueError, OSError, NotImplementedError,
-    RuntimeError, OverflowError,
-)  # fmt: skip
 
 
 def read_npy(stream: BinaryIO, name: str) -> Cloud:
@@ -74,16 +64,20 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
         As `read_npy`.
     """
     layout = Layout.read(stream, name)
-    left = remaining(stream)
-    if layout.size > left:
-        raise FormatError(f"{name}: {layout.what}: the file holds only {left} bytes of values")
+    layout.check_size(remaining(stream), name)
     _check_layout(layout, name)
     for number, part in enumerate(array_parts(stream, layout, name, rows)):
         yield _points_alone(part, name, number * rows)
 
 
-def read_npz(stream: BinaryIO, name: str) -> Cloud:
+def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a cloud or mesh from an NPZ file.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        Limit of the bytes that the arrays take, as the archive states them; by default none. In
+        any case nothing is decompressed beyond what is stated.
 
     Returns
     -------
@@ -95,15 +89,23 @@ def read_npz(stream: BinaryIO, name: str) -> Cloud:
     Raises
     ------
     FormatError
-        The file is invalid, or has no array of points.
+        The file is invalid, has no array of points, or its arrays exceed the limit.
     """
-    with _archive(stream, name) as members:
+    with opened(stream, name) as members:
+        check_expanded(sum(each.size for each in members.values()), max_bytes, name, "its content")
         arrays = {key: member.whole() for key, member in members.items()}
     return _Roles(arrays, name).cloud(arrays)
 
 
-def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+def read_npz_chunks(
+    stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
+) -> Iterator[Cloud]:
     """Read the points of an NPZ file, with all their data, in chunks.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        As for `read_npz`; only arrays in use count.
 
     Yields
     ------
@@ -115,9 +117,11 @@ def read_npz_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     FormatError
         As `read_npz`.
     """
-    with _archive(stream, name) as members:
+    with opened(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
+        used = [members[key].size for key in (*needed, *([roles.crs] if roles.crs else []))]
+        check_expanded(sum(used), max_bytes, name, "its content")
         _check_layout(members[needed[0]].layout, name)
         crs = {} if roles.crs is None else {roles.crs: members[roles.crs].whole()}
         streams = [members[key].parts(rows) for key in needed]
@@ -175,67 +179,6 @@ def _write_array(archive: zipfile.ZipFile, name: str, values: Array) -> None:
             member.close()
         raise
     member.close()
-
-
-@contextmanager
-def _archive(stream: BinaryIO, name: str) -> Iterator[dict[str, _Member]]:
-    """Open an archive; errors of zipfile become a `FormatError`."""
-    try:
-        size = remaining(stream)
-        with zipfile.ZipFile(stream) as archive:
-            infos = [each for each in archive.infolist() if each.filename.endswith(".npy")]
-            _check_sizes(infos, size, name)
-            yield {
-                each.filename.removesuffix(".npy"): _Member(archive, each, name) for each in infos
-            }
-    except FormatError:
-        raise
-    except _BROKEN as error:
-        raise FormatError(f"{name}: not a valid NPZ file: {error}") from error
-
-
-def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
-    """Raise for impossible sizes, and for members that share bytes (decompression bombs)."""
-    names: set[str] = set()
-    for each in members:
-        where = f"{name}: {shortened(each.filename)}"
-        if each.file_size > _DENSEST * (each.compress_size + 1):
-            raise FormatError(
-                f"{where}: {each.compress_size} bytes cannot decompress to {each.file_size}"
-            )
-        size -= each.compress_size
-        if size < 0:
-            raise FormatError(f"{where}: the members are larger than the file")
-        if each.filename in names:
-            raise FormatError(f"{where}: two arrays have this name")
-        names.add(each.filename)
-
-
-class _Member:
-    """One array of an archive, read on demand."""
-
-    def __init__(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str) -> None:
-        self._archive = archive
-        self._info = info
-        self._where = f"{name}: {shortened(info.filename)}"
-
-    @cached_property
-    def layout(self) -> Layout:
-        with self._archive.open(self._info) as stream:
-            return Layout.read(cast("BinaryIO", stream), self._where)
-
-    def whole(self) -> Array:
-        return read_array(io.BytesIO(self._archive.read(self._info)), self._where)
-
-    def parts(self, rows: int) -> Iterator[Array]:
-        """Read the values in parts, once the size agrees with the directory of the archive."""
-        if self.layout.size > self._info.file_size:
-            raise FormatError(
-                f"{self._where}: {self.layout.what}: the member has {self._info.file_size} bytes"
-            )
-        with self._archive.open(self._info) as stream:
-            layout = Layout.read(cast("BinaryIO", stream), self._where)
-            yield from array_parts(cast("BinaryIO", stream), layout, self._where, rows)
 
 
 def _check_layout(layout: Layout, name: str) -> None:
@@ -297,15 +240,14 @@ class _Roles:
         self.crs = _CRS if _CRS in arrays and _is_text(arrays[_CRS]) else None
         self._check(arrays, "colors", (3, 4), count)
         self._check(arrays, "normals", (3,), count)
-        rest = {key: arrays[key].shape for key in arrays if key not in self._known()}
-        self._attributes = [
-            key
+        known = {self._points, self._faces, self.crs, "colors", "normals"}
+        rest = {key: arrays[key].shape for key in arrays if key not in known}
+        fits = {
+            key: key not in _RESERVED and len(shape) > 0 and shape[0] == count
             for key, shape in rest.items()
-            if key not in _RESERVED and shape and shape[0] == count
-        ]
-        self._skipped = tuple(
-            f"{key} {shape}" for key, shape in rest.items() if key not in self._attributes
-        )
+        }
+        self._attributes = [key for key in rest if fits[key]]
+        self._skipped = tuple(f"{key} {shape}" for key, shape in rest.items() if not fits[key])
         special = [key for key in ("colors", "normals") if key in arrays and not self._alone]
         self.row_arrays = [self._points, *special, *self._attributes]
 
@@ -324,9 +266,6 @@ class _Roles:
             metadata={"skipped": self._skipped} if self._skipped else {},
             crs=None if self.crs is None else _crs(arrays[self.crs]),
         )
-
-    def _known(self) -> set[str | None]:
-        return {self._points, self._faces, self.crs, "colors", "normals"}
 
     def _key_of_points(self, arrays: Mapping[str, _Shaped]) -> str:
         if self._alone:
@@ -374,4 +313,5 @@ NPZ = Format(
     write=write_npz,
     description="NumPy arrays by name: points, faces, colors, normals, attributes",
     read_chunks=read_npz_chunks,
+    expands=True,
 )

@@ -1,0 +1,106 @@
+"""The arrays of an NPZ file: the members of a ZIP archive, each in NumPy's NPY layout.
+
+zipfile reads the directory of the archive, `zip_member` the members.
+"""
+
+from __future__ import annotations
+
+import lzma
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from typing import BinaryIO
+
+from liftmesh._typing import Array
+from liftmesh.errors import FormatError
+from liftmesh.io.npy_array import Layout, array_of, array_parts
+from liftmesh.io.streams import remaining
+from liftmesh.io.text_tables import shortened
+from liftmesh.io.zip_member import Content
+
+# Deflate compresses at most 1,032-fold.
+_DENSEST = 1100
+
+# Exceptions of zipfile and of the decompressors for files that are damaged.
+_BROKEN = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, ValueError, OSError,
+    NotImplementedError, RuntimeError, OverflowError,
+)  # fmt: skip
+
+
+@contextmanager
+def opened(stream: BinaryIO, name: str) -> Iterator[dict[str, Member]]:
+    """Open an archive: its arrays by name; whatever is wrong with it becomes a `FormatError`."""
+    with _complained(f"{name}: not a valid NPZ file"):
+        size = remaining(stream)
+        with zipfile.ZipFile(stream) as archive:
+            infos = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+        _check_sizes(infos, size, name)
+        yield {each.filename.removesuffix(".npy"): Member(stream, each, name) for each in infos}
+
+
+@contextmanager
+def _complained(what: str) -> Iterator[None]:
+    try:
+        yield
+    except FormatError:
+        raise
+    except _BROKEN as error:
+        raise FormatError(f"{what}: {error}") from error
+
+
+def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
+    """Raise for impossible sizes, and for members that share bytes (decompression bombs)."""
+    names: set[str] = set()
+    for each in members:
+        where = f"{name}: {shortened(each.filename)}"
+        if each.file_size > _DENSEST * (each.compress_size + 1):
+            raise FormatError(
+                f"{where}: {each.compress_size} bytes cannot decompress to {each.file_size}"
+            )
+        size -= each.compress_size
+        if size < 0:
+            raise FormatError(f"{where}: the members are larger than the file")
+        if each.filename in names:
+            raise FormatError(f"{where}: two arrays have this name")
+        names.add(each.filename)
+
+
+class Member:
+    """One array of an archive, read on demand; ``size`` is that of its content as stated."""
+
+    def __init__(self, stream: BinaryIO, info: zipfile.ZipInfo, name: str) -> None:
+        self.size = info.file_size
+        self._stream = stream
+        self._info = info
+        self._where = f"{name}: {shortened(info.filename)}"
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Shape, order and type of the array."""
+        with _complained(self._where):
+            return Layout.read(Content(self._stream, self._info), self._where)
+
+    def whole(self) -> Array:
+        """Read the array."""
+        with _complained(self._where):
+            content, layout = self._begun()
+            array = array_of(content, layout, self._where)
+            content.finish()
+            return array
+
+    def parts(self, rows: int) -> Iterator[Array]:
+        """Read the array some rows at a time."""
+        with _complained(self._where):
+            content, layout = self._begun()
+            yield from array_parts(content, layout, self._where, rows)
+            content.finish()
+
+    def _begun(self) -> tuple[Content, Layout]:
+        """Read the header; the size that it promises must agree with the directory."""
+        content = Content(self._stream, self._info)
+        layout = Layout.read(content, self._where)
+        layout.check_size(content.left, self._where)
+        return content, layout

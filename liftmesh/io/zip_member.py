@@ -1,0 +1,197 @@
+"""The content of a member of a ZIP archive, read no further than the archive's directory states.
+
+The directory states the size of every member, but the compressed data may go on: a few kilobytes
+can decompress to gigabytes. `Content` asks its decompressor for the bytes that are still due, and
+for one more at the end, which must not come. The layout of a member, its header in front of the
+data and the methods of compression, are those of PKWARE's APPNOTE.TXT, sections 4.3.7 to 4.4.
+"""
+
+from __future__ import annotations
+
+import bz2
+import lzma
+import struct
+import zlib
+from typing import TYPE_CHECKING, BinaryIO, Protocol
+from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, BadZipFile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from zipfile import ZipInfo
+
+_HEADER = struct.Struct("<4s5H3L2H")
+_ZIP64 = struct.Struct("<2Q")
+_IN_EXTRA = 0xFFFFFFFF  # as a size: it stands in the extra field
+
+_ENCRYPTED, _END_MARKER, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0, 1, 3, 5, 11))
+
+_PIECE = 1 << 16  # compressed bytes at a time
+_MOST = 1 << 20  # bytes decompressed at a time
+_SMALLEST_DICTIONARY = 1 << 12
+_PADDING = 16  # at most, after the last symbol of LZMA data
+
+
+class Content:
+    """The bytes of one member, from its start; ``left`` are still to come.
+
+    Parameters
+    ----------
+    stream : binary stream
+        The archive. Its position is set for every read: several members can be read in turns.
+    info : ZipInfo
+        The member's entry in the directory.
+
+    Raises
+    ------
+    BadZipFile
+        The member is encrypted, of unknown compression, or its header contradicts the directory.
+    """
+
+    def __init__(self, stream: BinaryIO, info: ZipInfo) -> None:
+        self.left = info.file_size
+        self._info = info
+        self._stream = stream
+        self._position = _start_of_data(stream, info)
+        self._packed = info.compress_size
+        self._sum = 0
+        self._input = b""
+        self._decoder = self._decoder_of(info)
+
+    def read(self, size: int = -1) -> bytes:
+        """Read ``size`` bytes, or those that are left if they are fewer.
+
+        Raises
+        ------
+        BadZipFile
+            The stream ends before.
+        """
+        wanted = self.left if size < 0 else min(size, self.left)
+        parts: list[bytes] = []
+        while wanted:
+            parts.append(self._some(min(wanted, _MOST)))
+            if not parts[-1]:
+                raise BadZipFile(f"its data end {self.left} bytes before the size stated for it")
+            wanted -= len(parts[-1])
+            self.left -= len(parts[-1])
+            self._sum = zlib.crc32(parts[-1], self._sum)
+        return parts[0] if len(parts) == 1 else b"".join(parts)
+
+    def finish(self) -> None:
+        """Read what is left, and check the end of the data and the checksum.
+
+        Raises
+        ------
+        BadZipFile
+            The stream ends before or goes on after the stated size, or the checksum is wrong.
+        """
+        while self.left:
+            self.read(_MOST)
+        if self._goes_on():
+            raise BadZipFile(f"its data go on after the {self._info.file_size} bytes stated for it")
+        if self._sum != self._info.CRC:
+            raise BadZipFile("its checksum (CRC-32) is wrong: it is damaged")
+
+    def _goes_on(self) -> bool:
+        """Whether data follow those that make up the content."""
+        if self._info.compress_type == ZIP_LZMA and not self._info.flag_bits & _END_MARKER:
+            # The decoder does not know its end: it would decode the padding of the last bytes.
+            self._raw(_PADDING)
+            return self._packed > 0
+        more = self._some(1) or getattr(self._decoder, "unused_data", b"")
+        return bool(more) or self._packed > 0
+
+    def _some(self, most: int) -> bytes:
+        """Decompress at most ``most`` bytes, none only at the end."""
+        while not self._decoder.eof:
+            found = self._decoder.decompress(self._input, most)
+            self._input = getattr(self._decoder, "unconsumed_tail", b"")
+            if found:
+                return found
+            if not self._input:
+                self._input = self._raw(_PIECE)
+                if not self._input:
+                    break
+        return b""
+
+    def _raw(self, size: int) -> bytes:
+        """Read compressed bytes."""
+        self._stream.seek(self._position)
+        data = self._stream.read(min(size, self._packed))
+        self._position += len(data)
+        self._packed -= len(data)
+        return data
+
+    def _decoder_of(self, info: ZipInfo) -> _Decoder:
+        if info.flag_bits & _ENCRYPTED:
+            raise BadZipFile("it is encrypted")
+        makers: dict[int, Callable[[], _Decoder]] = {
+            ZIP_STORED: _Stored,
+            ZIP_DEFLATED: lambda: zlib.decompressobj(-15),
+            ZIP_BZIP2: bz2.BZ2Decompressor,
+            ZIP_LZMA: self._lzma,
+        }
+        if info.compress_type not in makers or info.flag_bits & _PATCH:
+            raise BadZipFile(f"its compression method, {info.compress_type}, is not supported")
+        return makers[info.compress_type]()
+
+    def _lzma(self) -> _Decoder:
+        """Read the properties in front of LZMA data; no dictionary exceeds the content."""
+        head = self._raw(9)
+        if len(head) < 9 or head[2:4] != b"\5\0" or head[4] >= 9 * 5 * 5:
+            raise BadZipFile("its LZMA properties are invalid")
+        rest, lc = divmod(head[4], 9)
+        pb, lp = divmod(rest, 5)
+        size = min(int.from_bytes(head[5:], "little"), self.left)
+        size = max(size, _SMALLEST_DICTIONARY)
+        model = {"id": lzma.FILTER_LZMA1, "lc": lc, "lp": lp, "pb": pb, "dict_size": size}
+        return lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=[model])
+
+
+class _Decoder(Protocol):
+    """The part of Python's decompressors that all of them have."""
+
+    @property
+    def eof(self) -> bool: ...
+    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
+
+
+class _Stored:
+    """Bytes as they are."""
+
+    eof = False
+    unconsumed_tail = b""
+
+    def decompress(self, data: bytes, max_length: int, /) -> bytes:
+        self.unconsumed_tail = data[max_length:]
+        return data[:max_length]
+
+
+def _start_of_data(stream: BinaryIO, info: ZipInfo) -> int:
+    """Compare the header in front of the data with the directory; return where the data begin."""
+    stream.seek(info.header_offset)
+    head = stream.read(_HEADER.size)
+    if len(head) < _HEADER.size or not head.startswith(b"PK\3\4"):
+        raise BadZipFile("there is no header in front of its data")
+    _, _, flags, method, _, _, crc, packed, size, name_length, extra_length = _HEADER.unpack(head)
+    name = stream.read(name_length).decode("utf-8" if flags & _UTF8 else "cp437", "replace")
+    extra = stream.read(extra_length)
+    if _IN_EXTRA in (packed, size):
+        size, packed = _zip64_sizes(extra)
+    stated = (info.CRC, info.compress_size, info.file_size)
+    pairs = zip((crc, packed, size), stated, strict=True)
+    sizes_agree = all(a == b or (a == 0 and flags & _SIZES_FOLLOW) for a, b in pairs)
+    if name != info.orig_filename or method != info.compress_type or not sizes_agree:
+        raise BadZipFile("the header in front of its data contradicts the directory")
+    return stream.tell()
+
+
+def _zip64_sizes(extra: bytes) -> tuple[int, int]:
+    """Find the size and the compressed size of a large member in its extra field."""
+    at = 0
+    while at + 4 <= len(extra):
+        kind, length = struct.unpack_from("<2H", extra, at)
+        if kind == 1 and length >= _ZIP64.size and at + 4 + _ZIP64.size <= len(extra):
+            size, packed = _ZIP64.unpack_from(extra, at + 4)
+            return size, packed
+        at += 4 + length
+    raise BadZipFile("its ZIP64 sizes are missing")

@@ -1,0 +1,229 @@
+"""Members of NPZ files: read exactly as far as the directory of the archive states."""
+
+from __future__ import annotations
+
+import io
+import json
+import random
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from faults.children import output
+from file_samples import loaded
+from zip_archives import BZIP2, DEFLATED, LZMA, METHODS, STORED, archive, packed
+
+import liftmesh
+from liftmesh import FormatError
+
+
+def npy(array: np.ndarray) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+POINTS = np.random.default_rng(0).random((70, 3))
+CONTENT = npy(POINTS)
+
+
+def in_chunks(data: bytes) -> np.ndarray:
+    chunks = liftmesh.read_chunks(io.BytesIO(data), rows=9, format="npz")
+    return np.concatenate([chunk.points for chunk in chunks])
+
+
+def refused(data: bytes, cause: str) -> None:
+    with pytest.raises(FormatError, match=rf"<stream>: points\.npy: .*{cause}"):
+        loaded(data, "npz")
+    with pytest.raises(FormatError, match=rf"<stream>: points\.npy: .*{cause}"):
+        in_chunks(data)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("rows", [1, 70, 60_000])
+def test_every_method_is_read_whole_and_in_chunks(method: int, rows: int) -> None:
+    points = np.random.default_rng(1).random((rows, 3))
+    content = npy(points)
+    data = archive(packed(method, content), content, method=method)
+    assert np.array_equal(loaded(data, "npz").points, points)
+    assert np.array_equal(in_chunks(data), points) or rows > 70
+    with np.load(io.BytesIO(data)) as arrays:  # so it is an archive, not one that only we read
+        assert np.array_equal(arrays["points"], points)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("more", [1, 17, 1 << 20])
+def test_data_that_go_on_are_refused(method: int, more: int) -> None:
+    refused(archive(packed(method, CONTENT + bytes(more)), CONTENT, method=method), "go on after")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bytes_after_the_end_of_the_data_are_refused(method: int) -> None:
+    for more in (b"\0", bytes(1 << 17)):
+        data = packed(method, CONTENT) + more
+        refused(archive(data, CONTENT, method=method), "go on after")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_data_that_end_early_are_refused(method: int) -> None:
+    for less in (1, 200, len(CONTENT)):
+        short = CONTENT[: len(CONTENT) - less]
+        refused(
+            archive(packed(method, short), CONTENT, method=method), "end|header|cannot decompress"
+        )
+    cut = packed(method, CONTENT)
+    refused(archive(cut[: len(cut) // 2], CONTENT, method=method), "end")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_damaged_data_are_refused(method: int) -> None:
+    rng, good = random.Random(method), packed(method, CONTENT)
+    for _ in range(200):
+        data = bytearray(good)
+        data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        try:
+            read = loaded(archive(bytes(data), CONTENT, method=method), "npz").points
+        except FormatError:
+            pass
+        else:  # a bit without meaning, as in the size of LZMA's dictionary
+            assert np.array_equal(read, POINTS)
+        if method == LZMA:
+            with pytest.raises(FormatError, match=r"points\.npy: "):
+                in_chunks(archive(bytes([*data[:40], 0, 0, *data[42:]]), CONTENT, method=method))
+
+
+def test_lzma_without_an_end_marker_is_read() -> None:
+    data = packed(LZMA, CONTENT)
+    assert np.array_equal(
+        loaded(archive(data, CONTENT, method=LZMA, flags=0), "npz").points, POINTS
+    )
+    long = archive(
+        packed(LZMA, CONTENT + random.Random(1).randbytes(1 << 18)), CONTENT, method=LZMA, flags=0
+    )
+    refused(long, "go on after")
+
+
+@pytest.mark.parametrize(
+    "head", [b"\x09\x04", b"\x09\x04\x05\x00", b"\x09\x04\x04\x00" + bytes(20)]
+)
+def test_lzma_without_its_properties_is_refused(head: bytes) -> None:
+    refused(archive(head, CONTENT, method=LZMA), "LZMA properties")
+
+
+def test_lzma_takes_no_dictionary_beyond_its_content() -> None:
+    data = bytearray(packed(LZMA, CONTENT))
+    data[5:9] = b"\xff\xff\xff\xff"  # 4 GiB
+    program = """
+        import sys, io, liftmesh, lzma
+        limit(200_000_000)
+        print(len(liftmesh.read(io.BytesIO(bytes.fromhex(sys.argv[1])), format="npz")))
+    """
+    told = output(program, archive(bytes(data), CONTENT, method=LZMA).hex())
+    assert told.split() == ["70"]
+
+
+CRC, SIZE = zlib.crc32(CONTENT), len(CONTENT)
+
+
+@pytest.mark.parametrize(
+    "local",
+    [
+        (DEFLATED, CRC, SIZE, SIZE),
+        (STORED, CRC + 1, SIZE, SIZE),
+        (STORED, CRC, SIZE - 1, SIZE),
+        (STORED, CRC, SIZE, SIZE + 1),
+        (STORED, 0, 0, 0),
+        (STORED, CRC, 2**32 - 1, 2**32 - 1),
+    ],
+)
+def test_a_header_that_contradicts_the_directory_is_refused(
+    local: tuple[int, int, int, int],
+) -> None:
+    cause = "ZIP64 sizes are missing" if local[2] == 2**32 - 1 else "contradicts the directory"
+    refused(archive(CONTENT, CONTENT, local=local), cause)
+
+
+def test_sizes_that_follow_the_data_are_those_of_the_directory() -> None:
+    for local in ((STORED, 0, 0, 0), (STORED, CRC, SIZE, SIZE)):
+        data = archive(CONTENT, CONTENT, flags=8, local=local)
+        assert np.array_equal(loaded(data, "npz").points, POINTS)
+    refused(archive(CONTENT, CONTENT, flags=8, local=(STORED, 0, 3, 0)), "contradicts")
+
+
+def test_sizes_in_the_extra_field_are_compared_too() -> None:
+    large = (STORED, CRC, 2**32 - 1, 2**32 - 1)
+    for sizes, fits in (((SIZE, SIZE), True), ((SIZE + 1, SIZE), False), ((SIZE, 0), False)):
+        extra = b"ab\1\0c" + struct.pack("<2H2Q", 1, 16, *sizes)
+        data = archive(CONTENT, CONTENT, local=large, extra=extra)
+        if fits:
+            assert np.array_equal(loaded(data, "npz").points, POINTS)
+        else:
+            refused(data, "contradicts the directory")
+    refused(archive(CONTENT, CONTENT, local=large, extra=b"\1\0\x10\0abc"), "ZIP64 sizes")
+
+
+def test_members_that_cannot_be_read_are_refused() -> None:
+    refused(archive(CONTENT, CONTENT, flags=1), "it is encrypted")
+    for method in (1, 6, 93, 99):
+        refused(archive(CONTENT, CONTENT, method=method), f"method, {method}, is not supported")
+    refused(archive(CONTENT, CONTENT, flags=1 << 5), "not supported")
+    good = archive(CONTENT, CONTENT)
+    refused(good.replace(b"points", b"pointz", 1), "contradicts the directory")
+    refused(good.replace(b"PK\3\4", b"PK\3\5"), "no header in front")
+    refused(
+        good.replace(b"\x00\x00\x00\x00points.npyPK", b"\x00\x01\x00\x00points.npyPK"), "header"
+    )
+
+
+def test_the_checksum_is_checked() -> None:
+    wrong = bytearray(CONTENT)
+    wrong[-1] ^= 1
+    refused(archive(bytes(wrong), CONTENT), r"checksum \(CRC-32\) is wrong")
+
+
+@pytest.mark.parametrize("method", [BZIP2, LZMA])
+def test_three_kilobytes_do_not_take_a_gigabyte(method: int) -> None:
+    data = archive(packed(method, CONTENT + bytes(100 << 20)), CONTENT, method=method)
+    assert len(data) < 20_000
+    program = """
+        import io, json, sys, liftmesh
+        data = sys.stdin.buffer.read() if len(sys.argv) < 2 else bytes.fromhex(sys.argv[1])
+        told = []
+        liftmesh.read(io.BytesIO(b"x,y\\n0,0\\n"), format="csv")
+        before = status("VmHWM")
+        for read in (liftmesh.read, lambda *a, **k: list(liftmesh.read_chunks(*a, **k))):
+            try:
+                read(io.BytesIO(data), format="npz")
+            except liftmesh.FormatError as error:
+                told.append(str(error))
+        print(json.dumps([told, status("VmHWM") - before]))
+    """
+    told, grown = json.loads(output(program, data.hex()))
+    assert [each[-40:] for each in told] == [told[0][-40:]] * 2
+    assert "go on after" in told[0]
+    assert grown < 20_000_000
+
+
+def test_a_limit_of_the_content_is_told() -> None:
+    stream = io.BytesIO()
+    np.savez(stream, points=POINTS, faces=np.zeros((1000, 3), int), k=np.zeros(70))
+    data = stream.getvalue()
+    whole = 70 * 24 + 1000 * 24 + 70 * 8 + 3 * 128
+    limit = f"expands to {whole:,} bytes, more than the limit of {whole - 1:,}: .*max_bytes="
+    with pytest.raises(FormatError, match=limit):
+        liftmesh.read(io.BytesIO(data), format="npz", max_bytes=whole - 1)
+    assert len(liftmesh.read(io.BytesIO(data), format="npz", max_bytes=whole)) == 70
+    used = whole - 1000 * 24 - 128
+    chunks = liftmesh.read_chunks(io.BytesIO(data), format="npz", rows=9, max_bytes=used)
+    assert sum(map(len, chunks)) == 70
+    with pytest.raises(FormatError, match=f"more than the limit of {used - 1:,}"):
+        next(liftmesh.read_chunks(io.BytesIO(data), format="npz", max_bytes=used - 1))
+
+
+def test_members_are_read_in_turns() -> None:
+    stream = io.BytesIO()
+    np.savez_compressed(stream, points=POINTS, k=np.arange(70), text=np.array(["a"] * 70))
+    stream.seek(0)
+    parts = [*liftmesh.read_chunks(stream, rows=11, format="npz")]
+    assert np.concatenate([part.attributes["k"] for part in parts]).tolist() == [*range(70)]
