@@ -39,7 +39,9 @@ def gift_wrap(
     qx: float,
     qy: float,
 ) -> tuple[Outcome, Counts]: ...
-def lower_hull(rows: NDArray[np.floating[Any]], method: str) -> tuple[Outcome, Counts]: ...
+def lower_hull(
+    rows: NDArray[np.floating[Any]], method: str, secret: int
+) -> tuple[Outcome, Counts]: ...
 def verify(
     rows: NDArray[np.floating[Any]],
     simplices: NDArray[np.int32],

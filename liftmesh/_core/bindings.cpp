@@ -202,7 +202,7 @@ nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, unsigned threa
     return nb::make_tuple(as_tuple(outcome), as_tuple(counts));
 }
 
-nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
+nb::tuple lower_hull(const PlanarRows& rows, std::string_view method, std::uint64_t secret) {
     const Input input = read(rows);
     if (rows.shape(1) < 3) throw std::invalid_argument("rows need three columns");
     const auto engine =
@@ -212,7 +212,7 @@ nb::tuple lower_hull(const PlanarRows& rows, std::string_view method) {
     liftmesh::paper::Counts counts;
     {
         const nb::gil_scoped_release unlocked;
-        outcome = liftmesh::lower_hull(input, engine, {}, interrupt, counts);
+        outcome = liftmesh::lower_hull(input, engine, secret, {}, interrupt, counts);
     }
     return nb::make_tuple(as_tuple(outcome), as_tuple(counts));
 }
@@ -334,7 +334,7 @@ NB_MODULE(_kernel, m) {
           "progress"_a.none());
     m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "method"_a, "qx"_a, "qy"_a);
-    m.def("lower_hull", &lower_hull, "rows"_a, "method"_a);
+    m.def("lower_hull", &lower_hull, "rows"_a, "method"_a, "secret"_a);
     m.def("verify", &verify, "rows"_a, "simplices"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none());
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);

@@ -5,6 +5,7 @@ Each set of points has one canonical result, and every method finds it.
 
 from __future__ import annotations
 
+import os
 from typing import get_args
 
 from numpy.typing import ArrayLike
@@ -16,6 +17,10 @@ from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import LowerHull
+
+# Salts the order in which points are inserted: nobody can make an input that is slow in every
+# process. No result depends on it.
+_SECRET = int.from_bytes(os.urandom(8), "little")
 
 
 def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
@@ -33,13 +38,15 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
         be on the lower hull, and of equal points the first row.
     method : {"auto", "lf"}, default "auto"
         The algorithm; both find the same facets. "auto" is randomised incremental construction, in
-        O(n log n) expected time on every input; "lf" is gift wrapping by the paper's procedure LF,
-        in quadratic to cubic time.
+        O(n log n) expected time on every input, as each process draws its random numbers anew;
+        "lf" is gift wrapping by the paper's procedure LF, in quadratic to cubic time.
 
     Returns
     -------
     LowerHull
-        A mesh of the caller's rows. ``above`` lists the rows that are not a vertex of it.
+        A mesh of the caller's rows. ``above`` lists the rows that are not a vertex of it. Faces
+        near each other in the plane are near each other in the list; their order, and the first
+        vertex of each, depend on the rows alone.
 
     Raises
     ------
@@ -74,7 +81,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
             "liftmesh.delaunay, or lift them first with liftmesh.lift"
         )
     check_finite(rows, skippable=False)
-    outcome, counts = _kernel.lower_hull(rows, method)
+    outcome, counts = _kernel.lower_hull(rows, method, _SECRET)
     status, _, distinct, faces, neighbors, boundary, *_ = outcome
     if status != "ok":
         raise _degenerate(distinct, boundary)

@@ -8,6 +8,7 @@
 
 #include "delaunay/mesh.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/counting_sort.hpp"
 
 namespace liftmesh {
 
@@ -16,11 +17,11 @@ namespace {
 constexpr Vertex no_vertex = ~Vertex{0};
 
 // The order of insertion. A point is in the last round with probability 1/2, in the one before with
-// 1/4, and so on, by the trailing zeros of a scrambled index (the finalizer of splitmix64).
-std::vector<Vertex> biased_random_order(std::size_t count) {
+// 1/4, and so on, by the trailing zeros of the numbers of splitmix64, with the secret as its seed.
+std::vector<Vertex> biased_random_order(std::size_t count, std::uint64_t secret) {
     std::array<std::vector<Vertex>, 65> rounds;
     for (std::size_t v = 0; v < count; ++v) {
-        std::uint64_t bits = (v + 1) * 0x9e3779b97f4a7c15u;
+        std::uint64_t bits = secret + (v + 1) * 0x9e3779b97f4a7c15u;
         bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
         bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
         bits ^= bits >> 31;
@@ -38,13 +39,14 @@ class LowerHullBuilder {
     LowerHullBuilder(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt)
         : p_(points),
           guard_(guard),
+          interrupt_(interrupt),
           patience_(interrupt),
           next_waiting_(points.size(), no_vertex),
           home_(points.size(), nowhere),
           spoke_(points.size() + 1) {}
 
-    Status build() {
-        const std::vector<Vertex> order = biased_random_order(p_.size());
+    Status build(std::uint64_t secret) {
+        const std::vector<Vertex> order = biased_random_order(p_.size(), secret);
         const std::optional<std::array<Vertex, 3>> seed = find_seed(order);
         if (!seed) return patience_.ends(0) ? Status::interrupted : Status::ok;
         start(*seed);
@@ -60,23 +62,24 @@ class LowerHullBuilder {
         return Status::ok;
     }
 
-    std::vector<Facet> facets() const {
-        const std::size_t slots = waiting_.size();
-        std::vector<std::uint32_t> name(slots, Facet::none);
-        std::vector<Facet> result;
-        result.reserve(slots);
-        for (std::size_t slot = 0; slot < slots; ++slot) {
-            const TriangleId t = triangle_in(slot);
-            if (!is_live(t) || is_ghost(t)) continue;
-            name[slot] = static_cast<std::uint32_t>(result.size());
-            const Vertex* v = corners(t);
-            result.push_back({{v[0], v[1], v[2]}});
-        }
-        for (std::size_t slot = 0; slot < slots; ++slot)
-            if (name[slot] != Facet::none)
-                for (unsigned k = 0; k < 3; ++k)
-                    result[name[slot]].neighbor[k] = name[slot_of(twin(triangle_in(slot) + k))];
-        return result;
+    // In the order that the header explains.
+    Status write(std::vector<Facet>& facets) const {
+        std::vector<Edge> firsts = first_edges();
+        const auto follower = [&](Edge e) { return words_[next(e)]; };
+        const auto least = [&](Edge e) { return words_[e]; };
+        if (!counting_sort(firsts, p_.size(), interrupt_, follower) ||
+            !counting_sort(firsts, p_.size(), interrupt_, least))
+            return Status::interrupted;
+        std::vector<std::uint32_t> name(waiting_.size(), Facet::none);
+        for (std::uint32_t i = 0; i < firsts.size(); ++i) name[slot_of(firsts[i])] = i;
+        facets.reserve(firsts.size());
+        const bool done = for_each_in_blocks(firsts.size(), interrupt_, [&](std::size_t i) {
+            const Edge e = firsts[i], f = next(e), g = next(f);
+            facets.push_back(
+                {{words_[e], words_[f], words_[g]},
+                 {name[slot_of(twin(e))], name[slot_of(twin(f))], name[slot_of(twin(g))]}});
+        });
+        return done ? Status::ok : Status::interrupted;
     }
 
  private:
@@ -96,6 +99,19 @@ class LowerHullBuilder {
     Edge twin(Edge e) const { return words_[e + 3]; }
     bool is_ghost(TriangleId t) const { return corners(t)[2] == ghost; }
     bool is_live(TriangleId t) const { return corners(t)[0] != ghost; }
+
+    // Of each facet, the edge opposite its least vertex.
+    std::vector<Edge> first_edges() const {
+        std::vector<Edge> edges;
+        edges.reserve(waiting_.size());
+        for (std::size_t slot = 0; slot < waiting_.size(); ++slot) {
+            const TriangleId t = triangle_in(slot);
+            const Vertex* v = corners(t);
+            const unsigned lesser = v[1] < v[0];
+            if (is_live(t) && !is_ghost(t)) edges.push_back(edge(t, v[2] < v[lesser] ? 2 : lesser));
+        }
+        return edges;
+    }
 
     // The first two points of the order, and the first that is not collinear with them.
     std::optional<std::array<Vertex, 3>> find_seed(const std::vector<Vertex>& order) {
@@ -306,6 +322,7 @@ class LowerHullBuilder {
 
     std::span<const SpacePoint> p_;
     Guard guard_;
+    Interrupt& interrupt_;
     Patience patience_;
     std::vector<Word> words_;  // of the facets, as in mesh.hpp
     std::vector<TriangleId> free_;
@@ -322,12 +339,11 @@ class LowerHullBuilder {
 
 }  // namespace
 
-Status incremental_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
-                        std::vector<Facet>& facets) {
+Status incremental_hull(std::span<const SpacePoint> points, Guard guard, std::uint64_t secret,
+                        Interrupt& interrupt, std::vector<Facet>& facets) {
     LowerHullBuilder builder(points, guard, interrupt);
-    const Status status = builder.build();
-    if (status == Status::ok) facets = builder.facets();
-    return status;
+    const Status status = builder.build(secret);
+    return status == Status::ok ? builder.write(facets) : status;
 }
 
 }  // namespace liftmesh

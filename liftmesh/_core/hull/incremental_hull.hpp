@@ -7,8 +7,16 @@
 // doubling size, in kd order inside a round, keep memory accesses local while the expected number
 // of moves stays O(n log n) on every input (N. Amenta, S. Choi and G. Rote, "Incremental
 // constructions con BRIO", 2003; K. L. Clarkson and P. W. Shor, 1989).
+//
+// The expectation is over the choice of rounds, so it holds for an input only if the choice does
+// not depend on it, nor the input on the choice: whoever knows the rounds beforehand can make an
+// input that takes quadratic time. So a secret salts the choice. The facets do not depend on it,
+// and they are put into an order that does not either: each begins with its least vertex, and they
+// ascend by it, then by the vertex that follows. No two are equal in both, for a directed edge
+// belongs to one facet.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,8 +28,8 @@
 namespace liftmesh {
 
 // `points` have distinct planar positions, preferably in an order that keeps neighbours together.
-// There are no facets if the positions are collinear.
-Status incremental_hull(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt,
-                        std::vector<Facet>& facets);
+// There are no facets if the positions are collinear. The result is the same for every `secret`.
+Status incremental_hull(std::span<const SpacePoint> points, Guard guard, std::uint64_t secret,
+                        Interrupt& interrupt, std::vector<Facet>& facets);
 
 }  // namespace liftmesh

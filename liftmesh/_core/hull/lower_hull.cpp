@@ -64,8 +64,8 @@ Status wrap(const paper::SpacePoints& p, Interrupt& interrupt, std::vector<Facet
 
 }  // namespace
 
-Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Interrupt& interrupt,
-                    paper::Counts& counts) {
+Delaunay lower_hull(const Input& input, HullMethod method, std::uint64_t secret, Threads threads,
+                    Interrupt& interrupt, paper::Counts& counts) {
     const IeeeArithmetic ieee;
     Order order;
     Delaunay outcome = start(input, false, threads, interrupt, order);
@@ -77,7 +77,7 @@ Delaunay lower_hull(const Input& input, HullMethod method, Threads threads, Inte
     std::vector<Facet> facets;
     outcome.status = method == HullMethod::lf
                          ? wrap({std::move(points), z.guard}, interrupt, facets, counts)
-                         : incremental_hull(points, z.guard, interrupt, facets);
+                         : incremental_hull(points, z.guard, secret, interrupt, facets);
     if (outcome.status != Status::ok) return outcome;
     outcome.status = emit(facets, {order.sites.get(), order.count}, outcome.result);
     return outcome;

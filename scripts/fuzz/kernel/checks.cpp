@@ -66,10 +66,15 @@ Rows lowest(const Case& c, const Expectation& expected) {
     return rows;
 }
 
-Delaunay hull_by(const Case& c, liftmesh::HullMethod method) {
+Delaunay hull_by(const Case& c, liftmesh::HullMethod method, std::uint64_t secret = 0) {
     Impatient interrupt;
     liftmesh::paper::Counts counts;
-    return liftmesh::lower_hull(c.input, method, c.threads, interrupt, counts);
+    return liftmesh::lower_hull(c.input, method, secret, c.threads, interrupt, counts);
+}
+
+void check_secret(Case& c, const Delaunay& found) {
+    const Delaunay salted = hull_by(c, liftmesh::HullMethod::incremental, c.dice.below(1u << 31));
+    demand(same_bits(salted.result, found.result), "the facets depend on the secret");
 }
 
 }  // namespace
@@ -102,10 +107,11 @@ void check_location(Case& c, const Delaunay& found, const Rows& rows) {
     }
 }
 
-void check_lower_hull(const Case& c, const Expectation& expected) {
+void check_lower_hull(Case& c, const Expectation& expected) {
     const Delaunay found = hull_by(c, liftmesh::HullMethod::incremental);
     check_rows(expected, found);
     if (found.status != Status::ok) return;
+    check_secret(c, found);
     const Rows rows = lowest(c, expected);
     check_structure(c, found.result, rows);
     if (rows.size() > most_wrapped(c)) return;

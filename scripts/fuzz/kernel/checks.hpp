@@ -29,7 +29,7 @@ void check_location(Case& c, const liftmesh::Delaunay& found, const Rows& rows);
 void check_predicates(Case& c, const Rows& rows);
 
 // The lower hull of rows in space: two engines have one result, with no point below it.
-void check_lower_hull(const Case& c, const Expectation& expected);
+void check_lower_hull(Case& c, const Expectation& expected);
 
 // The verifier accepts the triangulation and rejects any damaged one.
 void check_verification(Case& c, const liftmesh::Delaunay& found);
