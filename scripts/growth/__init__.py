@@ -1,0 +1,1 @@
+"""How the cost of liftmesh's functions, readers and writers grows; see `__main__.py`."""

@@ -1,0 +1,152 @@
+"""Count the instructions of calls in a Python process, with valgrind's callgrind.
+
+A child process runs under callgrind, which interprets every instruction of the interpreter, of
+NumPy and of the kernel. That makes a start with all imports some fifty times slower, so one child
+makes many calls. Each is made once without counting, which fills caches, and then once more between
+two marks: requests to callgrind, compiled from `marks.c`. The counts are reproducible to about a
+per cent, and do not depend on what else the machine does.
+
+What the system does in the calls of a process (copying a file into a buffer, clearing new pages) is
+not in the counts.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+TOOL = ("valgrind", "--tool=callgrind", "--quiet", "--instr-atstart=no")
+TOTAL = re.compile(r"^totals: (\d+)", re.MULTILINE)
+LABEL = re.compile(r"^desc: Trigger: Client Request: (\d+)$", re.MULTILINE)
+
+# One thread, the same order of sets and dictionaries in each run, no tracer in the child, and memory
+# for large arrays from the system each time: whether malloc must copy what grows is then the same.
+ALONE = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "PYTHONHASHSEED": "0",
+    "MALLOC_MMAP_THRESHOLD_": "65536",
+    "MALLOC_TRIM_THRESHOLD_": "65536",
+}
+TRACERS = ("COVERAGE_PROCESS_START", "COVERAGE_PROCESS_CONFIG")
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """A call whose input is at hand, and the size of that input in rows or bytes."""
+
+    call: Callable[[], object]
+    units: int
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """The instructions of a call, the size of its input, and the error that ended it, if any."""
+
+    instructions: int
+    units: int
+    error: str = ""
+
+
+def count(
+    prepare: str, jobs: list[Any], *, python: str = sys.executable, seconds: float | None = None
+) -> list[Count]:
+    """Count every job in one child process.
+
+    `prepare` is the ``module:function`` of this folder's package that makes a `Work` of a job.
+    Jobs are JSON values.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "jobs.json").write_text(json.dumps([prepare, jobs]))
+        out = f"--callgrind-out-file={folder / 'counts'}"
+        words = [*TOOL, out, python, HERE / "worker.py", built(folder), folder / "jobs.json"]
+        told = _run([*map(str, words)], seconds)
+        totals = dict(_totals(folder.glob("counts.*")))
+    return [Count(totals[number], *each) for number, each in enumerate(map(json.loads, told))]
+
+
+def built(folder: Path) -> Path:
+    """Compile the marks."""
+    library = folder / "marks.so"
+    compiler = shlex.split(os.environ.get("CC", "cc"))
+    words = [*compiler, "-O1", "-shared", "-fPIC", str(HERE / "marks.c"), "-o", str(library)]
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+    except FileNotFoundError as error:
+        raise SystemExit(f"{compiler[0]} is missing: install gcc, or name one in CC") from error
+    if done.returncode:
+        raise SystemExit(f"{done.stderr}\nvalgrind's headers may be missing (Debian: valgrind)")
+    return library
+
+
+def _run(words: list[str], seconds: float | None) -> list[str]:
+    """Run the child; return the lines that it prints."""
+    env = {key: value for key, value in os.environ.items() if key not in TRACERS} | ALONE
+    try:
+        done = subprocess.run(
+            words, capture_output=True, text=True, env=env, timeout=seconds, check=False
+        )
+    except FileNotFoundError as error:
+        raise SystemExit("valgrind is missing: install it (Debian: valgrind)") from error
+    if done.returncode:
+        raise SystemExit(f"the counted process failed:\n{done.stderr[-3000:]}")
+    return done.stdout.splitlines()
+
+
+def _totals(files: Iterable[Path]) -> Iterable[tuple[int, int]]:
+    for path in files:
+        text = path.read_text()
+        label, total = LABEL.search(text), TOTAL.search(text)
+        if label and total:
+            yield int(label[1]), int(total[1])
+
+
+def work_through(library: str, jobs: Path) -> None:
+    """Make all calls of a child, and print the size and the error of each."""
+    marks = ctypes.CDLL(library)
+    prepare, values = json.loads(jobs.read_text())
+    make = _function(prepare)
+    for number, value in enumerate(values):
+        work = make(value)
+        error = attempt(work.call)
+        gc.collect()
+        gc.disable()
+        marks.begin()
+        attempt(work.call)
+        marks.end(str(number).encode())
+        gc.enable()
+        print(json.dumps([work.units, error]), flush=True)
+
+
+def attempt(call: Callable[[], object]) -> str:
+    """Make a call; return the error by which liftmesh refused the input, if it did."""
+    from liftmesh import LiftmeshError  # noqa: PLC0415 - counting itself needs no liftmesh
+
+    with suppress(MemoryError):
+        try:
+            call()
+        except LiftmeshError as error:
+            return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def _function(name: str) -> Callable[[Any], Work]:
+    from importlib import import_module  # noqa: PLC0415
+
+    module, _, function = name.partition(":")
+    found: Callable[[Any], Work] = getattr(import_module(module), function)
+    return found
