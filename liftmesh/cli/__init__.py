@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 import sys
-import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
@@ -110,6 +109,8 @@ def _fail(error: BaseException, *, debug: bool) -> int:
     """Print one line about an exception; return the exit code."""
     _name_stdout(error)
     if debug:
+        import traceback  # noqa: PLC0415 - slow, and rarely needed
+
         traceback.print_exc()
     code, message = _explain(error)
     if message:

@@ -1,0 +1,34 @@
+"""Both signals at random moments of every command, with every format: the short form."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+from commands import ROOT
+
+
+def sweep(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(ROOT / "scripts" / "sweep"), "--rows", "500", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
+
+
+def test_no_signal_is_lost_in_two_hundred_runs() -> None:
+    done = sweep("--runs", "200", "--most", "5", "--second", "3")  # other tests run beside it
+    assert done.returncode == 0, done.stdout + done.stderr
+    counts = re.search(
+        r"^200 runs, signals (\d+) before .+, (\d+) during .+, (\d+) after", done.stdout
+    )
+    assert counts
+    before, during, after = map(int, counts.groups())
+    assert before + during + after == 200
+    assert during > 60
+    assert "; 0 faults, in " in done.stdout
+
+
+def test_a_sweep_fails_where_a_command_is_late() -> None:
+    done = sweep("--runs", "20", "--most", "0", "--second", "0")
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert re.search(r"^run \d+: .+: it took ", done.stdout, re.MULTILINE)
+    assert "; 0 faults" not in done.stdout
