@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
+from worst_points import tiny_and_far_cluster
 
 import liftmesh
 
@@ -33,6 +34,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "liftmesh triangulate, PLY": ("triangulate", "cloud.ply", "out/mesh.ply"),
     "liftmesh triangulate, text": ("triangulate", "cloud.xyz", "out/mesh.obj"),
     "liftmesh verify": ("verify", "mesh.ply"),
+    "liftmesh info": ("info", "scales.ply"),
 }
 
 
@@ -50,7 +52,7 @@ def prepare(folder: Path, rows: int, jobs: Sequence[str]) -> None:
 
 
 def _make(path: Path, mesh: liftmesh.Surface) -> None:
-    content = mesh if path.stem == "mesh" else mesh.vertices
+    content = {"mesh": mesh, "scales": _scales(len(mesh.vertices))}.get(path.stem, mesh.vertices)
     if path.suffix == ".xyz":
         text = path.with_suffix(".text")
         liftmesh.write(text, content, format="ply", encoding="ascii")
@@ -58,6 +60,11 @@ def _make(path: Path, mesh: liftmesh.Surface) -> None:
         text.unlink()
     elif path.suffix != ".npy":
         liftmesh.write(path, content, **({"encoding": "ascii"} if path.stem == "text" else {}))
+
+
+def _scales(rows: int) -> np.ndarray:
+    """Return points whose nearest neighbours are at distances of two scales."""
+    return tiny_and_far_cluster(rows, np.random.default_rng(SEED)) @ np.eye(2, 3)
 
 
 def _without_header(source: Path, target: Path) -> None:

@@ -105,7 +105,7 @@ def campaign(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_campaign_interrupts_every_phase() -> None:
-    jobs = ("delaunay", "write OBJ", "liftmesh verify")
+    jobs = ("delaunay", "write OBJ", "liftmesh verify", "liftmesh info")
     done = campaign("--rows", "100000", "--rounds", "2", "--most", "20", "--jobs", *jobs)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 of them wrong" in done.stdout
