@@ -17,13 +17,17 @@ import sys
 import tempfile
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from growth import honest
-from growth.counting import Count
 from rich.console import Console
 from rich.table import Table
+
+from growth import honest
+
+if TYPE_CHECKING:
+    from growth.counting import Count
 
 MOST_MORE = 1.02
 

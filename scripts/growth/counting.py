@@ -2,9 +2,10 @@
 
 A child process runs under callgrind, which interprets every instruction of the interpreter, of
 NumPy and of the kernel. That makes a start with all imports some fifty times slower, so one child
-makes many calls. Each is made once without counting, which fills caches, and then once more between
-two marks: requests to callgrind, compiled from `marks.c`. The counts are reproducible to about a
-per cent, and do not depend on what else the machine does.
+makes many calls. Before it is counted, a call is made once to fill caches and to import what it
+needs, unless a smaller one has done that. What counts is between two marks: requests to callgrind,
+compiled from `marks.c`. The counts are reproducible to about a per cent, and do not depend on what
+else the machine does.
 
 What the system does in the calls of a process (copying a file into a buffer, clearing new pages) is
 not in the counts.
@@ -32,8 +33,8 @@ TOOL = ("valgrind", "--tool=callgrind", "--quiet", "--instr-atstart=no")
 TOTAL = re.compile(r"^totals: (\d+)", re.MULTILINE)
 LABEL = re.compile(r"^desc: Trigger: Client Request: (\d+)$", re.MULTILINE)
 
-# One thread, the same order of sets and dictionaries in each run, no tracer in the child, and memory
-# for large arrays from the system each time: whether malloc must copy what grows is then the same.
+# One thread, the same order of sets and dictionaries in each run, no tracer in the child, and
+# memory for large arrays from the system each time, so that malloc copies what grows alike.
 ALONE = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
@@ -46,10 +47,14 @@ TRACERS = ("COVERAGE_PROCESS_START", "COVERAGE_PROCESS_CONFIG")
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """A call whose input is at hand, and the size of that input in rows or bytes."""
+    """A call whose input is at hand, and the size of that input in rows or bytes.
+
+    `warm` is whether the call is to be made once before it is counted.
+    """
 
     call: Callable[[], object]
     units: int
+    warm: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,11 +127,12 @@ def work_through(library: str, jobs: Path) -> None:
     make = _function(prepare)
     for number, value in enumerate(values):
         work = make(value)
-        error = attempt(work.call)
+        if work.warm:
+            attempt(work.call)
         gc.collect()
         gc.disable()
         marks.begin()
-        attempt(work.call)
+        error = attempt(work.call)
         marks.end(str(number).encode())
         gc.enable()
         print(json.dumps([work.units, error]), flush=True)

@@ -1,0 +1,1 @@
+"""Families of files: the worst known of each format, and the ordinary ones beside them."""

@@ -1,0 +1,163 @@
+"""Families of NumPy's files.
+
+An NPY file is one header and its values. An NPZ file is an archive: work grows with its directory,
+and memory with what its members expand to, which its directory states.
+"""
+
+from __future__ import annotations
+
+import io
+import struct
+import zipfile
+
+import numpy as np
+
+from growth.families import named, random
+
+
+def npy(array: np.ndarray) -> bytes:
+    """Write one array."""
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+def rows(n: int) -> bytes:
+    """The ordinary array."""
+    return npy(random().random((n, 3)))
+
+
+def columns_first(n: int) -> bytes:
+    """An array in column-major order: no row stands in one place."""
+    return npy(np.asfortranarray(random().random((n, 3))))
+
+
+def bytes_of_rows(n: int) -> bytes:
+    """Coordinates of one byte: eight times as much once they are read."""
+    return npy(random().integers(0, 100, (n, 2)).astype(np.uint8))
+
+
+def half_floats(n: int) -> bytes:
+    """Coordinates of two bytes, in the other order of bytes."""
+    return npy(random().random((n, 2)).astype(">f2"))
+
+
+def structured(n: int) -> bytes:
+    """Rows of named values."""
+    return npy(np.zeros(n, dtype=[("x", "<f4"), ("y", "<f4"), ("class", "u1")]))
+
+
+def fields(n: int) -> bytes:
+    """As many named values as NumPy's limit on headers allows."""
+    names = [("x", "<f8"), ("y", "<f8"), *((f"f{k}", "u1") for k in range(min(n, 512)))]
+    return npy(np.zeros(max(n // 512, 1), dtype=names))
+
+
+def flags(n: int) -> bytes:
+    """Structured rows of one-byte values."""
+    return npy(np.zeros(n, dtype=[("x", "u1"), ("y", "u1"), ("f", "?"), ("g", "?")]))
+
+
+NPY = named(rows, columns_first, bytes_of_rows, half_floats, structured, fields, flags)
+
+
+def npz(members: dict[str, bytes], method: int = zipfile.ZIP_STORED) -> bytes:
+    """Write an archive."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        for name, content in members.items():
+            archive.writestr(f"{name}.npy", content)
+    return stream.getvalue()
+
+
+def mesh(n: int) -> dict[str, bytes]:
+    """Make the members of a mesh."""
+    rng = random()
+    faces = rng.integers(0, n, (2 * n, 3)).astype(np.int32)
+    points = np.round(rng.random((n, 3)) * 1000, 2)
+    colors = rng.integers(0, 256, (n, 3)).astype(np.uint8)
+    return {"points": npy(points), "faces": npy(faces), "colors": npy(colors)}
+
+
+def stored(n: int) -> bytes:
+    """The ordinary archive."""
+    return npz(mesh(n))
+
+
+def deflated(n: int) -> bytes:
+    """The ordinary archive, compressed."""
+    return npz(mesh(n), zipfile.ZIP_DEFLATED)
+
+
+def bzip2(n: int) -> bytes:
+    """Compressed in another way."""
+    return npz(mesh(n), zipfile.ZIP_BZIP2)
+
+
+def lzma(n: int) -> bytes:
+    """Compressed in yet another way."""
+    return npz(mesh(n), zipfile.ZIP_LZMA)
+
+
+def zeros(n: int) -> bytes:
+    """Zeros, which a thousandth of their size describes."""
+    return npz({"points": npy(np.zeros((n, 3)))}, zipfile.ZIP_DEFLATED)
+
+
+def members(n: int) -> bytes:
+    """Very many members: a name must not be compared with all before it."""
+    column = npy(np.zeros(2))
+    return npz({"points": npy(np.eye(2)), **{f"a{k}": column for k in range(n)}})
+
+
+def skipped_members(n: int) -> bytes:
+    """Members that fit no row, each of which is named."""
+    lonely = npy(np.zeros(3))
+    return npz({"points": npy(np.eye(2)), **{f"a{k}": lonely for k in range(n)}})
+
+
+def foreign_members(n: int) -> bytes:
+    """Members that are no arrays."""
+    stream = io.BytesIO(npz({"points": npy(np.eye(2))}))
+    with zipfile.ZipFile(stream, "a") as archive:
+        for k in range(n):
+            archive.writestr(f"note{k}.txt", b"")
+    return stream.getvalue()
+
+
+def going_on(method: int) -> bytes:
+    """Change an archive of a method so that its member states fewer bytes than its stream has."""
+    whole, more = npy(np.eye(3)), bytes(1 << 26)
+    data = npz({"points": whole + more}, method)
+    stated = struct.pack("<L", len(whole))
+    return data.replace(struct.pack("<L", len(whole) + len(more)), stated)
+
+
+def deflate_that_goes_on(n: int) -> bytes:
+    """A stream of 64 MB behind a member that states some hundred bytes, and n bytes of notes."""
+    return going_on(zipfile.ZIP_DEFLATED) + bytes(n)
+
+
+def bzip2_that_goes_on(n: int) -> bytes:
+    """The same for the method that packs zeros the most densely."""
+    return going_on(zipfile.ZIP_BZIP2) + bytes(n)
+
+
+def lzma_that_goes_on(n: int) -> bytes:
+    """The same for the method whose end zipfile does not look for."""
+    return going_on(zipfile.ZIP_LZMA) + bytes(n)
+
+
+NPZ = named(
+    stored,
+    deflated,
+    bzip2,
+    lzma,
+    zeros,
+    members,
+    skipped_members,
+    foreign_members,
+)
+
+LIES = named(deflate_that_goes_on, bzip2_that_goes_on, lzma_that_goes_on)
+"""Their size is not what they expand to, so they are for the memory tests alone."""

@@ -1,0 +1,205 @@
+"""Families of text files: OBJ, OFF, tables of points, and STL as text.
+
+Work grows where a line is handled by itself because it is unlike its neighbours, where a line is
+joined to all before it, and where a line or a header is as long as the file.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from growth.families import named, random
+
+
+def positions(n: int, form: str = "{} {} {}\n") -> str:
+    """Write n rows of coordinates."""
+    points = np.round(random().random((n, 3)) * 1000, 2)
+    return "".join(form.format(x, y, z) for x, y, z in points.tolist())
+
+
+def corners(n: int, k: int) -> list[int]:
+    """Return the corners of face k of n vertices, counted from 1: three or four in turn."""
+    return [(k + j) % n + 1 for j in range(3 + k % 2)]
+
+
+def obj_triangles(n: int) -> bytes:
+    """The ordinary mesh."""
+    faces = (f"f {k + 1} {(k + 1) % n + 1} {(k + 2) % n + 1}\n" for k in range(n))
+    return (positions(n, "v {} {} {}\n") + "".join(faces)).encode()
+
+
+def obj_polygons(n: int) -> bytes:
+    """Triangles and quadrilaterals in turn."""
+    faces = (f"f {' '.join(map(str, corners(n, k)))}\n" for k in range(n))
+    return (positions(n, "v {} {} {}\n") + "".join(faces)).encode()
+
+
+def obj_groups(n: int) -> bytes:
+    """A group, a material and a smoothing group before every face."""
+    faces = (f"g g{k}\nusemtl m{k}\ns {k}\nf 1 2 3\n" for k in range(n))
+    return (positions(n, "v {} {} {}\n") + "".join(faces)).encode()
+
+
+def obj_keywords(n: int) -> bytes:
+    """Lines of a keyword of their own each: keywords must not be compared with all before them."""
+    return (positions(4, "v {} {} {}\n") + "".join(f"key{k} 1\n" for k in range(n))).encode()
+
+
+def obj_alternating(n: int) -> bytes:
+    """Vertices and faces in turn, with negative indices: counted from where the file has got to."""
+    vertices = positions(n, "v {} {} {}\n").splitlines(keepends=True)
+    return "".join(line + "f -1 -2 -3\n" * (k > 1) for k, line in enumerate(vertices)).encode()
+
+
+def obj_one_polygon(n: int) -> bytes:
+    """One face with all vertices for corners: a line as long as the file."""
+    return (positions(n, "v {} {} {}\n") + f"f {' '.join(map(str, range(1, n + 1)))}\n").encode()
+
+
+def obj_normals(n: int) -> bytes:
+    """Corners with normals of their own, some with textures: four forms of corners in turn."""
+    forms = ("f {0}//{0} {1}//{1} {2}//{2}\n", "f {0} {1} {2}\n", "f {0}/{0} {1}/{1} {2}/{2}\n")
+    faces = (forms[k % 3].format(k + 1, (k + 1) % n + 1, (k + 2) % n + 1) for k in range(n))
+    head = positions(n, "v {} {} {}\n") + "vn 0 0 1\n" * n + "vt 0 0\n" * n
+    return (head + "".join(faces)).encode()
+
+
+def obj_continued(n: int) -> bytes:
+    """Lines that go on and on."""
+    return b"v 0 0 0\nv 1 0 0\n" + b"a\\\n" * n + b"\n"
+
+
+def obj_unlike_vertices(n: int) -> bytes:
+    """Vertices with and without colours in turn: refused, by looking at each line."""
+    lines = positions(n, "v {} {} {}\n").splitlines()
+    return "".join(f"{line}{' 0.5 0.5 0.5' * (k % 2)}\n" for k, line in enumerate(lines)).encode()
+
+
+def obj_comments(n: int) -> bytes:
+    """Comments before, between and behind."""
+    return ("# c\n" * n + positions(n, "v {} {} {} # c\n")).encode()
+
+
+OBJ = named(
+    obj_triangles,
+    obj_polygons,
+    obj_groups,
+    obj_keywords,
+    obj_alternating,
+    obj_one_polygon,
+    obj_normals,
+    obj_continued,
+    obj_unlike_vertices,
+    obj_comments,
+)
+
+
+def off_triangles(n: int) -> bytes:
+    """The ordinary mesh."""
+    faces = "".join(f"3 {k} {(k + 1) % n} {(k + 2) % n}\n" for k in range(n))
+    return f"OFF\n{n} {n} 0\n{positions(n)}{faces}".encode()
+
+
+def off_polygons(n: int) -> bytes:
+    """Triangles and quadrilaterals in turn."""
+    rows = ([c - 1 for c in corners(n, k)] for k in range(n))
+    faces = "".join(f"{len(row)} {' '.join(map(str, row))}\n" for row in rows)
+    return f"OFF\n{n} {n} 0\n{positions(n)}{faces}".encode()
+
+
+def off_colours(n: int) -> bytes:
+    """Colours behind some faces."""
+    faces = "".join(f"3 0 1 2{' 255 0 0' * (k % 2)}\n" for k in range(n))
+    return f"OFF\n{n} {n} 0\n{positions(n)}{faces}".encode()
+
+
+def off_one_polygon(n: int) -> bytes:
+    """One face with all vertices for corners."""
+    return f"OFF\n{n} 1 0\n{positions(n)}{n} {' '.join(map(str, range(n)))}\n".encode()
+
+
+def off_empty_faces(n: int) -> bytes:
+    """Faces without corners, two bytes each."""
+    return f"OFF\n3 {n + 1} 0\n{positions(3)}3 0 1 2\n".encode() + b"0\n" * n
+
+
+def off_comments(n: int) -> bytes:
+    """Comments and empty lines between the rows."""
+    return f"OFF\n{n} 1 0\n{positions(n, '{} {} {} # c' + chr(10) * 3)}3 0 1 2\n".encode()
+
+
+OFF = named(
+    off_triangles, off_polygons, off_colours, off_one_polygon, off_empty_faces, off_comments
+)
+
+
+def table(n: int) -> bytes:
+    """The ordinary table."""
+    return positions(n).encode()
+
+
+def table_with_header(n: int) -> bytes:
+    """The ordinary table with a header, colours and a column of its own."""
+    rows = positions(n, "{},{},{},1,2,3,7\n")
+    return f"x,y,z,red,green,blue,class\n{rows}".encode()
+
+
+def one_digit_rows(n: int) -> bytes:
+    """Rows of four bytes: what is kept for a row outweighs it."""
+    return b"0 1\n" * n
+
+
+def columns(n: int) -> bytes:
+    """Rows of very many columns, with a header: names must not be compared with all others."""
+    names = ",".join(["x", "y", *(f"c{k}" for k in range(n))])
+    return f"{names}\n{'1,' * (n + 1)}1\n{'2,' * (n + 1)}1\n".encode()
+
+
+def unnamed_columns(n: int) -> bytes:
+    """One row of very many columns, and one that has fewer."""
+    return b"1 " * n + b"\n1 2 3\n"
+
+
+def remarks(n: int) -> bytes:
+    """Comments before the first row and behind every row."""
+    return ("# a remark\n" * n + positions(n, "{} {} {} # remark\n")).encode()
+
+
+def blank_lines(n: int) -> bytes:
+    """Lines of nothing."""
+    return b"0 0 0\n" + b"\n" * 8 * n + b"1 0 0\n"
+
+
+def carriage_returns(n: int) -> bytes:
+    """Lines that end as they once did."""
+    return positions(n).replace("\n", "\r").encode()
+
+
+def quoted_values(n: int) -> bytes:
+    """Every value in quotes."""
+    return positions(n, '"{}";"{}";"{}"\n').encode()
+
+
+def last_line_broken(n: int) -> bytes:
+    """A table whose last line is no row: all lines are looked at again to tell which it is."""
+    return (positions(n) + "1 2\n").encode()
+
+
+def long_numbers(n: int) -> bytes:
+    """Numbers of very many digits."""
+    return f"0.{'1' * n} 0.{'2' * n} 0.{'3' * n}\n".encode()
+
+
+TEXT = named(
+    table,
+    table_with_header,
+    one_digit_rows,
+    columns,
+    unnamed_columns,
+    remarks,
+    blank_lines,
+    carriage_returns,
+    quoted_values,
+    last_line_broken,
+    long_numbers,
+)

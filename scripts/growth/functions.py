@@ -1,0 +1,307 @@
+"""The public functions and methods of liftmesh that compute on arrays, as subjects to watch.
+
+A prepared `Work` holds all that its call needs. Cached properties are computed by their functions,
+so that each call computes them anew.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from distributions import Points
+
+import liftmesh
+from growth.counting import Work
+from growth.families import random
+from growth.planar import FANS, PLANAR
+from growth.spatial import SPATIAL
+from liftmesh import Cloud, Triangulation
+
+Prepare = Callable[[Any], Work]
+
+PLAIN = ("uniform", "lattice", "circle and centre")
+"""What works on finished arrays does not depend on where the points are."""
+
+EXACT = ("lattice", "tilted lattice", "mixed exponents")
+TERRAIN = ("random heights", "towers")
+POLICIES = ("first", "last", "lowest", "highest", "mean", "error")
+PROPERTIES = (
+    "points", "convex_hull", "coplanar", "good", "min_bound", "max_bound", "vertex_to_simplex",
+    "vertex_neighbor_vertices", "transform", "equations",
+)  # fmt: skip
+
+
+def stated_size(data: bytes) -> int:
+    """Return the bytes that the members of an archive state; 0 for other files."""
+    with suppress(zipfile.BadZipFile):
+        return sum(each.file_size for each in zipfile.ZipFile(io.BytesIO(data)).infolist())
+    return 0
+
+
+def on_points(call: Callable[[Points], object]) -> Prepare:
+    """Prepare a call on the points themselves."""
+    return lambda points: Work(lambda: call(points), len(points))
+
+
+def on_triangulation(call: Callable[[Triangulation], object]) -> Prepare:
+    """Prepare a call on the triangulation of points."""
+
+    def prepare(points: Points) -> Work:
+        found = liftmesh.delaunay(points, threads=1)
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def on_hull(call: Callable[[liftmesh.LowerHull], object]) -> Prepare:
+    """Prepare a call on the lower hull of lifted points."""
+
+    def prepare(points: Points) -> Work:
+        with np.errstate(over="ignore"):
+            found = liftmesh.delaunay(points, threads=1).lifted()
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def on_surface(call: Callable[[liftmesh.Surface], object]) -> Prepare:
+    """Prepare a call on the surface of a cloud."""
+
+    def prepare(points: Points) -> Work:
+        found = liftmesh.triangulate(points, threads=1)
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def on_comparison(call: Callable[[liftmesh.Comparison], object]) -> Prepare:
+    """Prepare a call on a finished comparison."""
+
+    def prepare(points: Points) -> Work:
+        found = liftmesh.compare(points)
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def delaunay(**options: Any) -> Prepare:
+    """Prepare a triangulation with options."""
+    return on_points(lambda points: liftmesh.delaunay(points, threads=1, **options))
+
+
+def triangulate(**options: Any) -> Prepare:
+    """Prepare a surface with options."""
+    return on_points(lambda points: liftmesh.triangulate(points, threads=1, **options))
+
+
+def queries(of: Callable[[Triangulation], Points]) -> Prepare:
+    """Prepare the location of as many points as there are rows; the first builds the index."""
+
+    def prepare(points: Points) -> Work:
+        found = liftmesh.delaunay(points, threads=1)
+        asked = of(found)
+        found.find_simplex(asked[:1])
+        return Work(lambda: found.find_simplex(asked), len(asked))
+
+    return prepare
+
+
+def near_the_middle(found: Triangulation) -> Points:
+    """Make points in the disc around the middle of the bounding box, where fans have their apex."""
+    low, high = found.min_bound / 2, found.max_bound / 2
+    return low + high + (high - low) * random().uniform(-0.5, 0.5, (found.npoints, 2))
+
+
+def around_the_last_row(found: Triangulation) -> Points:
+    """Make points near the last row, which is the apex in the families that have one."""
+    scale = np.abs(found.max_bound / 2 - found.min_bound / 2).max() * 1e-3
+    return found.points[-1] + scale * random().uniform(-1, 1, (found.npoints, 2))
+
+
+def centroids(found: Triangulation) -> Points:
+    """Make a point in each of some triangles, in random order."""
+    rng = random()
+    picked = found.points[found.simplices[rng.integers(0, found.nsimplex, found.npoints)]]
+    return (picked / 3).sum(axis=1)
+
+
+def verified(scattered: Callable[[Points, np.ndarray], tuple[Points, np.ndarray]]) -> Prepare:
+    """Prepare the verification of triangles that are handed over in some way."""
+
+    def prepare(points: Points) -> Work:
+        triangles = liftmesh.delaunay(points, threads=1).simplices
+        rows, corners = scattered(points, triangles)
+        return Work(lambda: liftmesh.verify(rows, corners, threads=1), len(points))
+
+    return prepare
+
+
+def shuffled(points: Points, triangles: np.ndarray) -> tuple[Points, np.ndarray]:
+    """Hand over triangles in random order."""
+    return points, random().permutation(triangles)
+
+
+def unshared(points: Points, triangles: np.ndarray) -> tuple[Points, np.ndarray]:
+    """Hand over triangles that share no rows."""
+    return points[triangles].reshape(-1, 2), np.arange(triangles.size).reshape(-1, 3)
+
+
+def wrong(points: Points, triangles: np.ndarray) -> tuple[Points, np.ndarray]:
+    """Hand over triangles with corners that are not theirs: every edge is a flaw."""
+    return points, random().integers(0, len(points), triangles.shape)
+
+
+def certificate(points: Points) -> Work:
+    """Prepare the text of a certificate with very many flaws."""
+    triangles = random().integers(0, len(points), (len(points), 3))
+    found = liftmesh.verify(points, triangles, threads=1)
+    return Work(lambda: (found.as_dict(), found.to_json()), len(points))
+
+
+def predicate(call: Callable[..., object], rows: int) -> Prepare:
+    """Prepare a predicate on the points in several orders."""
+    return on_points(lambda points: call(*(np.roll(points, k, axis=0) for k in range(rows))))
+
+
+def computed(name: str) -> Callable[[Triangulation], object]:
+    """Return the function behind a property."""
+    held: Any = vars(Triangulation)[name]
+    function: Callable[[Triangulation], object] = getattr(held, "func", None) or held.fget
+    return function
+
+
+def tilted(points: Points) -> liftmesh.Frame:
+    """Make a frame that is not level."""
+    return liftmesh.triangulate(points[:100], plane=(1, 2, 3), threads=1).frame
+
+
+def framed(call: Callable[[liftmesh.Frame, Points], object]) -> Prepare:
+    """Prepare a call on a frame and points in space."""
+
+    def prepare(points: Points) -> Work:
+        frame = tilted(points)
+        return Work(lambda: call(frame, points), len(points))
+
+    return prepare
+
+
+def adapted(convert: Callable[[Points], object]) -> Prepare:
+    """Prepare the conversion of a foreign object to a cloud."""
+
+    def prepare(points: Points) -> Work:
+        source = convert(points)
+        return Work(lambda: liftmesh.as_cloud(source), len(points))
+
+    return prepare
+
+
+def trimesh_cloud(points: Points) -> object:
+    """Make a point cloud of trimesh."""
+    import trimesh  # noqa: PLC0415 - slow to import, and not needed by most subjects
+
+    return trimesh.PointCloud(points)
+
+
+def saved(thing: Any) -> object:
+    """Write a mesh by its own method."""
+    return thing.save(io.BytesIO(), format="ply")
+
+
+def halves(points: Points) -> Work:
+    """Prepare the selection of every second row of a cloud that has everything."""
+    rows = np.arange(len(points))
+    cloud = Cloud(points, attributes={"row": rows}, colors=np.zeros((len(rows), 3), np.uint8))
+    return Work(lambda: cloud.select(slice(None, None, 2)), len(points))
+
+
+def planar_functions() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation, counted families and least size of what works in the plane."""
+    yield "delaunay", PLANAR, delaunay(), None, 128
+    yield "delaunay in canonical order", PLANAR, delaunay(order="canonical"), PLAIN, 128
+    yield "delaunay with rows left out", PLANAR, delaunay(nonfinite="skip"), ("few positions",), 128
+    for method in ("lf", "lfres", "lfres-indexed"):
+        yield f"delaunay by {method}", PLANAR, delaunay(method=method), ("uniform",), 8
+    yield "Delaunay", PLANAR, on_points(liftmesh.Delaunay), PLAIN, 128
+    yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT), 128
+    for way in (shuffled, unshared, wrong):
+        yield f"verify {way.__name__}", PLANAR, verified(way), (*PLAIN, "polar scan"), 128
+    yield "Certificate.to_json", PLANAR, certificate, ("uniform",)
+    yield "Certificate.as_dict", PLANAR, certificate, ()
+    for place in (near_the_middle, around_the_last_row, centroids):
+        label = f"Triangulation.find_simplex {place.__name__.replace('_', ' ')}"
+        yield label, PLANAR, queries(place), FANS
+    yield "Triangulation.find_simplex of rows", PLANAR, queries(lambda t: t.points), FANS
+    for name in PROPERTIES:
+        yield f"Triangulation.{name}", PLANAR, on_triangulation(computed(name)), PLAIN
+    yield "Triangulation.verify", PLANAR, on_triangulation(lambda t: t.verify(threads=1)), PLAIN
+    yield "Triangulation.lifted", PLANAR, on_triangulation(lambda t: t.lifted("median")), PLAIN
+    yield "Triangulation.to_scipy", PLANAR, on_triangulation(lambda t: t.to_scipy()), ("uniform",)
+    yield (
+        "Triangulation.lift_points",
+        PLANAR,
+        on_triangulation(lambda t: t.lift_points(t.points)),
+        PLAIN,
+    )
+    yield (
+        "Triangulation.plane_distance",
+        PLANAR,
+        on_triangulation(lambda t: t.plane_distance(t.points[0])),
+        PLAIN,
+    )
+    yield "lift", PLANAR, on_points(lambda points: liftmesh.lift(points, "median")), PLAIN
+    yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
+    yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT
+    yield "LowerHull.above", PLANAR, on_hull(lambda hull: hull.above), PLAIN
+    yield "LowerHull.to_cloud", PLANAR, on_hull(lambda hull: hull.to_cloud()), PLAIN
+    yield "LowerHull.to_trimesh", PLANAR, on_hull(lambda hull: hull.to_trimesh()), PLAIN
+    yield "LowerHull.save", PLANAR, on_hull(saved), PLAIN
+
+
+def spatial_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of what works in space."""
+    yield "lower_hull", SPATIAL, on_points(liftmesh.lower_hull)
+    yield (
+        "lower_hull by lf",
+        SPATIAL,
+        on_points(lambda points: liftmesh.lower_hull(points, method="lf")),
+        ("lifted points",),
+        8,
+    )
+    yield "triangulate", SPATIAL, triangulate()
+    for policy in POLICIES:
+        label = f"triangulate with the {policy} of duplicates"
+        yield label, SPATIAL, triangulate(duplicates=policy), ("towers", "random heights")
+    yield "triangulate on a fitted plane", SPATIAL, triangulate(plane="fit"), TERRAIN
+    yield "triangulate on a plane", SPATIAL, triangulate(plane=(1, 2, 3)), TERRAIN
+    yield "compare", SPATIAL, on_points(liftmesh.compare), TERRAIN
+    for name in ("lower_hull", "trimesh_hull", "trimesh_lower_facets", "conclusion", "table"):
+        held = getattr(liftmesh.Comparison, name)
+        yield f"Comparison.{name}", SPATIAL, on_comparison(held), ("random heights",), 16
+    yield "project", SPATIAL, on_points(liftmesh.project), TERRAIN
+    for name in ("planar", "heights"):
+        yield f"Frame.{name}", SPATIAL, framed(getattr(liftmesh.Frame, name)), TERRAIN
+    yield (
+        "Frame.raised",
+        SPATIAL,
+        framed(lambda frame, points: frame.raised(points, points[:, 2], points[:, 1])),
+        TERRAIN,
+    )
+    for name in ("to_cloud", "to_trimesh", "to_matplotlib"):
+        call = getattr(liftmesh.Surface, name)
+        yield f"Surface.{name}", SPATIAL, on_surface(call), TERRAIN
+    for name in ("to_open3d", "to_open3d_t"):  # Open3D takes minutes to import under callgrind
+        yield f"Surface.{name}", SPATIAL, on_surface(getattr(liftmesh.Surface, name)), ()
+    yield "Surface.save", SPATIAL, on_surface(saved), TERRAIN
+    yield "Cloud", SPATIAL, on_points(Cloud), TERRAIN
+    yield "Cloud.select", SPATIAL, halves, TERRAIN
+    yield "as_cloud of an array", SPATIAL, adapted(np.asfortranarray), TERRAIN
+    yield "as_cloud of lists", SPATIAL, adapted(lambda points: points.tolist()), TERRAIN
+    yield "as_cloud of trimesh", SPATIAL, adapted(trimesh_cloud), TERRAIN
+
+
+FUNCTIONS = (*planar_functions(), *spatial_functions())

@@ -1,0 +1,82 @@
+"""Whether the cost of a row or a byte grows with the size of the input.
+
+The cost is taken at three sizes s, 8 s and 64 s. The share that does not depend on the size drops
+out of the differences: what a row costs between s and 8 s, and what it costs between 8 s and 64 s,
+are the slopes of the cost at sizes that differ by 8. Linear work has a ratio of 1, sorting about
+1.3, quadratic work 8. More than 3 is too much.
+
+`ORDERS` holds the cases that are known to grow faster, each with its reason and the ratio that it
+may reach. A case that no longer grows must be taken off that list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from growth.counting import Count, Work, count
+from growth.subjects import Subject, subjects
+
+MOST = 3.0
+QUADRATIC = 12.0
+
+_FACETS = "the paper's procedure: each facet looks at every point"
+_FANS = "a walk goes around a whole fan; see ARCHITECTURE.md"
+
+ORDERS: dict[tuple[str, str], tuple[str, float]] = {
+    ("delaunay by lf", "uniform"): (_FACETS, QUADRATIC),
+    ("delaunay by lfres", "uniform"): (_FACETS, QUADRATIC),
+    ("lower_hull by lf", "lifted points"): (_FACETS, QUADRATIC),
+}
+
+Case = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """The costs of one case at sizes that differ by eight, and their growth."""
+
+    case: Case
+    counts: tuple[Count, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Cost of a unit between the last two sizes, divided by that between the first two."""
+        slopes = [
+            (large.instructions - small.instructions) / max(large.units - small.units, 1)
+            for small, large in zip(self.counts, self.counts[1:], strict=False)
+        ]
+        return slopes[-1] / max(slopes[0], 1e-9)
+
+    @property
+    def fault(self) -> str:
+        """What is wrong, in words; an empty string if nothing is."""
+        reason, most = ORDERS.get(self.case, ("", MOST))
+        shown = [f"{each.instructions / each.units:,.1f}" for each in self.counts]
+        if self.ratio > most:
+            return f"{' on '.join(self.case)}: {' '.join(shown)} a unit, x {self.ratio:.1f}"
+        if reason and self.ratio < MOST / 2:
+            return f"{' on '.join(self.case)}: no longer grows: take it off ORDERS"
+        return ""
+
+
+def cases(found: dict[str, Subject] | None = None) -> Iterator[Case]:
+    """List what the tests count."""
+    for name, subject in (found or subjects()).items():
+        chosen = subject.families if subject.counted is None else subject.counted
+        yield from ((name, family) for family in chosen)
+
+
+def grown(chosen: list[Case], *, prepare: str = "growth.growing:prepare") -> list[Growth]:
+    """Count cases at all their sizes, in one child process."""
+    jobs = [[name, family, k] for name, family in chosen for k in range(3)]
+    counts = count(prepare, jobs)
+    return [Growth(case, tuple(counts[3 * k : 3 * k + 3])) for k, case in enumerate(chosen)]
+
+
+def prepare(job: list[str | int]) -> Work:
+    """Make the call of a job: a subject, a family, and which of the sizes."""
+    name, family, number = job
+    subject = subjects()[str(name)]
+    size = subject.sizes(str(family))[int(number)]
+    return replace(subject.prepare(subject.families[str(family)](size)), warm=number == 0)

@@ -1,0 +1,147 @@
+"""What is watched: every public function that computes on data, every reader and every writer.
+
+A subject is named after the public name that it calls, with what distinguishes it behind. Readers
+and writers are taken from the table of formats: one that is new there has no families yet, and the
+tests fail until `FILES` holds some. `WITHOUT_DATA` lists the public names that are no subjects.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import liftmesh
+from growth import functions
+from growth.counting import Work
+from growth.files.arrays import NPY, NPZ
+from growth.files.clouds import CLOUDS
+from growth.files.gltf import GLB, GLTF, HEAVY
+from growth.files.ply import PLY
+from growth.files.stl import STL
+from growth.files.text import OBJ, OFF, TEXT
+from growth.planar import DEAR
+from liftmesh.io.registry import FORMATS
+
+if TYPE_CHECKING:
+    from growth.families import Families
+    from liftmesh.io.format import Format
+
+FILES: dict[str, Families] = {
+    "ply": PLY,
+    "obj": OBJ,
+    "off": OFF,
+    "text": TEXT,
+    "stl": STL,
+    "npy": NPY,
+    "npz": NPZ,
+    "glb": GLB,
+    "gltf": GLTF,
+}
+
+GLTF_COUNTED = ("soup", "indexed", "flat json")
+PARTS = 16
+"""The least number of rows, faces or members in the files that are counted."""
+
+CHUNKS = 16
+"""Files are read in chunks of a sixteenth of their rows, roughly."""
+
+
+WITHOUT_DATA = {
+    "Adapter": "describes a conversion",
+    "Format": "describes a format",
+    "Written": "tells what was written",
+    "Flaw": "a result, made by verify",
+    "Offender": "a result, made by verify",
+    "Certificate": "a result, made by verify; its methods are watched",
+    "Comparison": "a result, made by compare; its methods are watched",
+    "Counters": "a result, made by delaunay",
+    "Frame": "made by triangulate from a plane; its methods are watched",
+    "LowerHull": "a result; its methods are watched",
+    "Report": "a result, made by triangulate",
+    "Surface": "a result, made by triangulate; its methods are watched",
+    "Triangulation": "a result, made by delaunay; its methods and properties are watched",
+}
+"""Public names that are not watched, each with the reason; nor are exceptions and the version."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A function that is watched, and the families that it is watched on.
+
+    `prepare` makes the `Work` of an input of a family. `counted` names the families of which the
+    tests count the instructions, all by default; `smallest` is the least of the sizes counted.
+    """
+
+    name: str
+    families: Families
+    prepare: Callable[[Any], Work]
+    counted: tuple[str, ...] | None = None
+    smallest: int = 64
+
+    def sizes(self, family: str) -> tuple[int, int, int]:
+        """Return the three sizes that are counted, each eight times the one before."""
+        dear = family in DEAR or family in HEAVY
+        least = max(self.smallest // 8, 4) if dear else self.smallest
+        return least, 8 * least, 64 * least
+
+
+def content(data: bytes) -> int:
+    """Return the size of a file, or of what it states to expand to."""
+    return max(len(data), getattr(data, "content", 0), functions.stated_size(data))
+
+
+def reader(found: Format) -> Callable[[bytes], Work]:
+    """Make what prepares the reading of a whole file."""
+
+    def prepare(data: bytes) -> Work:
+        return Work(lambda: liftmesh.read(io.BytesIO(data), format=found.name), content(data))
+
+    return prepare
+
+
+def chunk_reader(found: Format) -> Callable[[bytes], Work]:
+    """Make what prepares the reading of a file in chunks."""
+
+    def prepare(data: bytes) -> Work:
+        rows = max(len(data) // 32 // CHUNKS, 1)
+
+        def call() -> int:
+            stream = io.BytesIO(data)
+            return sum(map(len, liftmesh.read_chunks(stream, rows=rows, format=found.name)))
+
+        return Work(call, content(data))
+
+    return prepare
+
+
+def writer(found: Format) -> Callable[[liftmesh.Cloud], Work]:
+    """Make what prepares the writing of a cloud."""
+
+    def prepare(cloud: liftmesh.Cloud) -> Work:
+        values = sum(each[:1].size for each in cloud.attributes.values())
+        units = len(cloud) * (1 + values) + len(cloud.faces if cloud.faces is not None else ())
+        return Work(lambda: liftmesh.write(io.BytesIO(), cloud, format=found.name), units)
+
+    return prepare
+
+
+def of_formats() -> Iterator[Subject]:
+    """Make the subjects of all formats in the table."""
+    for each in FORMATS:
+        families = FILES.get(each.name, {})
+        ordinary = tuple(families)[:1]
+        if each.read is not None:
+            counted = GLTF_COUNTED if each.name == "gltf" else None  # all else is as in GLB
+            yield Subject(f"read {each.name}", families, reader(each), counted, PARTS)
+            counted = None if each.read_chunks else ordinary  # else read whole, then split
+            yield Subject(f"read_chunks {each.name}", families, chunk_reader(each), counted, PARTS)
+        if each.write is not None:
+            yield Subject(f"write {each.name}", CLOUDS, writer(each), None, PARTS)
+
+
+def subjects() -> dict[str, Subject]:
+    """Return all subjects by name."""
+    made = (Subject(*each) for each in functions.FUNCTIONS)
+    return {each.name: each for each in (*made, *of_formats())}

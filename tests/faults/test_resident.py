@@ -1,0 +1,64 @@
+"""Readers take at most 20 bytes of memory for each byte of a file, whatever it holds."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import pytest
+from growth.files.arrays import LIES
+from growth.files.gltf import HEAVY
+from growth.resident import ADDRESSES, FIXED, Held, forked, measured
+from growth.subjects import FILES
+
+from liftmesh.io.registry import FORMATS
+
+IN_CHUNKS = [each.name for each in FORMATS if each.read_chunks is not None]
+MEGA = 1_000_000
+
+
+def test_every_reader_is_measured() -> None:
+    assert {each.name for each in FORMATS if each.read is not None} <= FILES.keys()
+
+
+def families(kind: str) -> list[str]:
+    """Name the families of a format; those whose files are slow to make are left to GLB."""
+    found = [each for each in FILES[kind] if kind != "gltf" or each not in HEAVY]
+    return [*found, *(LIES if kind == "npz" else ())]
+
+
+@pytest.mark.parametrize("kind", [each.name for each in FORMATS])
+def test_reading_takes_memory_in_proportion_to_the_file(kind: str) -> None:
+    found = measured(kind, families(kind), chunks=False)
+    assert len(found) == len(families(kind))
+    assert [each.fault for each in found if each.fault] == []
+
+
+@pytest.mark.parametrize("kind", IN_CHUNKS)
+def test_reading_in_chunks_takes_no_more(kind: str) -> None:
+    found = measured(kind, families(kind), chunks=True)
+    assert [each.fault for each in found if each.fault] == []
+
+
+@pytest.mark.parametrize("kind", IN_CHUNKS)
+def test_chunks_of_a_file_do_not_pile_up(kind: str) -> None:
+    ordinary = next(iter(FILES[kind]))
+    small, large = (
+        measured(kind, [ordinary], chunks=True, size=size)[0] for size in (5 * MEGA, 20 * MEGA)
+    )
+    assert large.content > 3.5 * small.content
+    assert large.grown - small.grown < (large.content - small.content) / 2
+
+
+def test_what_takes_more_is_noticed() -> None:
+    fat, outcome = forked(lambda: str(len(bytearray(FIXED + 30 * MEGA))), None)
+    assert fat > FIXED + 29 * MEGA
+    assert "more than" in Held("a", MEGA, fat, "read", "read").fault
+    assert outcome == str(FIXED + 30 * MEGA)
+
+
+def test_what_crashes_is_noticed() -> None:
+    _, killed = forked(lambda: str(os.kill(os.getpid(), signal.SIGKILL)), ADDRESSES)
+    assert killed == "exit code -9"
+    assert "exit code -9" in Held("a", MEGA, 0, "read", killed).fault
+    assert Held("a", MEGA, 0, "read", "MemoryError").fault == ""
