@@ -1,55 +1,14 @@
-"""Polygons of any size, as files hold them: validated and split into triangles."""
+"""Faces as files hold them: checked, and split into triangles if they are polygons."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
-from liftmesh._typing import Array, Integers, Rows
+from liftmesh._typing import Array, Rows
 from liftmesh.errors import FormatError
-
-_ROWS = 1 << 18  # rows copied at a time: Ctrl-C takes effect in between
-
-
-@dataclass(frozen=True, slots=True)
-class Ragged:
-    """Rows of different lengths: row i holds the next ``sizes[i]`` of ``values``."""
-
-    sizes: Integers
-    values: Array
-
-    @classmethod
-    def uniform(cls, rows: Array) -> Ragged:
-        """Copy an (m, k) array: m rows of k values."""
-        copy = np.empty(rows.shape, rows.dtype)
-        for start in range(0, len(rows), _ROWS):
-            copy[start : start + _ROWS] = rows[start : start + _ROWS]
-        return cls(np.broadcast_to(np.int64(rows.shape[1]), len(rows)), copy.reshape(-1))
-
-    @classmethod
-    def empty(cls, dtype: np.dtype) -> Ragged:
-        """Return an instance without rows."""
-        return cls(np.empty(0, dtype=np.int64), np.empty(0, dtype))
-
-    @classmethod
-    def joined(cls, parts: Sequence[Ragged]) -> Ragged:
-        """Concatenate the rows of all parts."""
-        if len(parts) == 1:
-            return parts[0]
-        return cls(
-            np.concatenate([each.sizes for each in parts]),
-            np.concatenate([each.values for each in parts]),
-        )
-
-    def starts(self) -> Integers:
-        """Return the index of the first value of each row."""
-        return np.cumsum(self.sizes) - self.sizes
-
-    def row_of(self, position: int) -> int:
-        """Return the row to which the value at ``position`` belongs."""
-        return int(np.searchsorted(np.cumsum(self.sizes), position, side="right"))
+from liftmesh.io.ragged import Ragged, places, runs
 
 
 def triangulated(
@@ -75,17 +34,36 @@ def triangulated(
         wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
         face, vertex = faces.row_of(int(wrong)), int(faces.values[wrong])
         raise FormatError(f"{name}: {where(face)} {_outside(vertex, vertices)}")
-    return _fans(faces).astype(np.int32, copy=False)
-
-
-def _fans(faces: Ragged) -> Array:
     if np.all(faces.sizes == 3):
-        return faces.values.reshape(-1, 3)
-    fans = np.maximum(faces.sizes - 2, 0)
-    first = np.repeat(faces.starts(), fans)
-    step = np.arange(len(first)) - np.repeat(np.cumsum(fans) - fans, fans)
-    corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
-    return np.asarray(faces.values[corners])
+        return faces.values.reshape(-1, 3).astype(np.int32, copy=False)
+    return _fans(faces)
+
+
+def _fans(faces: Ragged) -> Rows:
+    many, ones = (int(np.count_nonzero(each)) for each in (faces.sizes >= 2, faces.sizes == 1))
+    triangles = np.empty((len(faces.values) - 2 * many - ones, 3), dtype=np.int32)
+    done = 0
+    for rows, at in runs(faces.sizes):
+        done += _fill(triangles[done:], faces.sizes[rows].astype(np.int64), faces.values[at])
+    return triangles
+
+
+def _fill(triangles: Rows, sizes: Array, corners: Array) -> int:
+    """Write the fans of some faces to the first of ``triangles``; return their number."""
+    if len(sizes) == 1:
+        count = max(len(corners) - 2, 0)
+        triangles[:count, 0] = corners[:1]
+        triangles[:count, 1] = corners[1 : count + 1]
+        triangles[:count, 2] = corners[2:]
+        return count
+    fans = np.maximum(sizes - 2, 0)
+    starts = np.cumsum(sizes) - sizes
+    second = places(starts + 1, fans)
+    some = triangles[: len(second)]
+    some[:, 0] = corners[np.repeat(starts, fans)]
+    some[:, 1] = corners[second]
+    some[:, 2] = corners[second + 1]
+    return len(second)
 
 
 def face_counts(faces: Ragged) -> dict[str, int]:

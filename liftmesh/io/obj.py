@@ -10,11 +10,11 @@ coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -22,24 +22,23 @@ from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, fits_eight_bits, recognized
-from liftmesh.io.faces import Ragged, face_counts, triangulated
+from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import Format, crs_comment, stated_crs
-from liftmesh.io.text_tables import (
-    BLOCK,
-    Block,
-    Lines,
-    leading_comments,
-    number_table,
-    quoted,
-    write_rows,
-)
+from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
+from liftmesh.io.obj_faces import Corners, parse_corners
+from liftmesh.io.text_tables import number_table, shortened, write_rows
+
+if TYPE_CHECKING:
+    from liftmesh.io.ragged import Ragged
 
 _KEYWORDS = ("v", "vn", "f")
 
 # Possible numbers of values of a vertex line: x y z, with a weight, with r g b, with alpha.
 _VERTEX_WIDTHS = (3, 4, 6, 7)
 
-_PAIRS = re.compile(r"-?\d+//-?\d+(?:[ \t]+-?\d+//-?\d+)*", re.ASCII)
+_MOST_KEYWORDS = 1000
+
+_RUN = 1 << 16  # corners compared at a time
 
 # k/255 in the digits of single precision: readers that use floats get exactly this number.
 _EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=object)
@@ -61,7 +60,8 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         A line is invalid; the message gives its number.
     """
-    crs = stated_crs(leading_comments(stream, name))
+    with closing(leading_comments(stream, name)) as comments:
+        crs = stated_crs(comments)
     reading = _Reading(name, crs)
     lines = Lines(stream, name, comments=("#",), continued=True)
     while len(block := lines.take(BLOCK)):
@@ -77,7 +77,7 @@ class _Reading:
     crs: str | None
     vertices: list[Array] = field(default_factory=list)
     normals: list[Array] = field(default_factory=list)
-    corners: list[_Corners] = field(default_factory=list)
+    corners: list[Corners] = field(default_factory=list)
     ignored: Counter[str] = field(default_factory=Counter)
     vertex_count: int = 0
     normal_count: int = 0
@@ -86,7 +86,7 @@ class _Reading:
         v, vn, f = self._sorted(block)
         if len(f):
             before = (self.vertex_count, self.normal_count)
-            self.corners.append(_parse_corners(f, self.name, (v.numbers, vn.numbers), before))
+            self.corners.append(parse_corners(f, self.name, (v.numbers, vn.numbers), before))
         self._take_vertices(v)
         if len(vn):
             self.normals.append(number_table(vn, self.name, width=3))
@@ -99,11 +99,16 @@ class _Reading:
         for text, number in block[~np.any(masks, axis=0)]:
             if text in _KEYWORDS:
                 raise FormatError(f"{self.name}: line {number}: {text!r} without values")
-            self.ignored[text.split(None, 1)[0]] += 1
+            self._ignore(shortened(text.split(None, 1)[0]))
         return tuple(
             Block([text[len(keyword) + 1 :] for text in found.texts], found.numbers)
             for keyword, found in zip(_KEYWORDS, (block[mask] for mask in masks), strict=True)
         )
+
+    def _ignore(self, keyword: str) -> None:
+        """Count a line of a keyword, under "..." if the file has too many of them."""
+        known = keyword in self.ignored or len(self.ignored) < _MOST_KEYWORDS
+        self.ignored[keyword if known else "..."] += 1
 
     def _take_vertices(self, block: Block) -> None:
         if not len(block):
@@ -123,7 +128,7 @@ class _Reading:
         if not self.vertices:
             raise FormatError(f"{self.name}: not an OBJ file, or without vertices: no 'v' line")
         table = np.concatenate(self.vertices)
-        corners = _Corners.joined(self.corners) if self.corners else None
+        corners = Corners.joined(self.corners) if self.corners else None
         colors, attributes = _colors(table[:, 3:])
         # Faces first: this validates the vertex indices that the normals rely on.
         faces = self._faces(corners, len(table))
@@ -137,7 +142,7 @@ class _Reading:
             crs=self.crs,
         )
 
-    def _faces(self, corners: _Corners | None, vertices: int) -> Rows | None:
+    def _faces(self, corners: Corners | None, vertices: int) -> Rows | None:
         if corners is None:
             return None
         lines = corners.lines
@@ -145,11 +150,11 @@ class _Reading:
             corners.vertices, vertices, self.name, lambda face: f"line {lines[face]}: face"
         )
 
-    def _metadata(self, corners: _Corners | None) -> dict[str, Any]:
+    def _metadata(self, corners: Corners | None) -> dict[str, Any]:
         ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
         return ignored | (face_counts(corners.vertices) if corners is not None else {})
 
-    def _normals(self, corners: _Corners | None, vertices: int) -> Array | None:
+    def _normals(self, corners: Corners | None, vertices: int) -> Array | None:
         if not self.normals:
             return None
         return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
@@ -169,133 +174,8 @@ def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
     return colors, {} if colors is not None else {"color": values}
 
 
-@dataclass(frozen=True, slots=True)
-class _Corners:
-    """Faces: vertices, counted from 0, the normal of each corner (-1: none), and line numbers."""
-
-    vertices: Ragged
-    normals: Integers
-    lines: Integers
-
-    @classmethod
-    def joined(cls, parts: Sequence[_Corners]) -> _Corners:
-        """Concatenate the faces of all parts."""
-        return cls(
-            Ragged.joined([each.vertices for each in parts]),
-            np.concatenate([each.normals for each in parts]),
-            np.concatenate([each.lines for each in parts]),
-        )
-
-
-def _parse_corners(
-    faces: Block, name: str, numbers: tuple[Integers, Integers], before: tuple[int, int]
-) -> _Corners:
-    """Parse the face lines of a block, without the keyword ``f``.
-
-    ``numbers`` are the lines of the block's vertices and of its normals, ``before`` the counts of
-    both in earlier blocks: backward indices count from there.
-    """
-    sizes, vertices, normals = _plain(faces, name) or _general(faces, name)
-    at = np.repeat(faces.numbers, sizes)
-    return _Corners(
-        Ragged(sizes, _from_zero(vertices, at, numbers[0], before[0])),
-        _from_zero(normals, at, numbers[1], before[1]),
-        faces.numbers,
-    )
-
-
-def _plain(faces: Block, name: str) -> tuple[Integers, Integers, Integers] | None:
-    """Parse faces of one size with corners ``vertex`` or ``vertex//normal``, the common case."""
-    texts, pair = faces.texts, False
-    if any("/" in text for text in texts):
-        if not all(map(_PAIRS.fullmatch, texts)):
-            return None
-        texts, pair = [text.replace("//", " ") for text in texts], True
-    try:
-        table = number_table(Block(texts, faces.numbers), name)
-    except FormatError:
-        return None
-    with np.errstate(invalid="ignore"):
-        numbers = table.astype(np.int64)
-    if not np.all(numbers == table) or not numbers.all():
-        return None
-    vertices = numbers[:, ::2] if pair else numbers
-    normals = numbers[:, 1::2] if pair else np.zeros_like(numbers)
-    sizes = np.full(len(faces), vertices.shape[1], dtype=np.int64)
-    return sizes, vertices.reshape(-1), normals.reshape(-1)
-
-
-def _general(faces: Block, name: str) -> tuple[Integers, Integers, Integers]:
-    corners = [text.split() for text in faces.texts]
-    sizes = np.fromiter(map(len, corners), np.int64, len(corners))
-    try:
-        vertices, normals = _indices([corner for row in corners for corner in row])
-    except (ValueError, OverflowError) as error:
-        raise _corner_error(faces, name) from error
-    return sizes, vertices, normals
-
-
-def _indices(corners: list[str]) -> tuple[Integers, Integers]:
-    """Split corners into vertex and normal indices, 0 for no normal."""
-    joined = " ".join(corners)
-    if "_" in joined:
-        raise ValueError("_")
-    if "/" not in joined:
-        vertices = np.fromiter(map(int, corners), np.int64, len(corners))
-        return _nonzero(vertices), np.zeros(len(corners), dtype=np.int64)
-    parts = [corner.split("/") for corner in corners]
-    if max(map(len, parts)) > 3:
-        raise ValueError("/")
-    count = len(parts)
-    vertices = np.fromiter((int(part[0]) for part in parts), np.int64, count)
-    has_normal = np.fromiter((len(part) == 3 for part in parts), bool, count)
-    normals = np.zeros(count, dtype=np.int64)
-    normals[has_normal] = [int(part[2]) for part in parts if len(part) == 3]
-    _nonzero(normals[has_normal])
-    return _nonzero(vertices), normals
-
-
-def _nonzero(numbers: Integers) -> Integers:
-    if not numbers.all():
-        raise ValueError("0")
-    return numbers
-
-
-def _from_zero(numbers: Integers, at: Integers, lines: Integers, before: int) -> Integers:
-    """Count from 0; resolve negative indices, which count back from their own line."""
-    backward = numbers < 0
-    if not backward.any():
-        return numbers - 1
-    so_far = before + np.searchsorted(lines, at)
-    resolved = np.where(backward, so_far + numbers, numbers - 1)
-    # Before the first there is no vertex; keep it distinct from -1, which means no normal.
-    return np.where(backward & (resolved < 0), resolved - 1, resolved)
-
-
-def _corner_error(faces: Block, name: str) -> FormatError:
-    bad = (
-        (corner, number)
-        for text, number in faces
-        for corner in text.split()
-        if not _is_corner(corner)
-    )
-    corner, number = next(bad)
-    return FormatError(
-        f"{name}: line {number}: {quoted(corner)} is not a corner of a face: expected vertex, "
-        "vertex/texture, vertex/texture/normal or vertex//normal, counted from 1"
-    )
-
-
-def _is_corner(text: str) -> bool:
-    try:
-        _indices([text])
-    except (ValueError, OverflowError):
-        return False
-    return True
-
-
 def _vertex_normals(
-    normals: Floats, corners: _Corners | None, vertices: int, name: str
+    normals: Floats, corners: Corners | None, vertices: int, name: str
 ) -> Floats | None:
     """Convert normals of corners to normals of vertices, if the corners of each vertex agree.
 
@@ -306,29 +186,35 @@ def _vertex_normals(
     """
     if corners is None:
         return normals if len(normals) == vertices else None
-    _check(corners, len(normals), name)
     named = corners.normals
+    if named is None:
+        return None
+    _check(corners.vertices, named, corners.lines, len(normals), name)
     if len(normals) == vertices and np.array_equal(named, corners.vertices.values):
         return normals
     if not len(named) or (named == -1).any():
         return None
-    return _gathered(normals, corners, vertices)
+    return _agreed(normals, corners.vertices.values, named, vertices)
 
 
-def _gathered(normals: Floats, corners: _Corners, vertices: int) -> Floats | None:
-    at = corners.vertices.values
+def _agreed(normals: Floats, at: Integers, named: Integers, vertices: int) -> Floats | None:
+    """Give each vertex the normal of its corners; None if these differ."""
     found = np.zeros((vertices, 3))
-    found[at] = normals[corners.normals]
-    agree = np.array_equal(found[at], normals[corners.normals], equal_nan=True)
-    return found if agree else None
+    found[at] = normals[named]
+    runs = range(0, len(at), _RUN)
+    agree = (
+        np.array_equal(found[at[k : k + _RUN]], normals[named[k : k + _RUN]], equal_nan=True)
+        for k in runs
+    )
+    return found if all(agree) else None
 
 
-def _check(corners: _Corners, count: int, name: str) -> None:
-    wrong = np.flatnonzero((corners.normals < -1) | (corners.normals >= count))
+def _check(vertices: Ragged, named: Integers, lines: Integers, count: int, name: str) -> None:
+    wrong = np.flatnonzero((named < -1) | (named >= count))
     if len(wrong):
-        line = corners.lines[corners.vertices.row_of(wrong[0])]
+        line = lines[vertices.row_of(int(wrong[0]))]
         raise FormatError(
-            f"{name}: line {line}: a corner refers to normal {corners.normals[wrong[0]]} "
+            f"{name}: line {line}: a corner refers to normal {named[wrong[0]]} "
             f"(counted from 0), but there are {count} normals"
         )
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import islice
 from typing import BinaryIO
 
 import numpy as np
@@ -17,10 +18,15 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import Ragged, face_counts, triangulated
+from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import Format
-from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table, quoted, write_rows
+from liftmesh.io.lines import BLOCK, Block, Lines
+from liftmesh.io.number_lines import ragged_numbers, whole
+from liftmesh.io.ragged import Ragged, gathered
+from liftmesh.io.text_tables import number_table, quoted, write_rows
 
+_WORD = re.compile(r"\S+")
+_INDEX = re.compile(r"-?\d{1,9}", re.ASCII)
 _HEAD = re.compile(r"(?:ST)?C?N?OFF(?:\s+(.*))?")
 
 
@@ -110,36 +116,36 @@ def _points(block: Block, name: str) -> Floats:
 
 
 def _corners(block: Block, name: str) -> Ragged:
-    """Parse face lines, all at once if the faces have one size, as most do."""
+    """Parse face lines: the number of vertices, the vertices, and what may follow them."""
     try:
-        table = number_table(block, name)
-    except FormatError:
-        return _by_line(block, name)
-    size = table[0, 0]
-    alike = 0 <= size < table.shape[1] and np.all(table[:, 0] == size)
-    values = table[:, 1 : int(size) + 1] if alike else table[:, :0]
-    if not alike or not np.all((values == np.rint(values)) & (np.abs(values) < 2.0**53)):
-        return _by_line(block, name)
-    return Ragged.uniform(values.astype(np.int64))
+        return _located(ragged_numbers(block, name))
+    except ValueError as error:
+        for text, number in block:
+            _check_row(text, number, name)
+        if isinstance(error, FormatError):
+            raise
+        raise FormatError(f"{name}: line {block.numbers[0]} or later: {error}") from error
 
 
-def _by_line(block: Block, name: str) -> Ragged:
-    rows = [_row(text, number, name) for text, number in block]
-    sizes = np.array([len(row) for row in rows], dtype=np.int64)
-    return Ragged(sizes, np.array([vertex for row in rows for vertex in row], dtype=np.int64))
+def _located(numbers: Ragged) -> Ragged:
+    ends = np.cumsum(numbers.sizes)
+    starts = ends - numbers.sizes
+    sizes = whole(numbers.values[starts], np.int32)
+    if (sizes < 0).any() or (starts + sizes >= ends).any():
+        raise ValueError("a face has fewer vertices than it says")
+    return Ragged(sizes, whole(gathered(numbers.values, starts + 1, sizes), np.int32))
 
 
-def _row(text: str, number: int, name: str) -> list[int]:
-    words = text.split()
-    size = int(words[0]) if words[0].isascii() and words[0].isdigit() and len(words[0]) < 10 else -1
-    corners = words[1 : size + 1]
-    whole = all(re.fullmatch(r"-?\d{1,18}", word, re.ASCII) for word in corners)
-    if not whole or size != len(corners):
+def _check_row(text: str, number: int, name: str) -> None:
+    words = map(re.Match.group, _WORD.finditer(text))
+    first = next(words)
+    size = int(first) if first.isascii() and first.isdigit() and len(first) < 10 else -1
+    corners = sum(_INDEX.fullmatch(word) is not None for word in islice(words, max(size, 0)))
+    if size != corners:
         raise FormatError(
             f"{name}: line {number}: {quoted(text)} is not a face: expected its number of "
             "vertices, then their indices, counted from 0"
         )
-    return [int(word) for word in corners]
 
 
 FORMAT = Format(

@@ -21,15 +21,8 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
-from liftmesh.io.text_tables import (
-    BLOCK,
-    Lines,
-    fields,
-    is_number,
-    leading_comments,
-    number_table,
-    quoted,
-)
+from liftmesh.io.lines import BLOCK, Lines, is_wide, leading_comments
+from liftmesh.io.text_tables import fields, is_number, number_table, quoted, too_wide
 
 # Column names in common use, in lower case.
 _ALIASES = {
@@ -70,12 +63,15 @@ def sniff(first: str, remark: str, name: str, line: int) -> Layout:
     FormatError
         The line is neither a header with x and y nor a row of numbers.
     """
+    if is_wide(first):
+        raise too_wide(name, line)
     delimiter = _delimiter(first)
     values = fields(first, delimiter)
     _check(values, name, line)
     if not any(is_number(value) for value in values):
         return Layout(delimiter, columns(values, name, line), in_first_line=True)
-    names = [value.lower() for value in fields(remark, _delimiter(remark))]
+    marked = "" if is_wide(remark) else remark
+    names = [value.lower() for value in fields(marked, _delimiter(marked))]
     meanings = [_MEANING.get(value) for value in names]
     is_header = len(names) == len(values) and {"x", "y"} <= set(meanings)
     header = columns(names, name, line) if is_header else None
@@ -307,8 +303,10 @@ def _first_remark(stream: BinaryIO, name: str) -> str:
     if mark[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise FormatError(f"{name}: byte {begin}: the text is UTF-16: save it as UTF-8")
     stream.seek(begin + 3 if mark == _UTF8_MARK else begin)
-    comments = leading_comments(stream, name, encoding="utf-8", marks=_COMMENTS)
-    return comments[-1] if comments else ""
+    last = ""
+    for comment in leading_comments(stream, name, encoding="utf-8", marks=_COMMENTS):
+        last = comment
+    return last
 
 
 def _popped(columns: dict[str, Floats], names: tuple[str, ...]) -> Floats | None:

@@ -77,19 +77,19 @@ LONG = {
         b"ply\nformat ascii 1.0\nelement vertex 1\n"
         + b"".join(b"property float a%d\n" % k for k in range(MANY))
         + b"end_header\n",
-        "no x and y",
+        "more than 10,000 properties",
     ),
     "elements": (
         "ply",
         b"ply\nformat ascii 1.0\n"
         + b"".join(b"element a%d 0\n" % k for k in range(MANY))
         + b"end_header\n",
-        "no vertex element",
+        "more than 10,000 elements",
     ),
     "columns": (
         "csv",
         b"x,y," + b",".join(b"a%d" % k for k in range(MANY)) + b"\n1,2\n",
-        "line 2: expected",
+        "line 1: more than 10,000 values",
     ),
     "continued lines": ("obj", b"v 0 0\n" + b"a\\\n" * 10 * MANY, "line 1"),
     "continued lines beyond a block": (
@@ -97,7 +97,16 @@ LONG = {
         b"v 0 0\n" + b"#" * (4 << 20) + b"\\\n" + b"a\\\n" * MANY,
         "line 1",
     ),
-    "one long line": ("xyz", b"1 " * MANY + b"\n1\n", "line 2: expected"),
+    "elements with lists": (
+        "ply",
+        b"ply\nformat binary_little_endian 1.0\n"
+        + b"".join(b"element a%d 1\nproperty list uchar uchar a\n" % k for k in range(9000))
+        + b"element z 40000000\nproperty uchar q\nend_header\n"
+        + bytes(9000 + 40_000_000),
+        "no vertex element",
+    ),
+    "comments": ("obj", b"#ab\n" * 20 * MANY, "no 'v' line"),
+    "one long line": ("xyz", b"1 " * MANY + b"\n1\n", "line 1: more than 10,000 values"),
 }
 
 

@@ -7,23 +7,25 @@ metadata.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
+from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import CloudBuilder, built_in_chunks
 from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import Format, stated_crs
-from liftmesh.io.ply.body import AsciiBody, BinaryBody
+from liftmesh.io.ply.ascii_body import AsciiBody
+from liftmesh.io.ply.binary_body import BinaryBody
 from liftmesh.io.ply.header import Element, read_header
 from liftmesh.io.ply.writer import write_ply
+from liftmesh.io.ragged import Ragged
 from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.faces import Ragged
 
 _INDICES = ("vertex_indices", "vertex_index")
 
@@ -59,7 +61,7 @@ def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     Yields
     ------
     Cloud
-        Consecutive rows, as for `read_ply`. If vertices have lists, all are read first.
+        Consecutive rows, as for `read_ply`.
 
     Raises
     ------
@@ -117,12 +119,15 @@ class _Reading:
         self._note_skipped(
             element, [each.name for each in element.properties if each.length is not None]
         )
+        return built_in_chunks(scalars, element.rows, self._columns(element, scalars), rows)
+
+    def _columns(self, element: Element, names: Collection[str]) -> Iterator[Mapping[str, Array]]:
+        """Yield scalar properties in blocks; those between lists are lists of one value."""
         if element.is_table:
-            blocks = self._body.blocks(element)
+            yield from self._body.tables(element, names)
         else:
-            lists = self._body.lists(element)
-            blocks = iter([{each: lists[each].values for each in scalars}])
-        return built_in_chunks(scalars, element.rows, blocks, rows)
+            for block in self._body.lists(element, names):
+                yield {name: found.values for name, found in block.items()}
 
     def _no_vertices(self) -> FormatError:
         return FormatError(f"{self._name}: the header has no vertex element")
@@ -135,25 +140,22 @@ class _Reading:
         self._note_skipped(
             element, [each.name for each in element.properties if each not in usable[:1]]
         )
-        if element.is_table:
-            self._exhaust(element)
-            return None
-        lists = self._body.lists(element)
         if not usable:
+            self._exhaust(element)
             return None
         if usable[0].dtype.kind not in "iu":
             raise FormatError(f"{self._name}: {usable[0].name} of faces must be integers")
-        return lists[usable[0].name]
+        name = usable[0].name
+        parts = [block[name] for block in self._body.lists(element, [name])]
+        return Ragged.joined(parts) if parts else Ragged.empty(usable[0].dtype)
 
     def _skip_element(self, element: Element) -> None:
         self._skipped.append(f"element {element.name} ({element.rows} rows)")
-        if element.is_table:
-            self._exhaust(element)
-        else:
-            self._body.lists(element)
+        self._exhaust(element)
 
     def _exhaust(self, element: Element) -> None:
-        for _ in self._body.blocks(element):
+        """Read an element that is not kept, to find the next and what is wrong with this one."""
+        for _ in self._columns(element, ()):
             pass
 
     def _note_skipped(self, element: Element, names: list[str]) -> None:

@@ -14,6 +14,7 @@ from typing import BinaryIO
 import numpy as np
 
 from liftmesh.errors import FormatError
+from liftmesh.io.lines import MOST_COLUMNS
 from liftmesh.io.text_tables import quoted
 
 # The last three rows are not part of the format, but other programs write them.
@@ -87,6 +88,7 @@ class _HeaderReader:
         self.number = 0
         self._encoding = ""
         self._elements: dict[str, tuple[int, dict[str, Property]]] = {}
+        self._properties = 0
         self._comments: dict[str, list[str]] = {"comment": [], "obj_info": []}
 
     def read(self) -> Header:
@@ -137,6 +139,8 @@ class _HeaderReader:
         count = words[-1] if len(words) == 2 else ""
         if not (count.isascii() and count.isdigit() and len(count) < 19):
             raise self._error("an element line needs a name and a count")
+        if len(self._elements) == MOST_COLUMNS:
+            raise self._error(f"more than {MOST_COLUMNS:,} elements")
         if words[0] in self._elements:
             raise self._error(f"element {quoted(words[0])} occurs twice")
         self._elements[words[0]] = (int(count), {})
@@ -147,6 +151,9 @@ class _HeaderReader:
         element = next(reversed(self._elements))
         _, properties = self._elements[element]
         added = self._property(words)
+        self._properties += 1
+        if self._properties > MOST_COLUMNS:
+            raise self._error(f"more than {MOST_COLUMNS:,} properties: save only those you need")
         if added.name in properties:
             raise self._error(f"property {quoted(added.name)} of {element} occurs twice")
         properties[added.name] = added

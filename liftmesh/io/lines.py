@@ -1,0 +1,191 @@
+"""The lines of a text file, read in blocks.
+
+A block of bytes ends with the last line end in it, whether the file ends its lines with LF, CR LF
+or CR: so a block is small, and only a line longer than that makes it larger. Its lines are found,
+stripped and numbered together.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Integers, Mask
+from liftmesh.errors import FormatError
+
+BLOCK = 1 << 17  # lines taken at a time, at most
+
+MOST_COLUMNS = 10_000  # each takes an array and a name, far more memory than in the file
+
+_BYTES = 1 << 19
+
+_BLANKS_BEHIND = re.compile(rb"\\[ \t\v\f]+(?=\n|\Z)")
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Stripped lines, and the number of each in the file, counted from 1.
+
+    ``long`` tells that a line may be longer than a block is by itself.
+    """
+
+    texts: list[str]
+    numbers: Integers
+    long: bool = False
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    def __iter__(self) -> Iterator[tuple[str, int]]:
+        return zip(self.texts, self.numbers.tolist(), strict=True)
+
+    def __getitem__(self, rows: slice | Mask) -> Block:
+        if isinstance(rows, slice):
+            return Block(self.texts[rows], self.numbers[rows], self.long)
+        texts = [self.texts[k] for k in np.flatnonzero(rows).tolist()]
+        return Block(texts, self.numbers[rows], self.long)
+
+
+class Lines:
+    """The non-empty lines of a stream, taken block by block.
+
+    Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
+    them, and a ``#`` and the text after it are removed. With ``continued``, a backslash at the end
+    of a line joins it to the next. ``number`` is that of the last line taken.
+    """
+
+    def __init__(
+        self,
+        stream: BinaryIO,
+        name: str,
+        *,
+        encoding: str = "latin-1",
+        comments: tuple[str, ...] = (),
+        continued: bool = False,
+        before: int = 0,
+    ) -> None:
+        self.number = before
+        self._stream = stream
+        self._name = name
+        self._encoding = encoding
+        self._comments = comments
+        self._continued = continued
+        self._read = before
+        self._held = Block([], np.empty(0, dtype=np.int64))
+        self._taken = 0
+
+    def take(self, count: int) -> Block:
+        """Take at most ``count`` lines; fewer if that is faster, none at the end."""
+        if not count or not self._fill():
+            return self._held[:0]
+        block = self._held
+        if self._taken or count < len(block):
+            block = block[self._taken : self._taken + count]
+        self._taken += len(block)
+        self.number = int(block.numbers[-1])
+        return block
+
+    def next(self) -> str:
+        """Take one line; an empty string at the end."""
+        if not self._fill():
+            return ""
+        self.number = int(self._held.numbers[self._taken])
+        self._taken += 1
+        return self._held.texts[self._taken - 1]
+
+    def _fill(self) -> bool:
+        """Hold lines that are not taken; False at the end."""
+        while self._taken == len(self._held):
+            self._held = self._held[:0]  # not two blocks at a time
+            data = self._chunk()
+            if not data:
+                return False
+            self._held, self._taken = self._block(data), 0
+        return True
+
+    def _chunk(self) -> bytes:
+        """Read whole lines, and those that continue the last of them."""
+        parts: list[bytes] = []
+        while data := self._stream.read(_BYTES):
+            parts.append(data)
+            # CR as the last byte may be half of a line end.
+            end = max(data.rfind(b"\n"), data.rfind(b"\r", 0, len(data) - 1)) + 1
+            if end and not (self._continued and _continues(data[:end])):
+                self._stream.seek(end - len(data), os.SEEK_CUR)
+                parts[-1] = data[:end]
+                break
+        return b"".join(parts)
+
+    def _decoded(self, data: bytes, numbers: Integers) -> str:
+        try:
+            return data.decode(self._encoding)
+        except UnicodeDecodeError as error:
+            begin = data.rfind(b"\n", 0, error.start) + 1
+            line = numbers[data.count(b"\n", 0, error.start)]
+            raise FormatError(
+                f"{self._name}: line {line}: byte {error.start - begin} of the line "
+                f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text"
+            ) from error
+
+    def _block(self, data: bytes) -> Block:
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        data = data.removesuffix(b"\n")
+        count = data.count(b"\n") + 1
+        numbers = np.arange(self._read + 1, self._read + 1 + count)
+        self._read += count
+        if self._continued and b"\\" in data:
+            data = _BLANKS_BEHIND.sub(rb"\\", data).removesuffix(b"\\")
+            numbers = numbers[_last_of_lines(data, count)]
+            data = data.replace(b"\\\n", b"  ")
+        text = self._decoded(data, numbers)
+        texts = [line.strip() for line in text.split("\n")]
+        if any(mark in text for mark in self._comments):
+            texts = [self._bare(line) for line in texts]
+        block = Block(texts, numbers, len(data) > _BYTES)
+        return block if all(texts) else block[np.fromiter(map(bool, texts), bool, len(texts))]
+
+    def _bare(self, text: str) -> str:
+        return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
+
+
+def is_wide(text: str) -> bool:
+    """Whether a line has more than `MOST_COLUMNS` values, found without splitting it."""
+    marks = any(text.count(mark) >= MOST_COLUMNS for mark in ",;\t")
+    return marks or len(text.split(None, MOST_COLUMNS)) > MOST_COLUMNS
+
+
+def _continues(data: bytes) -> bool:
+    """Whether the next line continues the last of these; also if it begins before them."""
+    body = data[:-1].removesuffix(b"\r")
+    line = body[max(body.rfind(b"\n"), body.rfind(b"\r")) + 1 :].rstrip()
+    return line.endswith(b"\\") or (not line and b"\n" not in body and b"\r" not in body)
+
+
+def _last_of_lines(data: bytes, count: int) -> Mask:
+    """Whether each line is the last of those that continuation joins."""
+    octets = np.frombuffer(data, np.uint8)
+    ends = octets == ord("\n")
+    joined = np.zeros(len(octets), dtype=bool)
+    joined[1:] = ends[1:] & (octets[:-1] == ord("\\"))
+    last = np.ones(count, dtype=bool)
+    last[:-1] = ~joined[ends]
+    return last
+
+
+def leading_comments(
+    stream: BinaryIO, name: str, *, encoding: str = "latin-1", marks: tuple[str, ...] = ("#",)
+) -> Generator[str, None, None]:
+    """Yield the comments at the top of a file, and restore the position of the stream."""
+    begin = stream.tell()
+    lines = Lines(stream, name, encoding=encoding)
+    try:
+        while (line := lines.next()).startswith(marks):
+            yield line.lstrip("".join(marks) + " \t")
+    finally:
+        stream.seek(begin)
