@@ -74,11 +74,15 @@ def as_rows3(points: ArrayLike) -> Floats:
     >>> as_rows3([[1, 2]])
     array([[1., 2., 0.]])
     """
-    rows = as_coordinates(points)
-    if rows.shape[1] == 3:
-        return rows.astype(np.float64, copy=False)
-    lifted = np.zeros((len(rows), 3))
-    lifted[:, :2] = rows
+    array = _as_array(points)
+    _check_shape(array.shape)
+    narrow = type(array) is np.ndarray and array.dtype.kind in "iuf" and array.itemsize < 8
+    if array.shape[1] == 3 or not narrow:  # as float64, narrow ones would need room of their own
+        array = as_coordinates(array)
+    if array.shape[1] == 3:
+        return array.astype(np.float64, copy=False)
+    lifted = np.zeros((len(array), 3))
+    lifted[:, :2] = array
     return lifted
 
 

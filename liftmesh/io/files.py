@@ -128,9 +128,9 @@ def read_chunks(
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
     PLY, text, NPY and NPZ are read in chunks; text is parsed twice, to determine the types of the
-    columns first. Other formats, pipes, and PLY files whose vertices have lists are read whole,
-    then split. Of files that are read in chunks, only what the rows need is read: damage to the
-    faces, which `read` reports, is not noticed.
+    columns first. Other formats, and pipes, are read whole, then split. Of files that are read in
+    chunks, only what the rows need is read: damage to the faces, which `read` reports, is not
+    noticed.
 
     Parameters
     ----------
