@@ -9,24 +9,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 import numpy as np
 from numpy.lib import format as npy
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.streams import remaining
+from liftmesh.io.streams import Source, read_most, remaining
 from liftmesh.io.text_tables import shortened
 
 _PIECE = 1 << 20  # bytes read at a time
-
-
-class Source(Protocol):
-    """What an array is read from: a file, or a member of an archive."""
-
-    def read(self, size: int = -1, /) -> bytes:
-        """Read at most ``size`` bytes."""
 
 
 def read_array(stream: BinaryIO, name: str) -> Array:
@@ -138,7 +131,7 @@ def _read_values(stream: Source, size: int, name: str, what: str) -> bytearray:
     """Read into memory that the array will own: there is no second copy of the values."""
     values = bytearray(size)
     for start in range(0, size, _PIECE):
-        piece = stream.read(min(_PIECE, size - start))
+        piece = read_most(stream, min(_PIECE, size - start))
         if len(piece) != min(_PIECE, size - start):
             raise FormatError(f"{name}: {what}: the values end too early: the file is truncated")
         values[start : start + len(piece)] = piece

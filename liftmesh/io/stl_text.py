@@ -22,7 +22,8 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.text_tables import BLOCK, Block, Lines, number_table, quoted
+from liftmesh.io.lines import BLOCK, Block, Lines
+from liftmesh.io.text_tables import number_table, quoted
 
 _FACET = ("facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet")
 _ALONE = ("outer loop", "endloop", "endfacet")  # without numbers

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO, Protocol, cast
 
 from liftmesh.errors import FormatError
 
@@ -23,10 +23,27 @@ def remaining(stream: BinaryIO) -> int:
     return max(end - here, 0)
 
 
+class Source(Protocol):
+    """What bytes are read from: a file, or a member of an archive."""
+
+    def read(self, size: int = -1, /) -> bytes:
+        """Read at most ``size`` bytes."""
+
+
+def read_most(stream: Source, size: int) -> bytes:
+    """Read ``size`` bytes, fewer only at the end: a stream without a buffer may return a part."""
+    parts = [stream.read(size)]
+    left = size - len(parts[0])
+    while left > 0 and parts[-1]:
+        parts.append(stream.read(left))
+        left -= len(parts[-1])
+    return parts[0] if len(parts) == 1 else b"".join(parts)
+
+
 def read_exactly(stream: BinaryIO, size: int, name: str, what: str) -> bytes:
     """Read ``size`` bytes or raise; never ask for more than the stream holds."""
     here, left = stream.tell(), remaining(stream)
-    data = stream.read(size) if size <= left else b""
+    data = read_most(stream, size) if size <= left else b""
     if len(data) != size:
         raise FormatError(
             f"{name}: byte {here}: {what} should take {size} bytes, but the file ends after "

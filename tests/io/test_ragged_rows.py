@@ -229,3 +229,23 @@ def test_runs_and_gathered_are_what_they_say() -> None:
             if len(whole):
                 row = Ragged(sizes, whole).row_of(position)
                 assert ends[row] - sizes[row] <= position < ends[row]
+
+
+class Part(io.BytesIO):
+    """A stream that returns at most seven bytes at a time, as those without a buffer may."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        return super().read(min(size, 7) if size is not None and size >= 0 else 7)
+
+
+def test_streams_that_return_parts_are_read_whole() -> None:
+    points = np.random.default_rng(2).random((30, 3))
+    stream = io.BytesIO()
+    np.save(stream, points)
+    assert np.array_equal(liftmesh.read(Part(stream.getvalue()), format="npy").points, points)
+    for form in FORMS:
+        rows = polygons([3, 4, 5] * 40)
+        kind, data = written(form, rows)
+        faces = liftmesh.read(Part(data), format=kind).faces
+        assert faces is not None
+        assert faces.tolist() == fans(rows)

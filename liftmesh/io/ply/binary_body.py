@@ -10,7 +10,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.ply.binary_lists import ListRows
-from liftmesh.io.streams import read_exactly, remaining
+from liftmesh.io.streams import read_exactly, read_most, remaining
 
 if TYPE_CHECKING:
     from liftmesh.io.ply.header import Element
@@ -54,7 +54,7 @@ class BinaryBody:
         size = least = min(max(element.rows * rows.least, _LEAST), _BLOCK)
         while done < element.rows:
             self._stream.seek(begin)
-            data = self._stream.read(size)
+            data = read_most(self._stream, size)
             taken, end = 0, 0
             for part in rows.parts(data, element.rows - done, names):
                 taken, end = taken + part.rows, part.end
