@@ -8,7 +8,6 @@ models smaller than one unit. The file records it, and its reader adds it again.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.text_tables import shortened
+from liftmesh.io.json_numbers import finite_numbers, shown
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -111,25 +110,7 @@ def checked_origin(values: object, name: str) -> Origin:
     >>> checked_origin([450000, 5200000.5, 0], "mesh.glb")
     (450000.0, 5200000.5, 0.0)
     """
-    if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
-        raise FormatError(f"{name}: the origin is {_shown(values)}: expected three finite numbers")
-    return (float(values[0]), float(values[1]), float(values[2]))
-
-
-def _shown(values: object) -> str:
-    """Show the first values of a list; of nested ones, which may be deep, their type."""
-    listed = values[:4] if isinstance(values, list) else [values]
-    nested = (list, dict)
-    return ", ".join(
-        shortened(type(v).__name__ if isinstance(v, nested) else repr(v)) for v in listed
-    )
-
-
-def _is_finite(value: object) -> bool:
-    """Whether a value is a number within the range of doubles; booleans are none."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # an integer beyond all doubles
-        return False
+    found = finite_numbers(values, 3)
+    if found is None:
+        raise FormatError(f"{name}: the origin is {shown(values)}: expected three finite numbers")
+    return (found[0], found[1], found[2])

@@ -5,7 +5,6 @@ The origin of single precision (`io.origin`) stands in the ``extras`` of the sce
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any, BinaryIO
 
@@ -13,33 +12,33 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
-from liftmesh.errors import FormatError
 from liftmesh.io.format import Format, Origin
-from liftmesh.io.gltf_validation import checked_gltf
-from liftmesh.io.objects.trimesh import from_scene, to_mesh, to_points
-from liftmesh.io.origin import TOLERANCE, checked_origin, needed_origin, with_origin, without_origin
+from liftmesh.io.gltf_reader import read_scene
+from liftmesh.io.objects.trimesh import to_mesh, to_points
+from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
 from liftmesh.optional import load
 
 
-def read_glb(stream: BinaryIO, name: str) -> Cloud:
-    """Read a GLB file: the triangles and points of all its meshes, transformed into the scene.
+def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+    """Read a GLB file: the points and triangles of all meshes of its scene, each in its place.
 
     Returns
     -------
     Cloud
         Vertices, with colours and normals if every mesh has them; several meshes are combined.
+        What is not read, such as lines, is counted in ``metadata["skipped"]``.
 
     Raises
     ------
     FormatError
-        The file is invalid.
+        The file is invalid, or its scene takes more than ``max_bytes``.
     """
-    return _read_gltf(stream, name, "glb")
+    return read_scene(stream, name, "glb", max_bytes)
 
 
-def read_gltf(stream: BinaryIO, name: str) -> Cloud:
+def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
-    return _read_gltf(stream, name, "gltf")
+    return read_scene(stream, name, "gltf", max_bytes)
 
 
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
@@ -71,34 +70,6 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     parts = scene.export(file_type="gltf", merge_buffers=True, embed_buffers=True)
     stream.write(parts["model.gltf"])
     return origin
-
-
-def _read(stream: BinaryIO, name: str, kind: str) -> Cloud:
-    """Read a file with trimesh; combine all geometries of the scene."""
-    options: dict[str, Any] = {"file_type": kind, "process": False}
-    # Without materials no image is opened, and vertex colours are kept unchanged.
-    options |= {"resolver": checked_gltf(stream, name, kind), "skip_materials": True}
-    trimesh = load("trimesh")
-    try:
-        with warnings.catch_warnings():
-            # At text that is not a number NumPy only warns, and trimesh uses what came before.
-            warnings.simplefilter("error", DeprecationWarning)
-            scene = trimesh.load_scene(stream, **options)
-        cloud = from_scene(scene, name)
-    except (FormatError, MemoryError):
-        raise
-    except Exception as error:
-        cause = f"{type(error).__name__}: {error}"
-        raise FormatError(f"{name}: not a valid {kind} file: {cause[:300]}") from error
-    if not len(cloud):
-        raise FormatError(f"{name}: the file holds no vertices")
-    return cloud
-
-
-def _read_gltf(stream: BinaryIO, name: str, kind: str) -> Cloud:
-    cloud = _read(stream, name, kind)
-    stated = cloud.metadata.get("origin")
-    return with_origin(cloud, None if stated is None else checked_origin(stated, name))
 
 
 def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
@@ -145,6 +116,7 @@ _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "crs"),
     "needs": ("points", "finite"),
     "loses": _lost_in_gltf,
+    "expands": True,
 }
 
 FORMATS = (

@@ -93,7 +93,7 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
     """
     placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
     held = [(_geometry(each), matrix) for each, matrix in placed if _holds_points(each)]
-    parts = [_transformed(cloud, matrix) for cloud, matrix in held]
+    parts = [transformed(cloud, matrix) for cloud, matrix in held]
     skipped = len(placed) - len(parts)
     described = _described(scene.metadata)
     described["crs"] = described["crs"] or _common_crs(parts)
@@ -106,6 +106,40 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
         faces=_joined_faces(parts, name),
         **described,
     )
+
+
+def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
+    """Transform the points and normals of a cloud.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        The cloud.
+    matrix : (4, 4) ndarray of float64
+        Affine transformation.
+
+    Returns
+    -------
+    Cloud
+        Faces are turned over if the matrix mirrors; normals are dropped if it is singular.
+
+    Examples
+    --------
+    >>> transformed(Cloud(np.eye(3)), np.diag([2.0, 1.0, 1.0, 1.0])).points[0].tolist()
+    [2.0, 0.0, 0.0]
+    """
+    if np.array_equal(matrix, np.eye(4)):
+        return cloud
+    linear = matrix[:3, :3]
+    points = cloud.points @ linear.T + matrix[:3, 3]
+    size = np.abs(linear).max()
+    scaled = linear / size if np.isfinite(size) and size > 0 else np.zeros((3, 3))
+    determinant = np.linalg.det(scaled)
+    faces = cloud.faces
+    if faces is not None and determinant < 0:
+        faces = faces[:, ::-1]  # a mirrored mesh keeps its outside
+    normals = None if cloud.normals is None else _rotated(cloud.normals, scaled, determinant)
+    return replace(cloud, points=points, normals=normals, faces=faces)
 
 
 def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
@@ -234,22 +268,6 @@ def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:
 def _holds_points(geometry: Any) -> bool:
     """Whether a geometry is a mesh or a point cloud, not a path."""
     return hasattr(geometry, "vertices") and not hasattr(geometry, "entities")
-
-
-def _transformed(cloud: Cloud, matrix: Floats) -> Cloud:
-    """Transform points and normals of a geometry."""
-    if np.array_equal(matrix, np.eye(4)):
-        return cloud
-    linear = matrix[:3, :3]
-    points = cloud.points @ linear.T + matrix[:3, 3]
-    size = np.abs(linear).max()
-    scaled = linear / size if np.isfinite(size) and size > 0 else np.zeros((3, 3))
-    determinant = np.linalg.det(scaled)
-    faces = cloud.faces
-    if faces is not None and determinant < 0:
-        faces = faces[:, ::-1]  # a mirrored mesh keeps its outside
-    normals = None if cloud.normals is None else _rotated(cloud.normals, scaled, determinant)
-    return replace(cloud, points=points, normals=normals, faces=faces)
 
 
 def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:

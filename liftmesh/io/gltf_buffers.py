@@ -1,0 +1,104 @@
+"""The buffers of a glTF file: bytes inside it, as base64, or files in its folder.
+
+The author of a file is not trusted to choose among all files of the machine, nor to use its
+network: only buffers in the file's own folder are read. Names that lead out of it, by ``..``, from
+the root, through a link or to a server, are rejected.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+from urllib.parse import unquote
+
+from liftmesh.errors import FormatError
+from liftmesh.io.streams import read_exactly
+
+_PACKED = ";base64,"
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """The place of the binary chunk of a GLB file."""
+
+    stream: BinaryIO
+    begin: int
+    size: int
+
+
+class Buffers:
+    """The buffers of a file by number, each read when it is first asked for.
+
+    Parameters
+    ----------
+    places : sequence of str or None
+        For each buffer its URI; None stands for the binary chunk.
+    chunk : Chunk or None
+        The binary chunk, if the file has one.
+    name : str
+        The file's name.
+    """
+
+    def __init__(self, places: Sequence[str | None], chunk: Chunk | None, name: str) -> None:
+        self._places = places
+        self._chunk = chunk
+        self._name = name
+        self._contents: dict[str | None, bytes] = {}
+
+    def __getitem__(self, number: int) -> bytes:
+        place = self._places[number]
+        if place not in self._contents:
+            self._contents[place] = self._read(place, f"buffers[{number}]")
+        return self._contents[place]
+
+    def beside(self) -> int:
+        """Return the total size of the files beside this one, without reading them."""
+        uris = {uri for uri in self._places if uri is not None and not uri.startswith("data:")}
+        return sum(self._path(uri).stat().st_size for uri in uris)
+
+    def _read(self, place: str | None, what: str) -> bytes:
+        if place is None:
+            return self._binary(what)
+        return self._unpacked(place, what) if place.startswith("data:") else self._file(place)
+
+    def _binary(self, what: str) -> bytes:
+        if self._chunk is None:
+            raise FormatError(f"{self._name}: not a valid file: {what} is without data")
+        self._chunk.stream.seek(self._chunk.begin)
+        return read_exactly(self._chunk.stream, self._chunk.size, self._name, "the binary chunk")
+
+    def _unpacked(self, uri: str, what: str) -> bytes:
+        _, mark, text = uri.partition(_PACKED)
+        try:
+            if mark:
+                return base64.b64decode(text, validate=True)
+        except ValueError as error:
+            raise FormatError(f"{self._name}: {what} is not valid base64: {error}") from error
+        raise FormatError(f"{self._name}: not a valid file: {what} is text, but not base64")
+
+    def _file(self, uri: str) -> bytes:
+        return self._path(uri).read_bytes()
+
+    def _path(self, wanted: str) -> Path:
+        if not os.path.isfile(self._name):  # noqa: PTH113 - a name of a stream may hold any bytes
+            raise FormatError(
+                f"{self._name}: its buffer {wanted[:60]!r} is a separate file in the same folder, "
+                "which is unknown for a stream: give a path"
+            )
+        folder = Path(self._name).absolute().parent.resolve()
+        try:
+            path = (folder / unquote(wanted)).resolve()
+            is_there = path.is_file()
+        except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a circle
+            path, is_there = folder, False
+        if "://" in wanted or not path.is_relative_to(folder):
+            raise FormatError(
+                f"{self._name}: its buffer {wanted[:60]!r} is outside its folder: move it there"
+            )
+        if not is_there:
+            raise FormatError(f"{self._name}: its buffer {wanted[:60]!r} does not exist")
+        return path

@@ -1,0 +1,244 @@
+"""Reading of glTF: the points and faces of a scene, counted before they are built.
+
+A mesh may stand in a scene any number of times. So a small file can hold far more than its bytes:
+what its content takes in memory is computed from the counts first, and compared with a limit.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.cloud import Cloud, is_crs
+from liftmesh.errors import FormatError
+from liftmesh.io.gltf_decoding import decoded
+from liftmesh.io.gltf_meshes import Primitive, primitives
+from liftmesh.io.gltf_nodes import Scene, default_scene
+from liftmesh.io.gltf_validation import Document
+from liftmesh.io.limits import check_expanded
+from liftmesh.io.objects.trimesh import transformed
+from liftmesh.io.origin import checked_origin, with_origin
+
+# What content may take by default: this, or so many times the file.
+_SMALL = 1 << 28
+_GROWTH = 20
+
+# trimesh decodes so many primitives or bytes at a time.
+_BATCH = 64
+_BATCH_BYTES = 1 << 26
+
+_MOST = int(np.iinfo(np.int32).max)
+
+
+def read_scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
+    """Read the scene that a glTF or GLB file shows.
+
+    Returns
+    -------
+    Cloud
+        All points and faces in the coordinates of the scene. Colours and normals are kept if every
+        primitive has them. ``metadata`` holds the extras of the scene, and under ``skipped`` what
+        was not read.
+
+    Raises
+    ------
+    FormatError
+        The file is invalid, holds no points, or expands to more than the limit.
+    """
+    document = Document(stream, name, kind, max_bytes)
+    scene = default_scene(document)
+    content = _Content(document, scene)
+    limit = max(_SMALL, _GROWTH * document.size) if max_bytes is None else max_bytes
+    content.check(limit)
+    cloud = content.cloud()
+    stated = scene.extras.get("origin")
+    return with_origin(cloud, None if stated is None else checked_origin(stated, name))
+
+
+@dataclass(slots=True)
+class _Counts:
+    """Rows, faces and bytes of a mesh."""
+
+    rows: int = 0
+    faces: int = 0
+    size: int = 0
+
+    def add(self, part: Primitive) -> None:
+        self.rows += part.rows
+        self.faces += part.faces
+        self.size += part.size
+
+
+class _Content:
+    """What a scene holds: its counts, then its cloud."""
+
+    def __init__(self, document: Document, scene: Scene) -> None:
+        self._document = document
+        self._scene = scene
+        self._uses = Counter(scene.meshes)
+        self._skipped = Counter(scene.skipped)
+        self._having: Counter[str] = Counter()
+        self._crs: set[str | None] = set()
+        self._counts = {mesh: self._counted(mesh, uses) for mesh, uses in self._uses.items()}
+        self._count_outside()
+
+    def _counted(self, mesh: int, uses: int) -> _Counts:
+        counts = _Counts()
+        skipped: Counter[str] = Counter()
+        for part in primitives(self._document, mesh, skipped):
+            counts.add(part)
+            self._crs.add(part.crs)
+            self._having.update(dict.fromkeys((*part.used, "all"), uses))
+        self._skipped.update({what: count * uses for what, count in skipped.items()})
+        return counts
+
+    def _count_outside(self) -> None:
+        """Count what does not stand in the scene."""
+        tree = self._document
+        shown = sum("mesh" in node for node in tree.parts("nodes"))
+        self._skipped["node(s) outside the scene"] = shown - len(self._scene.meshes)
+        self._skipped["other scene(s)"] = max(len(tree.parts("scenes")) - 1, 0)
+
+    def check(self, limit: int) -> None:
+        """Raise if there is nothing to read, or more than the limit."""
+        name = self._document.name
+        needed = sum(each.size * self._uses[mesh] for mesh, each in self._counts.items())
+        check_expanded(needed, limit, name, f"its scene of {len(self._scene.meshes):,} meshes")
+        rows = sum(each.rows * self._uses[mesh] for mesh, each in self._counts.items())
+        if rows > _MOST:
+            raise FormatError(f"{name}: {rows:,} vertices are more than 32-bit indices count")
+        if not rows:
+            found = ", ".join(self._named())
+            raise FormatError(f"{name}: the file holds no vertices{found and f': only {found}'}")
+
+    def _named(self) -> tuple[str, ...]:
+        """Name what is not read, with counts."""
+        return tuple(
+            f"{count} {what.replace('(s)', '' if count == 1 else 's', 1)}"
+            for what, count in self._skipped.items()
+            if count
+        )
+
+    def cloud(self) -> Cloud:
+        """Build what was counted."""
+        found = self._alone() if self._having["all"] == 1 else self._joined()
+        for key, held in (("COLOR_0", found.colors), ("NORMAL", found.normals)):
+            if self._having[key] and held is None:
+                self._skipped[f"primitive(s) with {key}, which not all have"] = self._having[key]
+        return replace(found, **self._described())
+
+    def _alone(self) -> Cloud:
+        """Return the only primitive, without a copy."""
+        (each,) = self._parts()
+        (cloud,) = decoded(self._document, [each.part])
+        place = self._scene.places[self._scene.meshes.index(each.mesh)]
+        return cloud if place is None else transformed(cloud, place)
+
+    def _joined(self) -> Cloud:
+        arrays = _Arrays(self._scene, self._counts, self._having)
+        for batch in _batches(self._parts()):
+            clouds = decoded(self._document, [each.part for each in batch])
+            for each, cloud in zip(batch, clouds, strict=True):
+                arrays.put(cloud, each)
+        return arrays.cloud()
+
+    def _parts(self) -> Iterator[_Part]:
+        """Yield the primitives of all meshes with their places among the rows of a mesh."""
+        for mesh in self._counts:
+            before = _Counts()
+            for part in primitives(self._document, mesh):
+                yield _Part(part, mesh, before.rows, before.faces)
+                before.add(part)
+
+    def _described(self) -> dict[str, Any]:
+        """Return the metadata and the coordinate system."""
+        metadata = dict(self._scene.extras)
+        if isinstance(self._document.tree.get("extensions"), dict):
+            metadata["gltf_extensions"] = self._document.tree["extensions"]
+        common = next(iter(self._crs)) if len(self._crs) == 1 else None
+        stated = metadata.pop("crs") if is_crs(metadata.get("crs")) else common
+        if self._named():
+            metadata["skipped"] = self._named()
+        return {"metadata": metadata, "crs": stated}
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A primitive, and how many rows and faces of its mesh come before it."""
+
+    part: Primitive
+    mesh: int
+    rows: int
+    faces: int
+
+
+def _batches(parts: Iterator[_Part]) -> Iterator[list[_Part]]:
+    """Group primitives: few calls of trimesh, and few of its objects at a time."""
+    batch: list[_Part] = []
+    size = 0
+    for each in parts:
+        batch.append(each)
+        size += each.part.size
+        if len(batch) == _BATCH or size > _BATCH_BYTES:
+            yield batch
+            batch, size = [], 0
+    if batch:
+        yield batch
+
+
+class _Arrays:
+    """The arrays of a cloud, filled piece by piece."""
+
+    def __init__(self, scene: Scene, counts: dict[int, _Counts], having: Counter[str]) -> None:
+        rows = np.array([counts[mesh].rows for mesh in scene.meshes], dtype=np.int64)
+        faces = np.array([counts[mesh].faces for mesh in scene.meshes], dtype=np.int64)
+        self._scene = scene
+        self._rows = np.cumsum(rows) - rows
+        self._faces = np.cumsum(faces) - faces
+        self._order = np.argsort(scene.meshes, kind="stable")
+        self._sorted = np.array(scene.meshes)[self._order]
+        total = int(rows.sum())
+        self._points: Floats = np.empty((total, 3))
+        self._face_rows: Rows | None = np.empty((faces.sum(), 3), np.int32) if faces.any() else None
+        has_colors, has_normals = (having[key] == having["all"] for key in ("COLOR_0", "NORMAL"))
+        self._colors: Array | None = np.empty((total, 4), np.uint8) if has_colors else None
+        self._normals: Array | None = np.empty((total, 3)) if has_normals else None
+
+    def cloud(self) -> Cloud:
+        """Return the arrays."""
+        return Cloud(
+            self._points, colors=self._colors, normals=self._normals, faces=self._face_rows
+        )
+
+    def put(self, cloud: Cloud, part: _Part) -> None:
+        """Put a primitive into each of its places."""
+        begin, end = np.searchsorted(self._sorted, [part.mesh, part.mesh + 1])
+        for instance in self._order[begin:end].tolist():
+            place = self._scene.places[instance]
+            placed = cloud if place is None else transformed(cloud, place)
+            self._put_rows(placed, int(self._rows[instance]) + part.rows)
+            self._put_faces(placed, instance, part)
+
+    def _put_rows(self, cloud: Cloud, begin: int) -> None:
+        rows = slice(begin, begin + len(cloud))
+        self._points[rows] = cloud.points
+        self._colors = _filled(self._colors, rows, cloud.colors)
+        self._normals = _filled(self._normals, rows, cloud.normals)
+
+    def _put_faces(self, cloud: Cloud, instance: int, part: _Part) -> None:
+        if self._face_rows is not None and cloud.faces is not None:
+            begin = int(self._faces[instance]) + part.faces
+            first = np.int32(self._rows[instance] + part.rows)
+            np.add(cloud.faces, first, out=self._face_rows[begin : begin + len(cloud.faces)])
+
+
+def _filled(held: Array | None, rows: slice, values: Array | None) -> Array | None:
+    """Set some rows; None if there are no values for them."""
+    if held is not None and values is not None:
+        held[rows] = values
+    return held if values is not None else None
