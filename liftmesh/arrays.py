@@ -17,6 +17,9 @@ from liftmesh.errors import InputError, NonFiniteError
 MOST_ROWS: int = _kernel.MOST_ROWS
 
 _EXACT_INTEGERS = 2**53
+_LARGEST = float(np.finfo(np.float64).max)
+_LONGEST_SHOWN = 256  # bits
+_ROUNDING = decimal.Context(prec=9, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN)
 
 
 def as_coordinates(points: ArrayLike) -> Reals:
@@ -275,8 +278,9 @@ def _as_double(array: Reals) -> Reals:
     if array.itemsize in (4, 8):
         native = array.dtype.isnative
         return array if native else array.astype(array.dtype.newbyteorder("="))
-    doubles = array.astype(np.float64)
-    inexact = (doubles != array) & ~np.isnan(array)
+    with np.errstate(all="ignore"):  # what overflows or underflows is refused
+        doubles = array.astype(np.float64)
+        inexact = (doubles != array) & ~np.isnan(array)
     _refuse_inexact(array, inexact)
     return doubles
 
@@ -294,30 +298,52 @@ def _from_integers(array: NDArray[np.integer[Any]]) -> Floats:
 def _from_objects(array: NDArray[np.object_]) -> Floats:
     doubles = np.empty(array.shape, dtype=np.float64)
     for at, value in np.ndenumerate(array):
-        doubles[at] = _exact_double(value, at[0])
+        doubles[at] = _exact_double(value, *at)
     return doubles
 
 
-def _exact_double(value: Any, row: int) -> float:
+def _exact_double(value: Any, row: int, column: int) -> float:
     if not isinstance(value, numbers.Real | decimal.Decimal):
-        raise InputError(f"row {row} holds {value!r}, a {type(value).__name__}: give real numbers")
+        raise InputError(
+            f"row {row} holds {value!r} in column {column}, a {type(value).__name__}: "
+            "give real numbers"
+        )
+    if isinstance(value, decimal.Decimal) and value.is_nan():
+        return math.nan  # one that signals cannot be converted
     try:
-        double = float(value)
+        with np.errstate(all="ignore"):
+            double = float(value)
     except OverflowError as error:
-        raise _inexact(row, value) from error
+        raise _inexact(value, row, column) from error
     if double == value or math.isnan(double):
         return double
-    raise _inexact(row, value)
+    raise _inexact(value, row, column)
 
 
 def _refuse_inexact(array: Array, inexact: Mask) -> None:
     if inexact.any():
-        at = tuple(int(i) for i in np.argwhere(inexact)[0])
-        raise _inexact(at[0], array[at])
+        row, column = np.argwhere(inexact)[0].tolist()
+        raise _inexact(array[row, column], row, column)
 
 
-def _inexact(row: int, value: Any) -> InputError:
+def _inexact(value: Any, row: int, column: int) -> InputError:
+    where = f"row {row} holds {_shown(value)} in column {column}"
+    if not -_LARGEST <= value <= _LARGEST:
+        return InputError(
+            f"{where}, which is beyond the largest float64, {_LARGEST!r}: scale the coordinates "
+            "down first"
+        )
     return InputError(
-        f"row {row} holds {value}, which float64 does not represent exactly: subtract an offset "
+        f"{where}, which float64 does not represent exactly: subtract an offset "
         "from the coordinates first, or round them to float64 explicitly"
     )
+
+
+def _shown(value: Any) -> str:
+    """Return a number as it was given, or rounded if it has too many digits for a message."""
+    if isinstance(value, numbers.Rational):
+        over, under = int(value.numerator), int(value.denominator)
+        if max(over.bit_length(), under.bit_length()) > _LONGEST_SHOWN:
+            quotient = _ROUNDING.divide(decimal.Decimal(over), decimal.Decimal(under))
+            return f"about {quotient.normalize(_ROUNDING)}"
+    return str(value)  # an f-string would round a longdouble to a double

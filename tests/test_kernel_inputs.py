@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from decimal import Decimal
 from fractions import Fraction
@@ -192,5 +193,59 @@ def test_real_numbers_of_any_kind_that_a_double_holds(half: object) -> None:
 
 def test_a_fraction_that_no_double_holds() -> None:
     points = np.array([[0, 0], [Fraction(1, 3), 0], [0, 1]], dtype=object)
-    with pytest.raises(liftmesh.InputError, match="row 1 holds 1/3, which float64 does not"):
+    with pytest.raises(
+        liftmesh.InputError, match="row 1 holds 1/3 in column 0, which float64 does not"
+    ):
         liftmesh.delaunay(points)
+
+
+LONG = np.longdouble
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("value", "kind", "shown"),
+    [
+        (LONG("1e4000"), LONG, "1e+4000"),
+        (LONG("-1e4000"), LONG, "-1e+4000"),
+        (LONG("1e4000"), object, "1e+4000"),
+        (Decimal("1e4000"), object, "1E+4000"),
+        (Fraction(10**4000, 7), object, "about 1.42857143E+3999"),
+        (10**400, object, "about 1E+400"),
+        (-(10**5000), object, "about -1E+5000"),
+    ],
+    ids=range(7),  # by default the value, which has too many digits
+)
+def test_a_number_beyond_float64_is_named_as_it_was_given(
+    value: object, kind: type, shown: str
+) -> None:
+    beyond = re.escape(f"row 1 holds {shown} in column 1, which is beyond the largest float64")
+    points = np.array([[0, 0], [1, value], [0, 1]], dtype=kind)
+    with np.errstate(all="raise"), pytest.raises(liftmesh.InputError, match=beyond):
+        liftmesh.delaunay(points)
+    with pytest.raises(liftmesh.InputError, match=beyond):
+        liftmesh.delaunay([[0, 0], [1, value], [0, 1]])
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [LONG(1) / 3, LONG("1e-4000"), Decimal("1e-4000")])
+def test_a_number_that_rounding_would_change_is_named_as_it_was_given(value: object) -> None:
+    points = np.array([[0, 0], [value, 0], [0, 1]], dtype=type(value))
+    named = re.escape(f"row 1 holds {value!s} in column 0, which float64 does not represent")
+    with np.errstate(all="raise"), pytest.raises(liftmesh.InputError, match=named):
+        liftmesh.delaunay(points)
+
+
+def test_an_infinite_longdouble_and_a_signalling_nan_are_not_finite() -> None:
+    for value in (LONG("inf"), Decimal("sNaN"), Decimal("-inf")):
+        with pytest.raises(liftmesh.NonFiniteError, match="row 1 is not finite"):
+            liftmesh.delaunay([[0, 0], [value, 0], [0, 1]])
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [LONG("1e4000"), 10**400])
+def test_options_beyond_float64_are_refused(value: object) -> None:
+    with pytest.raises(liftmesh.InputError, match="q is "):
+        liftmesh.lift(SQUARE, q=(value, 0))
+    with pytest.raises(liftmesh.InputError, match="plane "):
+        liftmesh.triangulate(np.eye(3), plane=(0, 0, value))

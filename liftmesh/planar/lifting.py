@@ -84,8 +84,9 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
             return None
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
     try:
-        pair = np.asarray(q, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        with np.errstate(all="ignore"):
+            pair = np.asarray(q, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)") from error
     if pair.shape != (2,) or not np.isfinite(pair).all():
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a finite point (qx, qy)")

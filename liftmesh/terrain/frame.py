@@ -215,13 +215,16 @@ def _numbers(plane: ArrayLike) -> Floats:
     """Convert a normal or a matrix to an array of finite numbers."""
     remedy = "give 'xy', 'fit', a normal of three numbers or a rigid 4x4 matrix"
     try:
-        values = np.asarray(plane, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        with np.errstate(all="ignore"):
+            values = np.asarray(plane, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"plane cannot be read as numbers ({error}): {remedy}") from error
     if values.shape not in ((3,), (4, 4)):
         raise InputError(f"plane has the shape {values.shape}: {remedy}")
     if not np.isfinite(values).all():
-        raise InputError(f"plane holds values that are not finite, {values.tolist()}: {remedy}")
+        raise InputError(
+            f"plane holds values that are not finite as float64, {values.tolist()}: {remedy}"
+        )
     return values
 
 
