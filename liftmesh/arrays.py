@@ -120,6 +120,30 @@ def as_pairs(points: ArrayLike) -> Floats:
     return np.ascontiguousarray(flat, dtype=np.float64).reshape(array.shape)
 
 
+def read_only(array: Array) -> Array:
+    """Return a view that cannot be written to, of an array that remains as it is.
+
+    Parameters
+    ----------
+    array : ndarray
+        Any array.
+
+    Returns
+    -------
+    ndarray
+        Shares the memory: it protects from writing through the view alone.
+
+    Examples
+    --------
+    >>> values = np.zeros(2)
+    >>> read_only(values).flags.writeable, values.flags.writeable
+    (False, True)
+    """
+    view: Array = array.view()
+    view.setflags(write=False)
+    return view
+
+
 def check_finite(points: Reals, *, skippable: bool = True) -> None:
     """Raise if a row is not finite, naming the first.
 

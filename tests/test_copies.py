@@ -43,17 +43,62 @@ def test_exceptions(again: Callable[[Any], Any]) -> None:
     assert str(again(liftmesh.FormatError("a.ply: line 3"))) == "a.ply: line 3"
 
 
-def test_what_point_location_rests_on_cannot_be_changed() -> None:
-    tri = liftmesh.delaunay(CLOUD)
-    for array in (tri.simplices, tri.neighbors, tri.duplicates, tri.skipped):
+ARRAYS = ("points", "simplices", "neighbors", "duplicates", "skipped")
+MADE = [liftmesh.delaunay, liftmesh.Delaunay]
+
+
+@pytest.mark.parametrize("again", [lambda it: it, *WAYS.args[1]])
+@pytest.mark.parametrize("kind", [np.float64, np.float32])
+def test_what_point_location_rests_on_cannot_be_changed(
+    again: Callable[[Any], Any], kind: type
+) -> None:
+    given = CLOUD.astype(kind)
+    tri = again(liftmesh.delaunay(given))
+    for name in ARRAYS:
         with pytest.raises(ValueError, match="read-only"):
-            array[...] = 0
+            getattr(tri, name)[...] = 0
+    given[0] = 0  # the caller's own array is not touched
 
 
-def test_point_location_ends_even_where_the_points_were_changed() -> None:
+@pytest.mark.parametrize("made", MADE)
+def test_a_copy_does_not_see_what_the_caller_writes(made: Callable[..., Any]) -> None:
+    points = np.random.default_rng(4).random((2000, 2))
+    shared, own = made(points), made(points, copy=True)
+    assert np.shares_memory(shared.points, points)
+    assert not np.shares_memory(own.points, points)
+    queries = np.random.default_rng(5).random((100, 2))
+    expected = own.find_simplex(queries)
+    points[:] = points[::-1].copy()
+    assert own.verify().valid
+    assert not shared.verify().valid
+    np.testing.assert_array_equal(own.find_simplex(queries), expected)
+    np.testing.assert_array_equal(own.points[::-1], points)
+
+
+def test_vertices_that_may_be_the_callers_cannot_be_changed() -> None:
+    cloud = CLOUD.copy()
+    for vertices in (liftmesh.triangulate(cloud).vertices, liftmesh.lower_hull(cloud).vertices):
+        assert np.shares_memory(vertices, cloud)
+        with pytest.raises(ValueError, match="read-only"):
+            vertices[0] = 0
+    cloud[0] = 0
+
+
+@pytest.mark.parametrize("asked_before", [True, False])
+@pytest.mark.parametrize("value", [None, 0.0, np.nan, np.inf, -1e308, 5e-324, "some"])
+def test_point_location_ends_even_where_the_points_were_changed(
+    value: Any, asked_before: bool
+) -> None:
     points = np.random.default_rng(4).random((2000, 2))
     tri = liftmesh.delaunay(points)
-    points[:] = points[::-1].copy()
+    if asked_before:
+        tri.find_simplex([0.5, 0.5])
+    if value is None:
+        points[:] = points[::-1].copy()
+    elif value == "some":
+        points[::3], points[1::3, 0], points[2::7] = np.nan, np.inf, 1e308
+    else:
+        points[:] = value
     found = tri.find_simplex(np.random.default_rng(5).random((3000, 2)))
     assert found.min() >= -1
     assert found.max() < tri.nsimplex

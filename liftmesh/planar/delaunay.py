@@ -32,6 +32,7 @@ def delaunay(
     order: RowOrder = "engine",
     threads: int | None = None,
     progress: Progress | None = None,
+    copy: bool = False,
 ) -> Triangulation:
     """Compute the Delaunay triangulation of planar points, exact for every finite double.
 
@@ -67,6 +68,9 @@ def delaunay(
     progress : callable, optional
         Called at most about twenty times a second with the fraction of the work done, and with 1.0
         at the end. An exception that it raises aborts the run. Gift wrapping reports only its end.
+    copy : bool, default False
+        Whether to copy the points first. Otherwise the triangulation reads an array of floats where
+        it is: do not write to the array while the triangulation is in use.
 
     Returns
     -------
@@ -100,7 +104,7 @@ def delaunay(
     array([[0, 1, 3],
            [3, 1, 2]], dtype=int32)
     """
-    return Triangulation(**_solve(points, method, q, nonfinite, order, threads, progress))
+    return Triangulation(**_solve(points, method, q, nonfinite, order, threads, progress, copy))
 
 
 class Delaunay(Triangulation):
@@ -117,6 +121,8 @@ class Delaunay(Triangulation):
         Must be False.
     qhull_options : str, optional
         Ignored: Qhull is not used.
+    copy : bool, default False
+        As for `delaunay`.
 
     Raises
     ------
@@ -140,6 +146,8 @@ class Delaunay(Triangulation):
         furthest_site: bool = False,
         incremental: bool = False,
         qhull_options: str | None = None,  # noqa: ARG002 - part of SciPy's signature
+        *,
+        copy: bool = False,
     ) -> None:
         for option, asked in {"furthest_site": furthest_site, "incremental": incremental}.items():
             if asked:
@@ -150,7 +158,7 @@ class Delaunay(Triangulation):
                 "points have three columns: liftmesh.delaunay(points) triangulates their x and y; "
                 "for tetrahedra use scipy.spatial.Delaunay"
             )
-        super().__init__(**_solve(rows))
+        super().__init__(**_solve(rows, copy=copy))
 
 
 def _solve(
@@ -161,13 +169,14 @@ def _solve(
     order: RowOrder = "engine",
     threads: int | None = None,
     progress: Progress | None = None,
+    copy: bool = False,
 ) -> dict[str, Any]:
     check_option("method", method, Method)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("order", order, RowOrder)
     rows = as_coordinates(points)
-    planar = rows[:, :2]
-    run = (rows, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
+    planar = rows[:, :2].copy() if copy else rows[:, :2]
+    run = (planar, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
     outcome, counters = _run(run, method, q, planar)
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
     if status == "non-finite":
@@ -175,7 +184,7 @@ def _solve(
     if status != "ok":
         raise _degenerate(rows, distinct, hull, len(skipped))
     if order == "canonical":
-        simplices, neighbors = _canonical_order(rows, simplices, neighbors)
+        simplices, neighbors = _canonical_order(planar, simplices, neighbors)
     if progress is not None:
         progress(1.0)
     return {

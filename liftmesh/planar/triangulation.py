@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_pairs
+from liftmesh.arrays import as_pairs, read_only
 from liftmesh.choices import NonFinite
 from liftmesh.planar.lifting import LowerHull, lift, resolve_q
 
@@ -25,8 +25,9 @@ class Triangulation:
     """A Delaunay triangulation of planar points, as returned by `delaunay`.
 
     Every index is a row of the caller's array. Attributes that cost memory are computed on first
-    access. The arrays are read-only: copy one to change it, and do not modify the points while the
-    triangulation is in use.
+    access. The arrays are read-only: copy one to change it. `points` may share the memory of the
+    caller's array; writing to that array changes them under the triangulation, which `copy=True`
+    of `delaunay` prevents.
 
     Parameters
     ----------
@@ -88,17 +89,20 @@ class Triangulation:
         skipped: Rows,
         counters: Counters | None = None,
     ) -> None:
-        # Point location relies on these arrays: they must not change.
-        for array in (simplices, neighbors, hull, duplicates, skipped):
-            if array.flags.writeable:
-                array.setflags(write=False)
-        self._rows = points
+        self._rows = read_only(points)  # the array itself may be the caller's
         self._hull = hull
         self.simplices = simplices
         self.neighbors = neighbors
         self.duplicates = duplicates
         self.skipped = skipped
         self.counters = counters
+        self._protect()
+
+    def _protect(self) -> None:
+        """Make all arrays read-only: point location relies on them."""
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                value.setflags(write=False)
 
     def __repr__(self) -> str:
         return (
@@ -107,7 +111,12 @@ class Triangulation:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_locator"}
+        shared = ("_locator", "points")  # made again when asked for
+        return {name: value for name, value in self.__dict__.items() if name not in shared}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._protect()  # copied and unpickled arrays are writable
 
     @property
     def npoints(self) -> int:
@@ -121,8 +130,13 @@ class Triangulation:
 
     @cached_property
     def points(self) -> Floats:
-        """The planar points, (n, 2) float64: a view of the caller's array if it is float64."""
-        return self._rows.astype(np.float64, copy=False)
+        """The planar points, (n, 2) float64, read-only.
+
+        If the caller's array is float64, it shares its memory, unless the triangulation was made
+        with ``copy=True``. Being read-only does not protect from writes through the caller's own
+        array: afterwards `verify` fails, and `find_simplex` gives meaningless triangles.
+        """
+        return read_only(self._rows.astype(np.float64, copy=False))
 
     @property
     def convex_hull(self) -> Rows:

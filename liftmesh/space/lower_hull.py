@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
-from liftmesh.arrays import as_coordinates, as_rows3, check_finite
+from liftmesh.arrays import as_coordinates, as_rows3, check_finite, read_only
 from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
@@ -44,9 +44,10 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     Returns
     -------
     LowerHull
-        A mesh of the caller's rows. ``above`` lists the rows that are not a vertex of it. Faces
-        near each other in the plane are near each other in the list; their order, and the first
-        vertex of each, depend on the rows alone.
+        A mesh of the caller's rows: ``vertices`` is a read-only view of them if they are float64,
+        which writes to the caller's array change. ``above`` lists the rows that are not a vertex of
+        it. Faces near each other in the plane are near each other in the list; their order, and the
+        first vertex of each, depend on the rows alone.
 
     Raises
     ------
@@ -86,7 +87,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     if status != "ok":
         raise _degenerate(distinct, boundary)
     counters = Counters.from_kernel(counts) if method == "lf" else None
-    return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
+    return LowerHull(read_only(as_rows3(rows)), faces, neighbors=neighbors, counters=counters)
 
 
 def _check_hull_method(method: str) -> None:

@@ -110,7 +110,8 @@ class Surface:
     Parameters
     ----------
     vertices : (n, 3) ndarray of float64
-        All rows of the input in their order; shared with the caller's array if it is float64.
+        All rows of the input in their order: a read-only view of the caller's array if that is
+        float64, which writes to that array change.
     faces : (m, 3) ndarray of int32
         Triangles as rows of ``vertices``, counter-clockwise seen from above the plane.
     triangulation : Triangulation

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import check_finite, non_finite
+from liftmesh.arrays import check_finite, non_finite, read_only
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
@@ -81,7 +81,9 @@ def triangulate(
     -------
     Surface
         All rows as vertices, in their order; faces, counter-clockwise seen from above; colours,
-        normals and named values; and a report on the use of every row.
+        normals and named values; and a report on the use of every row. If the cloud's points are
+        float64, the surface shares their memory: do not write to them while it is in use, or give
+        a copy.
 
     Raises
     ------
@@ -127,7 +129,7 @@ def triangulate(
     vertices = _vertices(source.points, heights, frame, choice)
     stages.finish("heights")
     surface = Surface(
-        vertices=vertices,
+        vertices=read_only(vertices),  # they may be the caller's
         faces=faces,
         triangulation=solution,
         frame=frame,
