@@ -55,9 +55,10 @@ def circle_and_centre(n: int, rng: Generator) -> Points:  # noqa: ARG001 - as fo
 
 
 def polar_scan(n: int, rng: Generator) -> Points:
-    """For point location: what a scanner sees from its place among walls, and that place."""
-    angle = 2 * np.pi * np.arange(n - 1) / (n - 1)
-    radius = 1 + 0.3 * np.cos(5 * angle) + 1e-6 * rng.standard_normal(n - 1)
+    """For point location: what a scanner sees at even angles in a round room, and its place."""
+    angle = rng.random() + 2 * np.pi * np.arange(n - 1) / (n - 1)
+    away = 0.5  # from the centre of the room, whose radius is 1
+    radius = -away * np.cos(angle) + np.sqrt(1 - (away * np.sin(angle)) ** 2)
     return np.vstack((polar(radius, angle), [[0.0, 0.0]]))
 
 
