@@ -40,8 +40,8 @@ find_python() {
     return 1
 }
 
-# Prints the missing Debian packages, one a line. With "tests", also the libraries that Open3D's wheel loads, and clang
-# with its sanitizers.
+# Prints the missing Debian packages, one a line. With "tests", also the libraries that Open3D's wheel loads, clang
+# with its sanitizers, and valgrind.
 missing_packages() {
     local python version
     if python=$(find_python); then
@@ -55,6 +55,7 @@ missing_packages() {
     if [[ $1 == tests ]]; then
         [[ -z $python ]] || missing_libraries "$python"
         missing_clang
+        missing_valgrind
     fi
 }
 
@@ -81,6 +82,15 @@ missing_clang() {
         say "libclang-rt-${version%%.*}-dev"
     fi
     command -v llvm-symbolizer >/dev/null || say llvm # line numbers in reports
+}
+
+# Its headers, too, which come with it. It does not start without the symbols of the C library.
+missing_valgrind() {
+    if ! printf '#include <valgrind/callgrind.h>\n' | "${CC:-cc}" -fsyntax-only -x c - 2>/dev/null; then
+        printf '%s\n' valgrind libc6-dbg
+    elif ! valgrind --quiet --tool=callgrind --callgrind-out-file=/dev/null true 2>/dev/null; then
+        say libc6-dbg
+    fi
 }
 
 # clang_links PROGRAM FLAG...

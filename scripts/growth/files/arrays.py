@@ -58,7 +58,33 @@ def flags(n: int) -> bytes:
     return npy(np.zeros(n, dtype=[("x", "u1"), ("y", "u1"), ("f", "?"), ("g", "?")]))
 
 
-NPY = named(rows, columns_first, bytes_of_rows, half_floats, structured, fields, flags)
+def whole_numbers(n: int) -> bytes:
+    """Whole numbers of eight bytes, each of which must fit a double."""
+    return npy(random().integers(0, 1 << 50, (n, 2)))
+
+
+def bytes_columns_first(n: int) -> bytes:
+    """Coordinates of one byte in column-major order."""
+    return npy(np.asfortranarray(np.zeros((n, 2), np.uint8)))
+
+
+def long_header(n: int) -> bytes:
+    """A header of blanks as long as the file."""
+    return b"\x93NUMPY\x02\x00" + struct.pack("<I", n) + b" " * n
+
+
+NPY = named(
+    rows,
+    columns_first,
+    bytes_of_rows,
+    half_floats,
+    structured,
+    fields,
+    flags,
+    whole_numbers,
+    bytes_columns_first,
+    long_header,
+)
 
 
 def npz(members: dict[str, bytes], method: int = zipfile.ZIP_STORED) -> bytes:
@@ -148,6 +174,18 @@ def lzma_that_goes_on(n: int) -> bytes:
     return going_on(zipfile.ZIP_LZMA) + bytes(n)
 
 
+def long_names(n: int) -> bytes:
+    """Members with names of sixty thousand letters."""
+    tiny = npy(np.zeros(3))
+    names = {f"{'a' * 60_000}{k}": tiny for k in range(max(n // 64, 1))}
+    return npz({"points": npy(np.eye(2)), **names})
+
+
+def bytes_in_members(n: int) -> bytes:
+    """Coordinates of one byte, compressed."""
+    return npz({"points": npy(np.zeros((n, 2), np.uint8))}, zipfile.ZIP_DEFLATED)
+
+
 NPZ = named(
     stored,
     deflated,
@@ -157,6 +195,8 @@ NPZ = named(
     members,
     skipped_members,
     foreign_members,
+    long_names,
+    bytes_in_members,
 )
 
 LIES = named(deflate_that_goes_on, bzip2_that_goes_on, lzma_that_goes_on)

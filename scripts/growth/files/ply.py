@@ -159,6 +159,45 @@ def blank_lines(n: int) -> bytes:
     return ply("ascii", lines, text.replace(b"\n", b"\n\n\n\n"))
 
 
+def triangles_then_quads(n: int) -> bytes:
+    """Triangles, then quadrilaterals: the second half has another layout than the first row."""
+    return mesh(n, [[0, 1, 2]] * n + [[0, 1, 2, 3]] * n, "little")
+
+
+def triangles_then_quads_as_text(n: int) -> bytes:
+    """The same as text."""
+    return mesh(n, [[0, 1, 2]] * n + [[0, 1, 2, 3]] * n, "ascii")
+
+
+def growing_lists(n: int) -> bytes:
+    """Every row one corner longer than the row before it: as many layouts as there are rows."""
+    sides = range(int((2 * n) ** 0.5) + 1)
+    return mesh(3, [[0] * k for k in sides], "ascii", "property list uint int vertex_indices")
+
+
+def longest_uniform_lists(n: int) -> bytes:
+    """Polygons of 255 corners, the longest that a length of one byte allows."""
+    return mesh(3, [[0] * 255] * max(n // 16, 1), "little")
+
+
+def rows_of_nothing(n: int) -> bytes:
+    """Elements of a billion rows that have no properties."""
+    lines, binary, _ = vertices(4)
+    return ply("little", [*lines, *(f"element e{k} 1000000000" for k in range(n))], binary)
+
+
+def two_byte_rows(n: int) -> bytes:
+    """Coordinates of one byte."""
+    lines = [f"element vertex {n}", "property uchar x", "property uchar y"]
+    return ply("little", lines, bytes(2 * n))
+
+
+def blank_lines_first(n: int) -> bytes:
+    """Lines of nothing before the first row."""
+    lines = ["element vertex 1", "property uchar x", "property uchar y"]
+    return ply("ascii", lines, b"\n" * n + b"0 0\n")
+
+
 PLY = named(
     points_in_binary,
     points_as_text,
@@ -179,4 +218,11 @@ PLY = named(
     comments,
     vertices_with_lists,
     blank_lines,
+    triangles_then_quads,
+    triangles_then_quads_as_text,
+    growing_lists,
+    longest_uniform_lists,
+    rows_of_nothing,
+    two_byte_rows,
+    blank_lines_first,
 )

@@ -80,6 +80,46 @@ def obj_comments(n: int) -> bytes:
     return ("# c\n" * n + positions(n, "v {} {} {} # c\n")).encode()
 
 
+def obj_polygon_of_pairs(n: int) -> bytes:
+    """One face whose corners have normals."""
+    return b"v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf" + b" 1//1" * n + b"\n"
+
+
+def obj_polygon_of_triples(n: int) -> bytes:
+    """One face whose corners have textures and normals."""
+    return b"v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nf" + b" 1/1/1" * n + b"\n"
+
+
+def obj_crs_comments(n: int) -> bytes:
+    """Comments that look as if they stated a coordinate system."""
+    return b"# crs \n" * n + b"v 0 0 0\n"
+
+
+def obj_blank(n: int) -> bytes:
+    """Lines of nothing, and lines of a letter."""
+    return b"\n" * n + b"v 0 0 0\n" + b"a\n" * n
+
+
+def obj_continued_faces(n: int) -> bytes:
+    """Faces on two lines each."""
+    return b"v 0 0 0\n" + b"f 1\\\n 1 1\n" * n
+
+
+def obj_continued_polygon(n: int) -> bytes:
+    """One face on as many lines as it has corners."""
+    return b"v 0 0 0\nf" + b" 1\\\n" * n + b" 1 1\n"
+
+
+def obj_continued_nothing(n: int) -> bytes:
+    """Lines that go on with nothing."""
+    return b"v 0 0 0\n" + b"\\\n" * n + b"\n"
+
+
+def obj_long_keyword(n: int) -> bytes:
+    """A keyword and a name as long as the file."""
+    return b"v 0 0 0\n" + b"a" * n + b"\ng " + b"a" * n + b"\n"
+
+
 OBJ = named(
     obj_triangles,
     obj_polygons,
@@ -91,6 +131,14 @@ OBJ = named(
     obj_continued,
     obj_unlike_vertices,
     obj_comments,
+    obj_polygon_of_pairs,
+    obj_polygon_of_triples,
+    obj_crs_comments,
+    obj_blank,
+    obj_continued_faces,
+    obj_continued_polygon,
+    obj_continued_nothing,
+    obj_long_keyword,
 )
 
 
@@ -128,8 +176,25 @@ def off_comments(n: int) -> bytes:
     return f"OFF\n{n} 1 0\n{positions(n, '{} {} {} # c' + chr(10) * 3)}3 0 1 2\n".encode()
 
 
+def off_wide_vertices(n: int) -> bytes:
+    """Vertices of a hundred values, of which three count."""
+    return b"OFF\n%d 0 0\n" % n + (b"0 " * 99 + b"0\n") * n
+
+
+def off_blank(n: int) -> bytes:
+    """Lines of nothing at the end."""
+    return b"OFF\n1 0 0\n0 0 0\n" + b"\n" * n
+
+
 OFF = named(
-    off_triangles, off_polygons, off_colours, off_one_polygon, off_empty_faces, off_comments
+    off_triangles,
+    off_polygons,
+    off_colours,
+    off_one_polygon,
+    off_empty_faces,
+    off_comments,
+    off_wide_vertices,
+    off_blank,
 )
 
 
@@ -190,6 +255,41 @@ def long_numbers(n: int) -> bytes:
     return f"0.{'1' * n} 0.{'2' * n} 0.{'3' * n}\n".encode()
 
 
+def six_digits(n: int) -> bytes:
+    """Rows that may be points with colours, which only the last of them decides."""
+    return b"1 1 1 1 1 1\n" * n
+
+
+def long_word(n: int) -> bytes:
+    """A number as long as the file."""
+    return b"1" * n + b" 2\n"
+
+
+def wide_rows(n: int) -> bytes:
+    """Rows of a thousand columns."""
+    return (b"1 " * 999 + b"1\n") * max(n // 16, 1)
+
+
+def remarks_last(n: int) -> bytes:
+    """Comments behind the only row."""
+    return b"1 1\n" + b"#ab\n" * n
+
+
+def long_remark(n: int) -> bytes:
+    """A comment that might be the header of very many columns."""
+    return b"# " + b"a " * n + b"\n1 1\n"
+
+
+def header_of_words(n: int) -> bytes:
+    """A first line of words without a column named x."""
+    return b"ab " * n + b"\n1 1\n"
+
+
+def empty_names(n: int) -> bytes:
+    """A header of commas."""
+    return b"x,y" + b"," * n + b"\n"
+
+
 TEXT = named(
     table,
     table_with_header,
@@ -202,4 +302,11 @@ TEXT = named(
     quoted_values,
     last_line_broken,
     long_numbers,
+    six_digits,
+    long_word,
+    wide_rows,
+    remarks_last,
+    long_remark,
+    header_of_words,
+    empty_names,
 )
