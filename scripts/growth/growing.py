@@ -20,7 +20,9 @@ from growth.counting import Count, Work, count
 from growth.subjects import Subject, subjects
 
 MOST = 3.0
-QUADRATIC = 12.0
+QUADRATIC = 16.0
+NOISE = 0.1
+"""A slope below this share of the cost of a unit is taken for noise in the fixed costs."""
 
 _FACETS = "the paper's procedure: each facet looks at every point"
 _WALK = "a walk starts at a sample of the triangles and may cross many thin ones, or a whole fan"
@@ -50,7 +52,8 @@ class Growth:
             (large.instructions - small.instructions) / max(large.units - small.units, 1)
             for small, large in zip(self.counts, self.counts[1:], strict=False)
         ]
-        return slopes[-1] / max(slopes[0], 1e-9)
+        middle = self.counts[1]
+        return slopes[1] / max(slopes[0], NOISE * middle.instructions / middle.units)
 
     @property
     def fault(self) -> str:
