@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -34,7 +35,7 @@ def lie(tree: Tree, chance: Chance) -> None:
         del parent[key]
     elif chance.one_in(8):
         other, name = chance.choice(places)
-        parent[key] = other[name]
+        parent[key] = copy.deepcopy(other[name])  # else a part could hold itself
     elif chance.one_in(4):
         parent[key] = chance.choice(WRONG)
     else:
