@@ -105,6 +105,17 @@ def test_a_stream_without_a_buffer_that_takes_a_part() -> None:
     assert output(program, *FORMATS) == "File too large\n" * len(FORMATS)
 
 
+def test_a_pipe_that_is_full_and_does_not_wait() -> None:
+    ends = os.pipe()
+    os.set_blocking(ends[1], False)
+    with (
+        open(ends[1], "wb", buffering=0) as stream,  # noqa: PTH123 - a descriptor
+        pytest.raises(BlockingIOError),
+    ):
+        liftmesh.write(stream, np.zeros((100_000, 3)), format="ply")
+    os.close(ends[0])
+
+
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_device_that_is_full(kind: str) -> None:
     cloud = liftmesh.triangulate(np.random.default_rng(0).random((10_000, 3)))
