@@ -216,8 +216,8 @@ def reading(kind: str) -> Callable[[], object]:
 
 
 WITH_TRIMESH: dict[str, Callable[[], object]] = {
-    **{f"read {kind}": reading(kind) for kind in ("stl", "glb", "gltf")},
-    **{f"write {kind}": lambda kind=kind: saved(kind) for kind in ("stl", "glb", "gltf")},
+    **{f"read {kind}": reading(kind) for kind in ("glb", "gltf")},
+    **{f"write {kind}": lambda kind=kind: saved(kind) for kind in ("glb", "gltf")},
     "to_trimesh": MESH.to_trimesh,
     "as_cloud": lambda: liftmesh.as_cloud(trimesh.Scene(trimesh.creation.box())),
     "compare": lambda: liftmesh.compare(MESH),
