@@ -19,7 +19,7 @@ from test_codebase import METHODS, NAMES
 
 from liftmesh.io.registry import FORMATS
 
-GROUPS = 8
+GROUPS = 4
 SUBJECTS = subjects()
 CASES = sorted(cases())
 PROPERTIES = {
