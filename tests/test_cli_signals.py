@@ -194,6 +194,26 @@ def test_a_second_signal_ends_at_once(folder: Path) -> None:
     assert time.monotonic() - sent < 0.5
 
 
+def test_the_line_is_whole_although_a_second_signal_comes_while_it_is_printed(
+    folder: Path,
+) -> None:
+    change = """
+from liftmesh.cli import signals
+real = signals._write_now
+
+def slow(line):
+    send(signal.SIGTERM)
+    time.sleep(0.1)
+    real(line)
+
+signals._write_now = slow
+import liftmesh.io.files
+liftmesh.io.files.read = lambda *_, **__: send(signal.SIGINT)
+"""
+    child = started(change, "info", "mesh.ply", cwd=folder)
+    assert ended(child) == (ENDS[signal.SIGINT][0], "", ENDS[signal.SIGINT][1])
+
+
 def test_the_watchdog_removes_a_temporary_file_that_has_a_name(folder: Path) -> None:
     change = """
 from liftmesh.io import atomic, files

@@ -52,7 +52,8 @@ class Ending:
         self.number: int | None = None
         self.decided = False
         self._is_final = is_final
-        self._told = threading.Lock()
+        self._telling = threading.Lock()
+        self._is_told = False
         self._before: dict[int, Any] = {}
 
     def listen(self) -> None:
@@ -93,12 +94,16 @@ class Ending:
 
     def tell(self, number: int) -> int:
         """Print one line about the signal, once; return the exit code."""
-        if self._told.acquire(blocking=False):
+        is_mine = self._telling.acquire(timeout=0.2)
+        if is_mine and not self._is_told:
             line = f"liftmesh: error: {_MESSAGES[number]}\n"
             if self._is_final:
                 _write_now(line)
             else:
                 sys.stderr.write(line)
+            self._is_told = True
+        if is_mine:
+            self._telling.release()
         return CODES[number]
 
 

@@ -25,7 +25,7 @@ BEFORE, DURING, AFTER = "before the first line", "during the command", "after th
 _MESSAGES = {signal.SIGINT: b"interrupted", signal.SIGTERM: b"terminated by SIGTERM"}
 _LATE = 0.8  # share of the expected time: few commands should take longer
 _TICK = 0.02  # seconds by which a file's time may be late
-_LEAVING = 0.3  # seconds from the decision about the exit code to the end
+_DECIDING = 0.03  # seconds from the decision about the exit code until signals are ignored
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +96,8 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
     _wait(child, planned, known)
     stage, sent = _stage(child), time.time()
     child.send_signal(planned.signals[0])
-    first = last = time.monotonic()
+    last = time.monotonic()
+    is_late = stage == DURING and _ignores(child)
     for each in planned.signals[1:]:
         time.sleep(planned.gap)
         last = time.monotonic()
@@ -105,10 +106,9 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
         out, err = child.communicate(timeout=TIMEOUT)
     finally:
         child.kill()
-    now = time.monotonic()
-    if child.returncode == 0 and now - first < _LEAVING:
+    if child.returncode == 0 and is_late:
         stage = AFTER
-    return _End(child.returncode, out, err, sent, now - last, stage)
+    return _End(child.returncode, out, err, sent, time.monotonic() - last, stage)
 
 
 def _wait(child: subprocess.Popen[bytes], planned: Plan, known: Known) -> None:
@@ -137,6 +137,16 @@ def _stage(child: subprocess.Popen[bytes]) -> str:
     if ignored & bit:
         return AFTER
     return DURING if caught & bit else BEFORE
+
+
+def _ignores(child: subprocess.Popen[bytes]) -> bool:
+    """Whether a process begins to ignore signals: it had just decided about its exit code."""
+    end = time.monotonic() + _DECIDING
+    while time.monotonic() < end:
+        if _stage(child) == AFTER:
+            return True
+        time.sleep(0.002)
+    return False
 
 
 def _of_code(planned: Plan, end: _End, known: Known) -> Iterator[str]:
