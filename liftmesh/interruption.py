@@ -93,13 +93,13 @@ def kept() -> _Guard:
 
     Examples
     --------
-    >>> with kept():
-    ...     try:
+    >>> from contextlib import suppress
+    >>> try:
+    ...     with kept(), suppress(BaseException):
     ...         signal.raise_signal(signal.SIGINT)
-    ...     except BaseException:
-    ...         pass
-    Traceback (most recent call last):
-    KeyboardInterrupt
+    ... except KeyboardInterrupt:
+    ...     print("heard")
+    heard
     """
     return _Guard(defers=False)
 
@@ -115,11 +115,14 @@ def deferred() -> _Guard:
 
     Examples
     --------
-    >>> with deferred():
-    ...     signal.raise_signal(signal.SIGINT)
-    ...     print("imported")
-    Traceback (most recent call last):
-    KeyboardInterrupt
+    >>> try:
+    ...     with deferred():
+    ...         signal.raise_signal(signal.SIGINT)
+    ...         print("imported")
+    ... except KeyboardInterrupt:
+    ...     print("heard")
+    imported
+    heard
     """
     return _Guard(defers=True)
 

@@ -86,7 +86,7 @@ TRIED = [
     ("compare mesh.stl", "trimesh.path.exchange.load"),
     ("triangulate mesh.glb out.ply", "trimesh.exchange.gltf"),
     ("triangulate mesh.ply out.glb", "networkx"),
-    ("triangulate mesh.stl - --format ply", "trimesh.path.exchange.load"),
+    ("triangulate mesh.glb - --format ply", "networkx"),
 ]
 AMID_AN_IMPORT = """
 class Sending:
