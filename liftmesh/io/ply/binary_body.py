@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from liftmesh.io.ragged import Ragged
 
 _BLOCK = 1 << 18  # bytes that fit in the cache of one core
+_LISTS = 1 << 20  # bytes of rows with lists
 _LEAST = 1 << 12
 
 
@@ -51,7 +52,7 @@ class BinaryBody:
         rows = ListRows(element)
         self._expect(element, rows.least)
         begin, done = self._stream.tell(), 0
-        size = least = min(max(element.rows * rows.least, _LEAST), _BLOCK)
+        size = least = min(max(element.rows * rows.least, _LEAST), _LISTS)
         while done < element.rows:
             self._stream.seek(begin)
             data = read_most(self._stream, size)
