@@ -34,9 +34,21 @@ def triangulated(
         wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
         face, vertex = faces.row_of(int(wrong)), int(faces.values[wrong])
         raise FormatError(f"{name}: {where(face)} {_outside(vertex, vertices)}")
-    if np.all(faces.sizes == 3):
-        return faces.values.reshape(-1, 3).astype(np.int32, copy=False)
+    size = int(faces.sizes[0]) if len(faces.sizes) else 0
+    if size >= 3 and np.all(faces.sizes == size):
+        return _fans_of_one_size(faces.values.reshape(-1, size))
     return _fans(faces)
+
+
+def _fans_of_one_size(polygons: Array) -> Rows:
+    count, size = polygons.shape
+    if size == 3:
+        return polygons.astype(np.int32, copy=False)
+    triangles = np.empty((count, size - 2, 3), dtype=np.int32)
+    triangles[:, :, 0] = polygons[:, :1]
+    triangles[:, :, 1] = polygons[:, 1:-1]
+    triangles[:, :, 2] = polygons[:, 2:]
+    return triangles.reshape(-1, 3)
 
 
 def _fans(faces: Ragged) -> Rows:

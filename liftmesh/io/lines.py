@@ -121,12 +121,12 @@ class Lines:
                 break
         return b"".join(parts)
 
-    def _decoded(self, data: bytes, numbers: Integers) -> str:
+    def _decoded(self, data: bytes) -> str:
         try:
             return data.decode(self._encoding)
         except UnicodeDecodeError as error:
             begin = data.rfind(b"\n", 0, error.start) + 1
-            line = numbers[data.count(b"\n", 0, error.start)]
+            line = self._read + 1 + data.count(b"\n", 0, error.start)
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
                 f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text"
@@ -135,19 +135,18 @@ class Lines:
     def _block(self, data: bytes) -> Block:
         if b"\r" in data:
             data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        data = data.removesuffix(b"\n")
-        count = data.count(b"\n") + 1
-        numbers = np.arange(self._read + 1, self._read + 1 + count)
-        self._read += count
+        data, last = data.removesuffix(b"\n"), None
         if self._continued and b"\\" in data:
             data = _BLANKS_BEHIND.sub(rb"\\", data).removesuffix(b"\\")
-            numbers = numbers[_last_of_lines(data, count)]
+            last = _last_of_lines(data)
             data = data.replace(b"\\\n", b"  ")
-        text = self._decoded(data, numbers)
+        text = self._decoded(data)
         texts = [line.strip() for line in text.split("\n")]
+        numbers = np.arange(self._read + 1, self._read + 1 + len(texts if last is None else last))
+        self._read += len(numbers)
         if any(mark in text for mark in self._comments):
             texts = [self._bare(line) for line in texts]
-        block = Block(texts, numbers, len(data) > _BYTES)
+        block = Block(texts, numbers if last is None else numbers[last], len(data) > _BYTES)
         return block if all(texts) else block[np.fromiter(map(bool, texts), bool, len(texts))]
 
     def _bare(self, text: str) -> str:
@@ -167,13 +166,13 @@ def _continues(data: bytes) -> bool:
     return line.endswith(b"\\") or (not line and b"\n" not in body and b"\r" not in body)
 
 
-def _last_of_lines(data: bytes, count: int) -> Mask:
+def _last_of_lines(data: bytes) -> Mask:
     """Whether each line is the last of those that continuation joins."""
     octets = np.frombuffer(data, np.uint8)
     ends = octets == ord("\n")
     joined = np.zeros(len(octets), dtype=bool)
     joined[1:] = ends[1:] & (octets[:-1] == ord("\\"))
-    last = np.ones(count, dtype=bool)
+    last = np.ones(np.count_nonzero(ends) + 1, dtype=bool)
     last[:-1] = ~joined[ends]
     return last
 

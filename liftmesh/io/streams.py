@@ -32,12 +32,15 @@ class Source(Protocol):
 
 def read_most(stream: Source, size: int) -> bytes:
     """Read ``size`` bytes, fewer only at the end: a stream without a buffer may return a part."""
-    parts = [stream.read(size)]
-    left = size - len(parts[0])
+    data = stream.read(size)
+    if len(data) >= size or not (more := stream.read(size - len(data))):
+        return data
+    parts = [data, more]
+    left = size - len(data) - len(more)
     while left > 0 and parts[-1]:
         parts.append(stream.read(left))
         left -= len(parts[-1])
-    return parts[0] if len(parts) == 1 else b"".join(parts)
+    return b"".join(parts)
 
 
 def read_exactly(stream: BinaryIO, size: int, name: str, what: str) -> bytes:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _BLOCK = 1 << 18  # bytes that fit in the cache of one core
 _LISTS = 1 << 20  # bytes of rows with lists
 _LEAST = 1 << 12
+_USUAL = 16  # bytes of the lists in a row
 
 
 class BinaryBody:
@@ -52,7 +53,7 @@ class BinaryBody:
         rows = ListRows(element)
         self._expect(element, rows.least)
         begin, done = self._stream.tell(), 0
-        size = least = min(max(element.rows * rows.least, _LEAST), _LISTS)
+        size = least = min(max(element.rows * (rows.least + _USUAL), _LEAST), _LISTS)
         while done < element.rows:
             self._stream.seek(begin)
             data = read_most(self._stream, size)

@@ -75,17 +75,19 @@ class ListRows:
         """Yield the whole rows of a block in parts, at most ``most``: properties of these names."""
         position = 0
         while most:
-            part = self._alike(data, position, most, names)
-            part = part or self._unlike(data, position, min(most, _STEPS), names)
-            if not part.rows:
+            sizes, _ = self._stepped(data, position, 1)
+            if not sizes:
                 return
+            part = self._alike(data, position, most, names, sizes)
+            part = part or self._unlike(data, position, min(most, _STEPS), names)
             most, position = most - part.rows, part.end
             yield part
 
-    def _alike(self, data: bytes, position: int, most: int, names: Collection[str]) -> Part | None:
+    def _alike(
+        self, data: bytes, position: int, most: int, names: Collection[str], sizes: list[int]
+    ) -> Part | None:
         """Read rows as long as they have the shape of the first; None if these are few."""
-        sizes, _ = self._stepped(data, position, 1)
-        if not sizes or max(sizes) > _LONGEST:
+        if max(sizes) > _LONGEST:
             return None
         layout = self._layout(tuple(sizes))
         whole = min(most, (len(data) - position) // layout.itemsize)
