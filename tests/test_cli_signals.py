@@ -191,7 +191,7 @@ def test_a_second_signal_ends_at_once(folder: Path) -> None:
     sent = time.monotonic()
     child.send_signal(signal.SIGINT)
     assert ended(child) == (ENDS[signal.SIGTERM][0], "", ENDS[signal.SIGTERM][1])
-    assert time.monotonic() - sent < 0.5
+    assert time.monotonic() - sent < 2  # the time of a busy machine; the first would take a minute
 
 
 def test_the_line_is_whole_although_a_second_signal_comes_while_it_is_printed(
@@ -212,6 +212,23 @@ liftmesh.io.files.read = lambda *_, **__: send(signal.SIGINT)
 """
     child = started(change, "info", "mesh.ply", cwd=folder)
     assert ended(child) == (ENDS[signal.SIGINT][0], "", ENDS[signal.SIGINT][1])
+
+
+def test_line_and_exit_code_agree_where_two_signals_come_together(folder: Path) -> None:
+    change = """
+import liftmesh.io.files
+
+def both(*_, **__):
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+    send(signal.SIGINT)
+    send(signal.SIGTERM)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
+
+liftmesh.io.files.read = both
+"""
+    for _ in range(5):
+        code, out, err = ended(started(change, "info", "mesh.ply", cwd=folder))
+        assert ((code, err), out) in [(each, "") for each in ENDS.values()]
 
 
 def test_the_watchdog_removes_a_temporary_file_that_has_a_name(folder: Path) -> None:

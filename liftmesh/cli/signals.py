@@ -53,7 +53,7 @@ class Ending:
         self.decided = False
         self._is_final = is_final
         self._telling = threading.Lock()
-        self._is_told = False
+        self._told: int | None = None
         self._before: dict[int, Any] = {}
 
     def listen(self) -> None:
@@ -93,18 +93,19 @@ class Ending:
             raise error
 
     def tell(self, number: int) -> int:
-        """Print one line about the signal, once; return the exit code."""
+        """Print one line about the signal, once; return the exit code that goes with it."""
         is_mine = self._telling.acquire(timeout=0.2)
-        if is_mine and not self._is_told:
-            line = f"liftmesh: error: {_MESSAGES[number]}\n"
+        if is_mine and self._told is None:
+            # Two that come together reach the watchdog in another order.
+            self._told = self.number or number
+            line = f"liftmesh: error: {_MESSAGES[self._told]}\n"
             if self._is_final:
                 _write_now(line)
             else:
                 sys.stderr.write(line)
-            self._is_told = True
         if is_mine:
             self._telling.release()
-        return CODES[number]
+        return CODES[self._told or number]
 
 
 def _write_now(line: str) -> None:

@@ -152,10 +152,10 @@ def _ignores(child: subprocess.Popen[bytes]) -> bool:
 def _of_code(planned: Plan, end: _End, known: Known) -> Iterator[str]:
     """Look at the exit code and at what was printed."""
     out, err = known.printed[planned.job]
-    first = planned.signals[0]
-    line = b"liftmesh: error: %s\n" % _MESSAGES[first]
-    if end.code == 128 + first and end.err.endswith(line):
-        told = end.err.removesuffix(line)
+    # A busy machine may deliver two signals at once, and then in any order.
+    lines = {128 + each: b"liftmesh: error: %s\n" % _MESSAGES[each] for each in planned.signals}
+    if end.code in lines and end.err.endswith(lines[end.code]):
+        told = end.err.removesuffix(lines[end.code])
     elif end.stage == BEFORE and _python_ended(planned, end):
         told = b""
     elif end.stage == AFTER and end.code == 0:
