@@ -370,4 +370,6 @@ def _shown(value: Any) -> str:
         if max(over.bit_length(), under.bit_length()) > _LONGEST_SHOWN:
             quotient = _ROUNDING.divide(decimal.Decimal(over), decimal.Decimal(under))
             return f"about {quotient.normalize(_ROUNDING)}"
+    if isinstance(value, decimal.Decimal) and len(value.as_tuple().digits) > _LONGEST_SHOWN // 3:
+        return f"about {value.normalize(_ROUNDING)}"
     return str(value)  # an f-string would round a longdouble to a double

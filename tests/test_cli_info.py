@@ -172,3 +172,17 @@ def peak(name, folder):
         check=True,
     )
     return int(done.stdout) * 1024
+
+
+def test_what_is_not_read_is_named(tmp_path):
+    path = tmp_path / "many.npz"
+    others = {f"grid{k}": np.zeros((3, 3, k)) for k in range(2, 14)}
+    np.savez(path, points=np.random.default_rng(0).random((5, 3)), **others)
+    for words in (["info", path], ["triangulate", path, tmp_path / "mesh.ply"]):
+        done = liftmesh(*words)
+        assert done.returncode == 0, words
+        assert f"{path}: not read: grid2 (3, 3, 2), grid3" in done.stderr
+        assert done.stderr.count("grid") == 8
+        assert "and 4 more" in done.stderr
+    named = json.loads(liftmesh("info", path, "--json").stdout)["not_read"]
+    assert len(named) == 12

@@ -249,3 +249,10 @@ def test_options_beyond_float64_are_refused(value: object) -> None:
         liftmesh.lift(SQUARE, q=(value, 0))
     with pytest.raises(liftmesh.InputError, match="plane "):
         liftmesh.triangulate(np.eye(3), plane=(0, 0, value))
+
+
+def test_a_decimal_of_many_digits_makes_a_short_message() -> None:
+    with pytest.raises(liftmesh.InputError) as caught:
+        liftmesh.delaunay([[Decimal("1" * 100_000), 0], [0, 1], [1, 1]])
+    assert "row 0 holds about 1.11111111E+99999 in column 0" in str(caught.value)
+    assert len(str(caught.value)) < 300

@@ -154,7 +154,7 @@ CLOUDS: dict[str, Callable[[int, np.random.Generator], Points]] = {
 
 
 @pytest.mark.parametrize("family", CLOUDS)
-def test_a_summary_takes_about_twice_a_triangulation(family: str) -> None:
+def test_a_summary_takes_a_small_multiple_of_a_triangulation(family: str) -> None:
     rng = np.random.default_rng(0)
     xy = CLOUDS[family](200_000, rng)
     cloud = liftmesh.Cloud(np.column_stack((xy, rng.random(len(xy)))))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from liftmesh.cli.standard_streams import check_stdout
-from liftmesh.cli.terminal import stage
+from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import (
     DegenerateInputError,
     DuplicateHeightError,
@@ -27,11 +27,12 @@ if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.io.files import Written
 
+_MOST_LISTED = 8
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
 
 def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> Cloud:
-    """Read a cloud, or stdin if the path is ``-``.
+    """Read a cloud, or stdin if the path is ``-``; name on stderr what of it is not read.
 
     Parameters
     ----------
@@ -61,7 +62,36 @@ def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> C
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
-        return io_files.read(source, format=file_format, max_bytes=max_bytes)
+        cloud = io_files.read(source, format=file_format, max_bytes=max_bytes)
+    if not_read := parts_not_read(cloud):
+        note(f"{name}: not read: {_listed(not_read)}")
+    return cloud
+
+
+def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
+    """Return the parts of a file that its reader named as not read, with their counts.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        What was read.
+
+    Returns
+    -------
+    tuple of str
+        The parts; metadata from the file itself is no tuple.
+    """
+    skipped = cloud.metadata.get("skipped")
+    return skipped if isinstance(skipped, tuple) else ()
+
+
+def _listed(names: Sequence[str]) -> str:
+    """List names for a message; a file can hold any number of them."""
+    from liftmesh.io.text_tables import shortened  # noqa: PLC0415 - help does without
+
+    shown = ", ".join(shortened(each) for each in names[:_MOST_LISTED])
+    rest = len(names) - _MOST_LISTED
+    return f"{shown} and {rest:,} more" if rest > 0 else shown
 
 
 @contextmanager

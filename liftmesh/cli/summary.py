@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
+from liftmesh.cli.files import parts_not_read
 from liftmesh.planar.positions import find_positions, pieces
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ class Summary:
         finite rows.
     holds : tuple of str
         Names of the values of each row other than its coordinates.
+    not_read : tuple of str
+        Parts of the file that are not read, with their counts.
     crs : str or None
         Coordinate reference system, if the file states one.
     minimum, maximum : tuple of float
@@ -56,6 +59,7 @@ class Summary:
     faces: int
     not_finite: int
     holds: tuple[str, ...]
+    not_read: tuple[str, ...]
     crs: str | None
     minimum: tuple[float, ...]
     maximum: tuple[float, ...]
@@ -114,6 +118,7 @@ def summarise(cloud: Cloud) -> Summary:
         not_finite=len(cloud) - len(points),
         crs=cloud.crs,
         holds=_holds(cloud),
+        not_read=parts_not_read(cloud),
         minimum=minimum,
         maximum=maximum,
         positions=positions.count,

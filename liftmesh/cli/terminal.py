@@ -87,6 +87,18 @@ def error_line(text: str) -> None:
     Console(stderr=True, soft_wrap=True, highlight=False).print(line)
 
 
+def note(text: str) -> None:
+    """Print a line on stderr about something that is no error.
+
+    Parameters
+    ----------
+    text : str
+        The text.
+    """
+    line = Text.assemble(("liftmesh: ", "bold"), printable(text))
+    Console(stderr=True, soft_wrap=True, highlight=False).print(line)
+
+
 def sentence(text: str, style: str = "") -> None:
     """Print a paragraph on stdout, wrapped on a terminal, as one line elsewhere.
 
