@@ -19,6 +19,7 @@ MOST_ROWS: int = _kernel.MOST_ROWS
 _EXACT_INTEGERS = 2**53
 _LARGEST = float(np.finfo(np.float64).max)
 _LONGEST_SHOWN = 256  # bits
+_PIECE = 1 << 16
 _ROUNDING = decimal.Context(prec=9, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN)
 
 
@@ -222,7 +223,10 @@ def used_rows(length: int, triangles: Rows) -> Rows:
     [0, 1, 4]
     """
     used = np.zeros(length, dtype=np.bool_)
-    used[triangles] = True
+    corners = triangles.reshape(-1)
+    for start in range(0, len(corners), _PIECE):
+        # NumPy does not notice when its own conversion of an index runs out of memory.
+        used[corners[start : start + _PIECE].astype(np.intp)] = True
     return np.flatnonzero(used).astype(np.int32)
 
 

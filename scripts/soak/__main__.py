@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds t
 
 from process_state import MEGA, RETURNING, State
 
-from soak.calls import Aborted, large_call, small_call
+from soak.calls import Aborted, large_call, load_libraries, small_call
 from soak.leaks import growth, leaks
 
 SAMPLES = 40
@@ -71,6 +71,7 @@ def small(options: Namespace) -> Iterator[State]:
     """Make small calls, and yield a sample now and then."""
     rng = np.random.default_rng(options.seed)
     raised: Counter[str] = Counter()
+    load_libraries()
     for number in range(1, options.calls + 1):
         raised[small_call(rng)] += 1
         if number % max(options.calls // SAMPLES, 1) == 0:

@@ -166,6 +166,11 @@ def small_call(rng: Generator) -> str:
     return ""
 
 
+def load_libraries() -> None:
+    """Make a call that loads trimesh: a rare one would, at any time, and take it for a leak."""
+    _files("glb")(np.eye(3), np.random.default_rng())
+
+
 def large_call(number: int, rows: int, rng: Generator) -> None:
     """Triangulate, verify, locate, write and read many points; abort every third such call."""
     points = DISTRIBUTIONS[FAMILIES[number % len(FAMILIES)]](rows, rng)
