@@ -37,14 +37,15 @@ def archive(
     flags: int | None = None,
     local: tuple[int, int, int, int] | None = None,
     extra: bytes = b"",
+    size: int | None = None,
 ) -> bytes:
-    """Make an archive of one member; size and checksum are those of ``stated``.
+    """Make an archive of one member; size (if it is not given) and checksum are of ``stated``.
 
     ``local`` replaces method, checksum and sizes in the header in front of the data, ``extra`` is
     the extra field there.
     """
     flags = (2 if method == LZMA else 0) if flags is None else flags
-    sums = (zlib.crc32(stated), len(data), len(stated))
+    sums = (zlib.crc32(stated), len(data), len(stated) if size is None else size)
     there, *its_sums = local or (method, *sums)
     head = struct.pack(
         "<4s5H3L2H", b"PK\3\4", 63, flags, there, 0, 33, *its_sums, len(name), len(extra)

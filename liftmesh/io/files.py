@@ -83,9 +83,10 @@ def read(
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
-        Maximum number of bytes in memory of what a file may expand to: of the meshes of a GLB or
-        glTF file, each as often as it is used, by default 256 MiB or 20 times the file; of the
-        arrays of an NPZ file, by default as many as it states. Other formats do not expand.
+        Maximum number of bytes in memory of what a file may expand to. Of a GLB or glTF file, the
+        meshes count, each as often as it is used; by default 256 MiB or 20 times the file. Of an
+        NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
+        bz2 and LZMA exceed. Other formats do not expand.
 
     Returns
     -------

@@ -20,12 +20,11 @@ from liftmesh.io.gltf_decoding import decoded
 from liftmesh.io.gltf_meshes import Primitive, primitives
 from liftmesh.io.gltf_nodes import Scene, default_scene
 from liftmesh.io.gltf_validation import Document
-from liftmesh.io.limits import check_expanded
+from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.origin import checked_origin, with_origin
 
-# What content may take by default: this, or so many times the file.
-_SMALL = 1 << 28
+# By default content may take so many times the file.
 _GROWTH = 20
 
 # trimesh decodes so many primitives or bytes at a time.
@@ -53,8 +52,7 @@ def read_scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) ->
     document = Document(stream, name, kind, max_bytes)
     scene = default_scene(document)
     content = _Content(document, scene)
-    limit = max(_SMALL, _GROWTH * document.size) if max_bytes is None else max_bytes
-    content.check(limit)
+    content.check(limit_of(max_bytes, _GROWTH * document.size))
     cloud = content.cloud()
     stated = scene.extras.get("origin")
     return with_origin(cloud, None if stated is None else checked_origin(stated, name))

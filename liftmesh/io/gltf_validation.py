@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 from liftmesh.errors import FormatError
 from liftmesh.io.gltf_buffers import Buffers, Chunk
 from liftmesh.io.json_numbers import shown
-from liftmesh.io.limits import check_expanded
+from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.streams import remaining
 
 Tree = dict[str, Any]
@@ -149,7 +149,7 @@ class Document:
 
     def _parsed(self, text: bytes, max_bytes: int | None) -> Tree:
         needed = _OBJECT * text.count(b"{") + _LIST * text.count(b"[")
-        limit = max(_SMALL, _GROWTH * len(text)) if max_bytes is None else max_bytes
+        limit = limit_of(max_bytes, _GROWTH * len(text), _SMALL)
         check_expanded(needed, limit, self.name, f"its JSON of {len(text):,} bytes")
         try:
             tree = json.loads(text)

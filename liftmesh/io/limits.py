@@ -1,4 +1,4 @@
-"""The limit of what a file may expand to in memory.
+"""The limit of what a file may expand to in memory: ``max_bytes``, or the format's own.
 
 A compressed or instanced file can hold far more than its bytes. What it would take is computed from
 what the file states, and compared with the limit before anything is built.
@@ -8,16 +8,29 @@ from __future__ import annotations
 
 from liftmesh.errors import FormatError
 
+LEAST = 1 << 28  # bytes that the content of any file may take
 
-def check_expanded(needed: int, limit: int | None, name: str, what: str) -> None:
-    """Raise if a part of a file needs more memory than the limit; None is no limit.
+
+def limit_of(max_bytes: int | None, usual: int, least: int = LEAST) -> int:
+    """Return the limit: ``max_bytes`` if it is given, else ``usual``, but ``least`` at least.
+
+    Examples
+    --------
+    >>> limit_of(None, 7), limit_of(None, 10**9), limit_of(9, 10**9)
+    (268435456, 1000000000, 9)
+    """
+    return max(usual, least) if max_bytes is None else max_bytes
+
+
+def check_expanded(needed: int, limit: int, name: str, what: str) -> None:
+    """Raise if a part of a file needs more memory than the limit.
 
     Parameters
     ----------
     needed : int
         Number of bytes in memory.
-    limit : int, optional
-        The number allowed: ``max_bytes``, or the format's own.
+    limit : int
+        The number allowed.
     name, what : str
         The file and its part for messages.
 
@@ -35,7 +48,7 @@ def check_expanded(needed: int, limit: int | None, name: str, what: str) -> None
     liftmesh.errors.FormatError: points.npz: points.npy expands to 1,001 bytes, more than the limit\
  of 1,000: if you trust the file, raise it with max_bytes=
     """
-    if limit is not None and needed > limit:
+    if needed > limit:
         raise FormatError(
             f"{name}: {what} expands to {needed:,} bytes, more than the limit of {limit:,}: "
             "if you trust the file, raise it with max_bytes="

@@ -8,20 +8,24 @@ from __future__ import annotations
 import lzma
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from functools import cached_property
 from typing import BinaryIO
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
+from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.npy_array import Layout, array_of, array_parts
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 from liftmesh.io.zip_member import Content
 
-# Deflate compresses at most 1,032-fold.
+# Deflate compresses at most 1,032-fold. bz2 and LZMA have no such bound.
 _DENSEST = 1100
+_BOUNDED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+
+_HEADER = 1 << 17  # bytes of an array's header, at most
 
 # Exceptions of zipfile and of the decompressors for files that are damaged.
 _BROKEN = (
@@ -56,7 +60,8 @@ def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
     names: set[str] = set()
     for each in members:
         where = f"{name}: {shortened(each.filename)}"
-        if each.file_size > _DENSEST * (each.compress_size + 1):
+        dense = each.file_size > _DENSEST * (each.compress_size + 1)
+        if dense and each.compress_type in _BOUNDED:
             raise FormatError(
                 f"{where}: {each.compress_size} bytes cannot decompress to {each.file_size}"
             )
@@ -69,10 +74,14 @@ def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
 
 
 class Member:
-    """One array of an archive, read on demand; ``size`` is that of its content as stated."""
+    """One array of an archive, read on demand.
+
+    ``size`` is that of its content as stated, ``packed`` that of its compressed bytes.
+    """
 
     def __init__(self, stream: BinaryIO, info: zipfile.ZipInfo, name: str) -> None:
         self.size = info.file_size
+        self.packed = info.compress_size
         self._stream = stream
         self._info = info
         self._where = f"{name}: {shortened(info.filename)}"
@@ -81,7 +90,7 @@ class Member:
     def layout(self) -> Layout:
         """Shape, order and type of the array."""
         with _complained(self._where):
-            return Layout.read(Content(self._stream, self._info), self._where)
+            return Layout.read(Content(self._stream, self._info, _HEADER), self._where)
 
     def whole(self) -> Array:
         """Read the array."""
@@ -104,3 +113,18 @@ class Member:
         layout = Layout.read(content, self._where)
         layout.check_size(content.left, self._where)
         return content, layout
+
+
+def check_content(members: Collection[Member], max_bytes: int | None, name: str) -> None:
+    """Raise if arrays take more than the limit.
+
+    By default these are 256 MiB, or as often their compressed bytes as deflate could make of them:
+    so it is never met by archives that NumPy writes, and bz2 and LZMA may pack as much.
+
+    Raises
+    ------
+    FormatError
+        They take more, as the archive states it.
+    """
+    limit = limit_of(max_bytes, _DENSEST * sum(each.packed for each in members))
+    check_expanded(sum(each.size for each in members), limit, name, "its content")

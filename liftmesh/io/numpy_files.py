@@ -21,9 +21,8 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import Format
-from liftmesh.io.limits import check_expanded
 from liftmesh.io.npy_array import Layout, array_parts, read_array
-from liftmesh.io.npz_archive import opened
+from liftmesh.io.npz_archive import check_content, opened
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 
@@ -76,8 +75,9 @@ def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     Parameters
     ----------
     max_bytes : int, optional
-        Limit of the bytes that the arrays take, as the archive states them; by default none. In
-        any case nothing is decompressed beyond what is stated.
+        Limit of the bytes that the arrays take, as the archive states them; by default 256 MiB or
+        1,100 times their compressed bytes, which only bz2 and LZMA exceed. In any case nothing is
+        decompressed beyond what is stated.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
         The file is invalid, has no array of points, or its arrays exceed the limit.
     """
     with opened(stream, name) as members:
-        check_expanded(sum(each.size for each in members.values()), max_bytes, name, "its content")
+        check_content(members.values(), max_bytes, name)
         arrays = {key: member.whole() for key, member in members.items()}
     return _Roles(arrays, name).cloud(arrays)
 
@@ -120,8 +120,8 @@ def read_npz_chunks(
     with opened(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
-        used = [members[key].size for key in (*needed, *([roles.crs] if roles.crs else []))]
-        check_expanded(sum(used), max_bytes, name, "its content")
+        used = (*needed, *([roles.crs] if roles.crs else []))
+        check_content([members[key] for key in used], max_bytes, name)
         _check_layout(members[needed[0]].layout, name)
         crs = {} if roles.crs is None else {roles.crs: members[roles.crs].whole()}
         streams = [members[key].parts(rows) for key in needed]

@@ -40,6 +40,8 @@ class Content:
         The archive. Its position is set for every read: several members can be read in turns.
     info : ZipInfo
         The member's entry in the directory.
+    most : int, optional
+        Number of bytes that will be read at most: a decompressor needs no more memory.
 
     Raises
     ------
@@ -47,8 +49,8 @@ class Content:
         The member is encrypted, of unknown compression, or its header contradicts the directory.
     """
 
-    def __init__(self, stream: BinaryIO, info: ZipInfo) -> None:
-        self.left = info.file_size
+    def __init__(self, stream: BinaryIO, info: ZipInfo, most: int | None = None) -> None:
+        self.left = info.file_size if most is None else min(most, info.file_size)
         self._info = info
         self._stream = stream
         self._position = _start_of_data(stream, info)

@@ -91,10 +91,9 @@ def npz_lies() -> dict[str, tuple[bytes, str]]:
     size = struct.pack("<L", len(content))
     for lie in (2**31, 2**32 - 2):
         found[f"{lie} bytes"] = plain.replace(size, struct.pack("<L", lie)), "cannot decompress to"
-    bomb = npy("<f8", (2**18, 3), bytes(24 << 18))
     for method in (zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
-        packed = zipped({"points.npy": bomb}, method)
-        found[f"a bomb of method {method}"] = packed, "cannot decompress to"
+        bomb = zipped({"points.npy": content}, method).replace(size, struct.pack("<L", 2**31))
+        found[f"a bomb of method {method}"] = bomb, "expands to 2,147,483,648 .* max_bytes="
     return found | {"members that overlap": (overlapping(content), "larger than the file")}
 
 

@@ -6,16 +6,20 @@ import io
 import json
 import random
 import struct
+import zipfile
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
 from faults.children import output
 from file_samples import loaded
+from growth.resident import forked
 from zip_archives import BZIP2, DEFLATED, LZMA, METHODS, STORED, archive, packed
 
 import liftmesh
 from liftmesh import FormatError
+from liftmesh.cli import exit_codes, main
 
 
 def npy(array: np.ndarray) -> bytes:
@@ -219,6 +223,102 @@ def test_a_limit_of_the_content_is_told() -> None:
     assert sum(map(len, chunks)) == 70
     with pytest.raises(FormatError, match=f"more than the limit of {used - 1:,}"):
         next(liftmesh.read_chunks(io.BytesIO(data), format="npz", max_bytes=used - 1))
+
+
+UNBOUNDED = (BZIP2, LZMA)  # they compress zeros more than 1,100-fold
+GIGABYTES = 4_000_000_000
+
+
+def zeros(rows: int, stated: int) -> bytes:
+    """The content of a member of ``rows`` rows whose header states more."""
+    head = npy(np.zeros((1, 3)))[:-24].replace(b"(1, 3)", b"(%d, 3)" % stated)
+    return b"\x93NUMPY\1\0\x76\0" + head[10:-1].rstrip().ljust(117) + b"\n" + bytes(24 * rows)
+
+
+@pytest.fixture(scope="module", params=UNBOUNDED)
+def bomb(request: pytest.FixtureRequest) -> bytes:
+    """An archive of a few kilobytes that states four gigabytes, the first of which are there."""
+    content = zeros(10**6, (GIGABYTES - 128) // 24)
+    return archive(packed(request.param, content), content, method=request.param, size=GIGABYTES)
+
+
+@pytest.mark.parametrize("method", UNBOUNDED)
+def test_zeros_may_be_compressed_as_far_as_the_method_does(method: int) -> None:
+    content = zeros(10**6, 10**6)
+    data = archive(packed(method, content), content, method=method)
+    assert len(content) > 1100 * len(data)
+    for cloud in (loaded(data, "npz"), *liftmesh.read_chunks(io.BytesIO(data), format="npz")):
+        assert cloud.points.shape == (10**6, 3)
+        assert not cloud.points.any()
+    limit = f"expands to 24,000,128 bytes, more than the limit of {24_000_127:,}"
+    with pytest.raises(FormatError, match=limit):
+        liftmesh.read(io.BytesIO(data), format="npz", max_bytes=24_000_127)
+
+
+def test_gigabytes_in_kilobytes_are_refused_with_the_option(
+    bomb: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert len(bomb) < 10_000
+    limit = "its content expands to 4,000,000,000 bytes, more than the limit of 268,435,456: "
+    with pytest.raises(FormatError, match=f"{limit}.*max_bytes="):
+        liftmesh.read(io.BytesIO(bomb), format="npz")
+    with pytest.raises(FormatError, match=f"{limit}.*max_bytes="):
+        next(liftmesh.read_chunks(io.BytesIO(bomb), format="npz"))
+    path = tmp_path / "bomb.npz"
+    path.write_bytes(bomb)
+    assert main(["info", str(path)]) == exit_codes.BAD_INPUT
+    told = capsys.readouterr().err
+    assert limit in told
+    assert told.endswith("raise it with --max-bytes SIZE\n")
+
+
+def test_with_a_limit_the_stated_size_decides(bomb: bytes) -> None:
+    def chunk(limit: int) -> liftmesh.Cloud:
+        stream = io.BytesIO(bomb)
+        return next(liftmesh.read_chunks(stream, rows=1000, format="npz", max_bytes=limit))
+
+    assert not chunk(GIGABYTES).points.any()
+    with pytest.raises(FormatError, match="more than the limit of 3,999,999,999"):
+        chunk(GIGABYTES - 1)
+
+
+def test_what_bounded_methods_cannot_make_stays_impossible() -> None:
+    for method in (STORED, DEFLATED):
+        data = archive(packed(method, CONTENT), CONTENT, method=method, size=GIGABYTES)
+        with pytest.raises(FormatError, match="bytes cannot decompress to 4000000000"):
+            liftmesh.read(io.BytesIO(data), format="npz", max_bytes=10**12)
+
+
+def test_many_members_share_one_limit() -> None:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_BZIP2) as members:
+        for name in ("points", "faces"):
+            members.writestr(f"{name}.npy", CONTENT)
+    size, stated = struct.pack("<L", len(CONTENT)), struct.pack("<L", 150_000_000)
+    with pytest.raises(
+        FormatError, match="expands to 300,000,000 bytes, more than the limit of 268"
+    ):
+        loaded(stream.getvalue().replace(size, stated), "npz")
+
+
+@pytest.mark.parametrize("method", UNBOUNDED)
+def test_headers_of_arrays_are_not_read_without_bound(method: int) -> None:
+    content = b"\x93NUMPY\2\0" + struct.pack("<L", GIGABYTES) + bytes(100 << 20)
+    data = bytearray(archive(packed(method, content), content, method=method, size=GIGABYTES))
+    if method == LZMA:
+        at = data.index(b"\x09\x04\x05\x00") + 5
+        data[at : at + 4] = b"\xff\xff\xff\xff"  # a dictionary of 4 GiB
+
+    def read() -> str:
+        try:
+            next(liftmesh.read_chunks(io.BytesIO(data), format="npz"))
+        except FormatError as error:
+            return str(error)
+        return "read"
+
+    grown, told = forked(read, 100_000_000)
+    assert "its header is invalid" in told
+    assert grown < 20_000_000
 
 
 def test_members_are_read_in_turns() -> None:
