@@ -43,7 +43,8 @@ MaxBytes: TypeAlias = Annotated[
     typer.Option(
         "--max-bytes",
         metavar="SIZE",
-        help="Limit of what a compressed or instanced file may expand to in memory, as 500M or 4G.",
+        help="Limit of what a compressed, instanced or very wide file may expand to in memory, as "
+        "500M or 4G.",
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]

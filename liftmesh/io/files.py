@@ -86,7 +86,8 @@ def read(
         Maximum number of bytes in memory of what a file may expand to. Of a GLB or glTF file, the
         meshes count, each as often as it is used; by default 256 MiB or 20 times the file. Of an
         NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
-        bz2 and LZMA exceed. Other formats do not expand.
+        bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
+        by default 20,000,000, for 10,000 of them. Other formats do not expand.
 
     Returns
     -------

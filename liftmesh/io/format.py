@@ -82,9 +82,9 @@ class Format:
         without faces; together they are the rows that ``read`` returns. Formats without it are read
         whole, then split.
     expands : bool
-        Whether a file can hold more than its bytes, compressed or by repetition. Then ``read`` and
-        ``read_chunks`` take ``max_bytes=``: the limit in bytes of what it may expand to, or None
-        for the format's own.
+        Whether a file can take far more memory than its bytes: compressed, by repetition, or for
+        many columns. Then ``read`` and ``read_chunks`` take ``max_bytes=``: the limit in bytes of
+        what it may expand to, or None for the format's own.
 
     Raises
     ------

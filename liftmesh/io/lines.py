@@ -20,8 +20,6 @@ from liftmesh.errors import FormatError
 
 BLOCK = 1 << 17  # lines taken at a time, at most
 
-MOST_COLUMNS = 10_000  # each takes an array and a name, far more memory than in the file
-
 _BYTES = 1 << 19
 
 _BLANKS_BEHIND = re.compile(rb"\\[ \t\v\f]+(?=\n|\Z)")
@@ -151,12 +149,6 @@ class Lines:
 
     def _bare(self, text: str) -> str:
         return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
-
-
-def is_wide(text: str) -> bool:
-    """Whether a line has more than `MOST_COLUMNS` values, found without splitting it."""
-    marks = any(text.count(mark) >= MOST_COLUMNS for mark in ",;\t")
-    return marks or len(text.split(None, MOST_COLUMNS)) > MOST_COLUMNS
 
 
 def _continues(data: bytes) -> bool:

@@ -21,8 +21,9 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
-from liftmesh.io.lines import BLOCK, Lines, is_wide, leading_comments
-from liftmesh.io.text_tables import fields, is_number, number_table, quoted, too_wide
+from liftmesh.io.limits import check_columns, most_columns
+from liftmesh.io.lines import BLOCK, Lines, leading_comments
+from liftmesh.io.text_tables import fields, is_number, number_table, quoted, values_at_most
 
 # Column names in common use, in lower case.
 _ALIASES = {
@@ -44,38 +45,42 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Delimiter and column names of a text file.
+    """Delimiter, number of columns and their names in a text file.
 
     The delimiter is None for white space, the header None if there is none; ``in_first_line`` is
     False if the header is a comment before the first line.
     """
 
     delimiter: str | None
+    width: int
     header: tuple[str, ...] | None
     in_first_line: bool
 
 
-def sniff(first: str, remark: str, name: str, line: int) -> Layout:
+def sniff(first: str, remark: str, name: str, line: int, *, max_bytes: int | None = None) -> Layout:
     """Detect the layout from the first line that is not a comment, and the comment before it.
 
     Raises
     ------
     FormatError
-        The line is neither a header with x and y nor a row of numbers.
+        The line is neither a header with x and y nor a row of numbers, or has more values than the
+        limit allows.
     """
-    if is_wide(first):
-        raise too_wide(name, line)
+    most = most_columns(max_bytes)
+    if len(first) >= most:  # a shorter line has no more values
+        found = values_at_most(first)
+        check_columns(found, max_bytes, f"{name}: line {line}", f"a row of {found:,} values")
     delimiter = _delimiter(first)
     values = fields(first, delimiter)
     _check(values, name, line)
     if not any(is_number(value) for value in values):
-        return Layout(delimiter, columns(values, name, line), in_first_line=True)
-    marked = "" if is_wide(remark) else remark
+        return Layout(delimiter, len(values), columns(values, name, line), in_first_line=True)
+    marked = "" if len(remark) >= most and values_at_most(remark) > most else remark
     names = [value.lower() for value in fields(marked, _delimiter(marked))]
     meanings = [_MEANING.get(value) for value in names]
     is_header = len(names) == len(values) and {"x", "y"} <= set(meanings)
     header = columns(names, name, line) if is_header else None
-    return Layout(delimiter, header, in_first_line=False)
+    return Layout(delimiter, len(values), header, in_first_line=False)
 
 
 def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
@@ -140,12 +145,18 @@ _COMMENTS = ("#", "//")
 _UTF8_MARK = b"\xef\xbb\xbf"
 
 
-def read_text(stream: BinaryIO, name: str) -> Cloud:
+def read_text(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read points from text, one per line.
 
     Values are separated by commas, semicolons, tabs or white space. Lines that begin with ``#`` or
     ``//`` are comments; the last one before the first row is the header if it names as many columns
     as the row has, x and y among them.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        Limit of what the columns take besides their values, 2,000 bytes each; by default what
+        10,000 of them take.
 
     Returns
     -------
@@ -160,19 +171,26 @@ def read_text(stream: BinaryIO, name: str) -> Cloud:
     Raises
     ------
     FormatError
-        The file is invalid; the message gives the line.
+        The file is invalid, or has more columns than the limit allows; the message gives the line.
     """
-    table = _Table(stream, name)
+    table = _Table(stream, name, max_bytes)
     rows = np.concatenate([*table.blocks()])
     meaning = _Meaning(table)
     meaning.examine(rows)
     return meaning.cloud(rows)
 
 
-def read_text_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+def read_text_chunks(
+    stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
+) -> Iterator[Cloud]:
     """Read points from text in chunks, otherwise like `read_text`.
 
     The meaning of the columns depends on all rows, so the file is parsed twice.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        As for `read_text`.
 
     Yields
     ------
@@ -185,16 +203,16 @@ def read_text_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
         As `read_text`.
     """
     begin = stream.tell()
-    meaning = _Meaning.of(_Table(stream, name))
+    meaning = _Meaning.of(_Table(stream, name, max_bytes))
     stream.seek(begin)
-    for part in _regrouped(_Table(stream, name).blocks(), rows):
+    for part in _regrouped(_Table(stream, name, max_bytes).blocks(), rows):
         yield meaning.cloud(part)
 
 
 class _Table:
     """The rows of a text file, parsed block by block."""
 
-    def __init__(self, stream: BinaryIO, name: str) -> None:
+    def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
         remark = _first_remark(stream, name)
         self._lines = Lines(stream, name, encoding="utf-8", comments=_COMMENTS)
         self._first = self._lines.take(1)
@@ -202,8 +220,7 @@ class _Table:
             raise FormatError(f"{name}: the file has no points: no line holds numbers")
         self.name = name
         self.line = int(self._first.numbers[0])
-        self.layout = sniff(self._first.texts[0], remark, name, self.line)
-        self.width = len(self.layout.header) if self.layout.header else 0
+        self.layout = sniff(self._first.texts[0], remark, name, self.line, max_bytes=max_bytes)
 
     def blocks(self) -> Iterator[Floats]:
         """Parse the rows, including the first line unless it is the header."""
@@ -211,10 +228,9 @@ class _Table:
         if not len(block):
             raise FormatError(f"{self.name}: the file has a header but no points")
         while len(block):
-            width = self.width or None
-            table = number_table(block, self.name, width=width, delimiter=self.layout.delimiter)
-            self.width = table.shape[1]
-            yield table
+            yield number_table(
+                block, self.name, width=self.layout.width, delimiter=self.layout.delimiter
+            )
             block = self._lines.take(BLOCK)
 
 
@@ -240,15 +256,16 @@ class _Meaning:
 
     def __init__(self, table: _Table) -> None:
         self._header = table.layout.header
-        self._names = self._header or unnamed(table.width, table.name, table.line)
-        self._maybe_colors = not self._header and table.width == len(POSITION) + len(COLOR)
+        width = table.layout.width
+        self._names = self._header or unnamed(width, table.name, table.line)
+        self._maybe_colors = not self._header and width == len(POSITION) + len(COLOR)
         self._scale = ColorScale()
 
     @classmethod
     def of(cls, table: _Table) -> _Meaning:
         """Examine all rows of a file, one block in memory at a time."""
         blocks = table.blocks()
-        first = next(blocks)  # determines the width
+        first = next(blocks)  # what is wrong with it is told first
         meaning = cls(table)
         for block in chain([first], blocks):
             meaning.examine(block)
@@ -322,4 +339,5 @@ FORMAT = Format(
     write=None,
     description="points as text, one per line, with or without a header",
     read_chunks=read_text_chunks,
+    expands=True,
 )

@@ -19,7 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.lines import MOST_COLUMNS, is_wide
+from liftmesh.io.limits import MOST_COLUMNS
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block
@@ -39,7 +39,7 @@ def number_table(
     if not block.texts:
         return np.empty((0, width or 0))
     if block.long:
-        _check_columns(block, name)
+        _check_widths(block, name, width, delimiter)
     texts = block.texts
     if delimiter and any('"' in text for text in texts):
         # At lines of nothing NumPy only warns; a delimiter has a value on either side.
@@ -55,17 +55,23 @@ def number_table(
     return table
 
 
-def _check_columns(block: Block, name: str) -> None:
-    wide = next((number for text, number in block if is_wide(text)), None)
-    if wide is not None:
-        raise too_wide(name, wide)
+def _check_widths(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
+    """Raise for a line of too many values before it is split: values take more than their text."""
+    expected = f"{width}" if width else f"at most {MOST_COLUMNS:,}"
+    most = width or MOST_COLUMNS
+    for text, number in block:
+        if len(text.split(delimiter, most)) > most:
+            found = text.count(delimiter) + 1 if delimiter else _count_words(text)
+            raise FormatError(f"{name}: line {number}: expected {expected} values, found {found:,}")
 
 
-def too_wide(name: str, line: int) -> FormatError:
-    """Return the error for a line of more values than any table has columns."""
-    return FormatError(
-        f"{name}: line {line}: more than {MOST_COLUMNS:,} values: save only the columns you need"
-    )
+def values_at_most(text: str) -> int:
+    """Count the values of a line, whatever separates them, without splitting it."""
+    return max(_count_words(text), *(text.count(mark) + 1 for mark in ",;\t"))
+
+
+def _count_words(text: str) -> int:
+    return sum(1 for _ in _WORD.finditer(text))
 
 
 def exact_values(

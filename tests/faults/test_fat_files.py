@@ -62,7 +62,12 @@ N, LE = SIZE, "binary_little_endian"
 TWO_BYTES = "\x93NUMPY\1\0\x76\0{'descr': '|u1', 'fortran_order': False, 'shape': (%d, 2)}"
 LONG = (N).to_bytes(4, "little").decode("latin-1")
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n"
-WIDE = "line 1: more than 10,000 values"
+
+
+def wide(columns: int) -> str:
+    """What is told of a first line of very many values."""
+    return f"line 1: a row of {columns:,} values expands to {columns * 2000:,} bytes"
+
 
 FAT = {
     "binary empty lists": ("ply", ply(LE, N, "uchar", "int"), "\0", N, "", [4, 0]),
@@ -85,10 +90,11 @@ FAT = {
     "obj continued": ("obj", SQUARE + "f 1", " 1\\\n", N // 4, " 1\n", [4, N // 4]),
     "text comments": ("xyz", "", "#ab\n", N // 4, "1 1\n", [1, 0]),
     "text of CR": ("xyz", "", "1 1\r", N // 4, "", [N // 4, 0]),
-    "one long line": ("xyz", "", "1 ", N // 2, "\n", WIDE),
-    "a long header": ("xyz", "", "ab,", N // 3, "\n1,1\n", WIDE),
+    "one long line": ("xyz", "", "1 ", N // 2, "\n", wide(N // 2)),
+    "a long header": ("xyz", "", "ab,", N // 3, "\n1,1\n", wide(N // 3 + 1)),
     "a long comment": ("xyz", "#", " a", N // 2, "\n1 1\n", [1, 0]),
-    "a long line later": ("xyz", "1 1\n", "1 ", N // 2, "\n", WIDE.replace("1", "2", 1)),
+    "a long line later": ("xyz", "1 1\n", "1 ", N // 2, "\n",
+                          f"line 2: expected 2 values, found {N // 2:,}"),
     "npy bytes": ("npy", (TWO_BYTES % (N // 2)).ljust(128), "\1", N, "", [N // 2, 0]),
 }  # fmt: skip
 

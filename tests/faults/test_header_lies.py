@@ -77,19 +77,19 @@ LONG = {
         b"ply\nformat ascii 1.0\nelement vertex 1\n"
         + b"".join(b"property float a%d\n" % k for k in range(MANY))
         + b"end_header\n",
-        "more than 10,000 properties",
+        "header of 30,001 elements and properties expands to 60,002,000 bytes",
     ),
     "elements": (
         "ply",
         b"ply\nformat ascii 1.0\n"
         + b"".join(b"element a%d 0\n" % k for k in range(MANY))
         + b"end_header\n",
-        "more than 10,000 elements",
+        "header of 30,000 elements and properties expands to 60,000,000 bytes",
     ),
     "columns": (
         "csv",
         b"x,y," + b",".join(b"a%d" % k for k in range(MANY)) + b"\n1,2\n",
-        "line 1: more than 10,000 values",
+        "line 1: a row of 30,002 values expands to 60,004,000 bytes",
     ),
     "continued lines": ("obj", b"v 0 0\n" + b"a\\\n" * 10 * MANY, "line 1"),
     "continued lines beyond a block": (
@@ -100,13 +100,13 @@ LONG = {
     "elements with lists": (
         "ply",
         b"ply\nformat binary_little_endian 1.0\n"
-        + b"".join(b"element a%d 1\nproperty list uchar uchar a\n" % k for k in range(9000))
+        + b"".join(b"element a%d 1\nproperty list uchar uchar a\n" % k for k in range(4990))
         + b"element z 40000000\nproperty uchar q\nend_header\n"
-        + bytes(9000 + 40_000_000),
+        + bytes(4990 + 40_000_000),
         "no vertex element",
     ),
     "comments": ("obj", b"#ab\n" * 20 * MANY, "no 'v' line"),
-    "one long line": ("xyz", b"1 " * MANY + b"\n1\n", "line 1: more than 10,000 values"),
+    "one long line": ("xyz", b"1 " * MANY + b"\n1\n", "line 1: a row of 30,000 values"),
 }
 
 

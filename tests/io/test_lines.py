@@ -81,31 +81,6 @@ def test_a_byte_that_is_not_utf8_is_named_by_its_line() -> None:
         loaded(b"1 2 3\n" * 100_001 + b"1 \xff\n", "xyz")
 
 
-def test_more_columns_than_any_table_has_are_refused() -> None:
-    for data, kind, line in (
-        (b"x,y" + b",a" * 9_999 + b"\n", "csv", 1),
-        (b"1;" * 10_001 + b"\n", "csv", 1),
-        (b"1\t" * 10_001 + b"\n", "csv", 1),
-        (b"1 " * 10_001 + b"\n", "xyz", 1),
-        (b"1 1\n" + b"1 " * 300_000 + b"\n", "xyz", 2),
-        (b"OFF\n1 0 0\n" + b"1 " * 300_000 + b"\n", "off", 3),
-    ):
-        with pytest.raises(FormatError, match=f"line {line}: more than 10,000 values: save only"):
-            loaded(data, kind)
-    assert len(loaded(b"1 " * 10_000 + b"\n", "xyz").attributes) == 9_997
-    assert len(loaded(b"# x y" + b" a" * 20_000 + b"\n1 1\n", "xyz")) == 1
-
-
-def test_more_properties_or_elements_than_any_file_has_are_refused() -> None:
-    head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-    for more, cause in (
-        ("".join(f"property float a{k}\n" for k in range(9_999)), "10,000 properties"),
-        ("".join(f"element a{k} 0\n" for k in range(10_000)), "10,000 elements"),
-    ):
-        with pytest.raises(FormatError, match=f"line 100.*: more than {cause}"):
-            loaded(f"{head}{more}end_header\n0 0\n".encode(), "ply")
-
-
 def test_an_obj_file_of_many_keywords_counts_the_first() -> None:
     data = b"v 0 0 0\n" + b"".join(b"a%d\n" % k for k in range(1500)) + b"a0\n" + b"b" * 99 + b"\n"
     ignored = loaded(data, "obj").metadata["ignored"]

@@ -32,8 +32,14 @@ _INDICES = ("vertex_indices", "vertex_index")
 Body: TypeAlias = AsciiBody | BinaryBody
 
 
-def read_ply(stream: BinaryIO, name: str) -> Cloud:
+def read_ply(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a PLY file, text or binary of either byte order.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        Limit of what the elements and properties take besides their values, 2,000 bytes each; by
+        default what 10,000 of them take.
 
     Returns
     -------
@@ -48,15 +54,23 @@ def read_ply(stream: BinaryIO, name: str) -> Cloud:
     Raises
     ------
     FormatError
-        The file is invalid; the message gives the line or byte.
+        The file is invalid, or has more elements and properties than the limit allows; the message
+        gives the line or byte.
     """
-    return _Reading(stream, name).cloud()
+    return _Reading(stream, name, max_bytes).cloud()
 
 
-def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+def read_ply_chunks(
+    stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
+) -> Iterator[Cloud]:
     """Read the vertices of a PLY file in chunks.
 
     Data after the vertices, including faces, is neither read nor checked.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        As for `read_ply`.
 
     Yields
     ------
@@ -68,14 +82,14 @@ def read_ply_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
     FormatError
         As `read_ply`.
     """
-    yield from _Reading(stream, name).chunks(rows)
+    yield from _Reading(stream, name, max_bytes).chunks(rows)
 
 
 class _Reading:
     """State of reading one PLY file."""
 
-    def __init__(self, stream: BinaryIO, name: str) -> None:
-        self._header = read_header(stream, name)
+    def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
+        self._header = read_header(stream, name, max_bytes)
         self._body: Body = (
             AsciiBody(stream, name, self._header.lines)
             if self._header.encoding == "ascii"
@@ -188,4 +202,5 @@ FORMAT = Format(
     description="PLY, binary or text: float64, colours, normals, attributes, triangles",
     loses=_lost,
     read_chunks=read_ply_chunks,
+    expands=True,
 )

@@ -14,7 +14,7 @@ from typing import BinaryIO
 import numpy as np
 
 from liftmesh.errors import FormatError
-from liftmesh.io.lines import MOST_COLUMNS
+from liftmesh.io.limits import check_columns, most_columns
 from liftmesh.io.text_tables import quoted
 
 # The last three rows are not part of the format, but other programs write them.
@@ -68,27 +68,30 @@ class Header:
     lines: int
 
 
-def read_header(stream: BinaryIO, name: str) -> Header:
+def read_header(stream: BinaryIO, name: str, max_bytes: int | None = None) -> Header:
     """Read the header and leave the stream at the first byte of the body.
 
     Raises
     ------
     FormatError
-        The file is not a PLY file or its header is invalid; the message gives the line.
+        The file is not a PLY file, its header is invalid, or it has more elements and properties
+        than the limit allows; the message gives the line.
     """
-    return _HeaderReader(stream, name).read()
+    return _HeaderReader(stream, name, max_bytes).read()
 
 
 class _HeaderReader:
     """Parses the header line by line; ``number`` is the current line."""
 
-    def __init__(self, stream: BinaryIO, name: str) -> None:
+    def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
         self._stream = stream
         self._name = name
+        self._max_bytes = max_bytes
+        self._most = most_columns(max_bytes)
         self.number = 0
         self._encoding = ""
         self._elements: dict[str, tuple[int, dict[str, Property]]] = {}
-        self._properties = 0
+        self._columns = 0
         self._comments: dict[str, list[str]] = {"comment": [], "obj_info": []}
 
     def read(self) -> Header:
@@ -139,8 +142,9 @@ class _HeaderReader:
         count = words[-1] if len(words) == 2 else ""
         if not (count.isascii() and count.isdigit() and len(count) < 19):
             raise self._error("an element line needs a name and a count")
-        if len(self._elements) == MOST_COLUMNS:
-            raise self._error(f"more than {MOST_COLUMNS:,} elements")
+        self._columns += 1
+        if self._columns > self._most:
+            self._refuse_columns()
         if words[0] in self._elements:
             raise self._error(f"element {quoted(words[0])} occurs twice")
         self._elements[words[0]] = (int(count), {})
@@ -151,12 +155,20 @@ class _HeaderReader:
         element = next(reversed(self._elements))
         _, properties = self._elements[element]
         added = self._property(words)
-        self._properties += 1
-        if self._properties > MOST_COLUMNS:
-            raise self._error(f"more than {MOST_COLUMNS:,} properties: save only those you need")
+        self._columns += 1
+        if self._columns > self._most:
+            self._refuse_columns()
         if added.name in properties:
             raise self._error(f"property {quoted(added.name)} of {element} occurs twice")
         properties[added.name] = added
+
+    def _refuse_columns(self) -> None:
+        """Raise for too many elements and properties, when those to come have been counted."""
+        where = f"{self._name}: line {self.number}"
+        while (line := self._line()) != "end_header":
+            self._columns += line.startswith(("element ", "property "))
+        what = f"a header of {self._columns:,} elements and properties"
+        check_columns(self._columns, self._max_bytes, where, what)
 
     def _property(self, words: list[str]) -> Property:
         if len(words) == 4 and words[0] == "list":
