@@ -16,10 +16,10 @@ from numpy.lib import format as npy
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.streams import Source, read_most, remaining
+from liftmesh.io.streams import Source, remaining
 from liftmesh.io.text_tables import shortened
 
-_PIECE = 1 << 20  # bytes read at a time
+_PIECE = 1 << 16  # bytes read at a time
 
 
 def read_array(stream: BinaryIO, name: str) -> Array:
@@ -87,10 +87,10 @@ class Layout:
         """Whether the values of a row are contiguous, so that rows can be read in parts."""
         return len(self.shape) > 0 and (len(self.shape) == 1 or not self.by_columns)
 
-    def array(self, data: bytearray, shape: tuple[int, ...], name: str) -> Array:
+    def array(self, data: Array, shape: tuple[int, ...], name: str) -> Array:
         """Build an array of the given shape on its bytes."""
         count = math.prod(shape)
-        flat = np.frombuffer(data, self.dtype, count) if data else np.empty(count, self.dtype)
+        flat = np.frombuffer(data, self.dtype, count) if len(data) else np.empty(count, self.dtype)
         try:
             return flat.reshape(shape, order="F" if self.by_columns else "C")
         except ValueError as error:  # more axes than NumPy allows, or an empty and a huge one
@@ -127,12 +127,23 @@ def array_parts(stream: Source, layout: Layout, name: str, rows: int) -> Iterato
         yield layout.array(data, (count, *rest), name)
 
 
-def _read_values(stream: Source, size: int, name: str, what: str) -> bytearray:
-    """Read into memory that the array will own: there is no second copy of the values."""
-    values = bytearray(size)
-    for start in range(0, size, _PIECE):
-        piece = read_most(stream, min(_PIECE, size - start))
-        if len(piece) != min(_PIECE, size - start):
+def _read_values(stream: Source, size: int, name: str, what: str) -> Array:
+    """Read bytes into memory that the array will own: there is no second copy of the values."""
+    values = np.empty(size, np.uint8)
+    view, start = values.data, 0
+    while start < size:
+        count = _read_into(stream, view[start:])
+        if not count:
             raise FormatError(f"{name}: {what}: the values end too early: the file is truncated")
-        values[start : start + len(piece)] = piece
+        start += count
     return values
+
+
+def _read_into(stream: Source, view: memoryview) -> int:
+    """Read as much as the stream gives at a time; return the number of bytes."""
+    if hasattr(stream, "readinto"):
+        return int(stream.readinto(view))
+    size = min(_PIECE, len(view))
+    piece = stream.read1(size) if hasattr(stream, "read1") else stream.read(size)
+    view[: len(piece)] = piece
+    return len(piece)

@@ -70,13 +70,24 @@ class Content:
         wanted = self.left if size < 0 else min(size, self.left)
         parts: list[bytes] = []
         while wanted:
-            parts.append(self._some(min(wanted, _MOST)))
-            if not parts[-1]:
-                raise BadZipFile(f"its data end {self.left} bytes before the size stated for it")
+            parts.append(self.read1(wanted))
             wanted -= len(parts[-1])
-            self.left -= len(parts[-1])
-            self._sum = zlib.crc32(parts[-1], self._sum)
         return parts[0] if len(parts) == 1 else b"".join(parts)
+
+    def read1(self, size: int) -> bytes:
+        """Read at most ``size`` bytes of those that are left: as many as there are without a copy.
+
+        Raises
+        ------
+        BadZipFile
+            The stream ends before.
+        """
+        part = self._some(min(size, self.left, _MOST)) if self.left else b""
+        if not part and self.left:
+            raise BadZipFile(f"its data end {self.left} bytes before the size stated for it")
+        self.left -= len(part)
+        self._sum = zlib.crc32(part, self._sum)
+        return part
 
     def finish(self) -> None:
         """Read what is left, and check the end of the data and the checksum.
