@@ -30,52 +30,84 @@ _announced: list[BaseException] = []
 
 
 class _Guard:
-    """Replaces the handlers of signals for the duration of a block."""
+    """Replaces the handlers of signals for the duration of a block.
+
+    Handlers are replaced and restored one by one, and a signal may come between any two steps.
+    Blocking signals would not help: another thread gets them then, and Python calls the handler in
+    the main thread all the same. So what a handler raises in between is remembered until all are
+    restored, and a signal that this guard hears in between waits until then.
+    """
 
     def __init__(self, *, defers: bool) -> None:
         self._defers = defers
         self._handlers: dict[int, Callable[[int, FrameType | None], object]] = {}
-        self._waiting: int | None = None
+        self._waiting: list[int] = []
         self._raised: BaseException | None = None
-        self._is_changing = True
+        self._is_inside = False
 
     def __enter__(self) -> None:
         if threading.current_thread() is not threading.main_thread():
             return  # handlers run in the main thread, and only it may replace them
-        for number in _SIGNALS:
-            handler = signal.getsignal(number)
-            if callable(handler):
-                self._handlers[number] = handler
-                signal.signal(number, self._hear)
-        self._is_changing = False
-        if self._waiting is not None:
+        try:
+            for number in _SIGNALS:
+                handler = signal.getsignal(number)
+                if callable(handler):
+                    self._handlers[number] = handler
+                    signal.signal(number, self._hear)
+            self._is_inside = True
+        except BaseException as error:  # noqa: BLE001 - __exit__ raises it
+            self._raised = error
+        if self._raised is not None or self._waiting:
             self.__exit__(None, None, None)
 
     def __exit__(
         self, _: type[BaseException] | None, error: BaseException | None, __: TracebackType | None
     ) -> None:
-        self._is_changing = True
-        for number, handler in self._handlers.items():
-            found = signal.signal(number, handler)
-            if found != self._hear:
-                signal.signal(number, found)  # the block's own
-        if self._raised is not None:
-            if error is not self._raised:
+        self._is_inside = False
+        for _attempt in (*_SIGNALS, None):  # each may raise once
+            try:
+                self._restore()
+                break
+            except BaseException as raised:  # noqa: BLE001 - raised below
+                self._raised = raised
+        try:
+            self._call(self._waiting, sys._getframe(1))  # noqa: SLF001
+        finally:
+            if self._raised is not None and self._raised is not error:
                 raise self._raised from None
-        elif self._waiting is not None:
-            self._handlers[self._waiting](self._waiting, sys._getframe(1))  # noqa: SLF001
+
+    def _restore(self) -> None:
+        for number, handler in self._handlers.items():
+            if signal.getsignal(number) == self._hear:  # and not the block's own
+                signal.signal(number, handler)
+
+    def _call(self, numbers: list[int], frame: FrameType | None) -> None:
+        """Call the handlers of all these signals, even if one raises."""
+        if numbers:
+            try:
+                self._handlers[numbers[0]](numbers[0], frame)
+            finally:
+                self._call(numbers[1:], frame)
 
     def _hear(self, number: int, frame: FrameType | None) -> None:
-        # An exception at the first instruction of __exit__ would leave the handlers replaced.
-        is_changing = self._is_changing or (frame is not None and frame.f_code in _CHANGING)
-        if is_changing or (self._defers and self._waiting is None):
-            self._waiting = number
+        if self._is_changing(frame) or (self._is_inside and self._defers and not self._waiting):
+            self._waiting.append(number)
             return
+        if not self._is_inside:  # left behind by more signals at once than there are attempts
+            signal.signal(number, self._handlers[number])
         try:
             self._handlers[number](number, frame)
         except BaseException as error:
             self._raised = error
             raise
+
+    def _is_changing(self, frame: FrameType | None) -> bool:
+        """Whether the signal came while this guard was entered or left."""
+        while frame is not None:
+            if frame.f_code in _CHANGING and frame.f_locals.get("self") is self:
+                return True
+            frame = frame.f_back
+        return False
 
 
 _CHANGING = (_Guard.__enter__.__code__, _Guard.__exit__.__code__)

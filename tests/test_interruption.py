@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import inspect
 import io
+import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -147,7 +148,23 @@ def test_other_threads_leave_the_handlers_alone() -> None:
     assert found == [before]
 
 
-def lines_of_a_guard(guard: Callable[[], Any], at: int) -> int:
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
+
+
+@pytest.fixture
+def all_handled() -> Iterator[list[Any]]:
+    """Handlers that raise for all three signals, as a caller may have them."""
+    with handled(signal.SIGTERM, late), handled(signal.SIGALRM, late):
+        yield handlers()
+
+
+def handlers() -> list[Any]:
+    return [signal.getsignal(number) for number in SIGNALS]
+
+
+def lines_of_a_guard(
+    guard: Callable[[], Any], at: int, number: int, block: Callable[[], None] = lambda: None
+) -> int:
     """Enter and leave a guard; call the handler at one of its lines, as Python does."""
     lines = 0
 
@@ -161,31 +178,108 @@ def lines_of_a_guard(guard: Callable[[], Any], at: int) -> int:
             if lines == at:
                 sys.settrace(None)
                 frame.f_trace = None
-                handler = signal.getsignal(signal.SIGINT)
+                handler = signal.getsignal(number)
                 assert callable(handler)
-                handler(signal.SIGINT, frame)
+                handler(number, frame)
         return trace
 
     sys.settrace(trace)
     try:
         with guard():
-            pass
+            block()
     finally:
         sys.settrace(None)
     return lines
 
 
+@pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("guard", [kept, deferred])
 def test_a_signal_at_any_line_of_a_guard_is_heard_and_leaves_the_handlers(
-    guard: Callable[[], Any],
+    guard: Callable[[], Any], number: int, all_handled: list[Any]
 ) -> None:
-    before = signal.getsignal(signal.SIGINT)
-    lines = lines_of_a_guard(guard, 0)
-    assert lines > 50
+    lines = lines_of_a_guard(guard, 0, number)
+    assert lines > 40
     for at in range(1, lines + 1):
+        with pytest.raises((KeyboardInterrupt, Late)):
+            lines_of_a_guard(guard, at, number)
+        assert handlers() == all_handled, at
+
+
+def test_a_signal_while_an_inner_guard_is_entered_does_not_wait_for_the_outer(
+    all_handled: list[Any],
+) -> None:
+    ended = []
+
+    def inside() -> None:
+        ended.append(False)
+        with kept():
+            pass
+        ended[-1] = True
+
+    lines = lines_of_a_guard(kept, 0, signal.SIGINT, inside)
+    heard_within = 0
+    for at in range(1, lines + 1):
+        ended.clear()
         with pytest.raises(KeyboardInterrupt):
-            lines_of_a_guard(guard, at)
-        assert signal.getsignal(signal.SIGINT) is before
+            lines_of_a_guard(kept, at, signal.SIGINT, inside)
+        heard_within += ended == [False]
+        assert handlers() == all_handled, at
+    assert heard_within > lines // 3  # about half of the lines are those of the inner guard
+
+
+def late_within_a_guard(_: int, frame: FrameType | None) -> None:
+    while frame is not None:
+        if frame.f_code.co_filename == interruption.__file__:
+            raise Late
+        frame = frame.f_back
+
+
+def send_bursts(is_over: threading.Event) -> None:
+    for turn in range(400):
+        for number in SIGNALS[: turn % 3 + 1]:
+            os.kill(os.getpid(), number)
+        is_over.wait(1e-5)
+    is_over.set()
+
+
+def is_heard_within(guard: Callable[[], Any]) -> bool:
+    try:
+        with guard():
+            pass
+    except Late:
+        return True
+    return False
+
+
+@pytest.mark.parametrize("guard", [kept, deferred])
+def test_bursts_of_signals_leave_the_handlers(guard: Callable[[], Any]) -> None:
+    heard = 0
+    with ExitStack() as stack:
+        for number in SIGNALS:
+            stack.enter_context(handled(number, late_within_a_guard))
+        is_over = threading.Event()
+        thread = threading.Thread(target=send_bursts, args=[is_over])
+        thread.start()
+        while not is_over.is_set():
+            heard += is_heard_within(guard)
+        thread.join()
+        for number in SIGNALS:
+            signal.raise_signal(number)  # a handler that was left behind would go now
+        assert handlers() == [late_within_a_guard] * 3
+    assert heard
+
+
+def test_a_handler_that_only_notes_its_signal_is_called_beside_one_that_raises() -> None:
+    noted: list[int] = []
+
+    def both() -> None:
+        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGINT)
+
+    handler = handled(signal.SIGTERM, lambda number, _: noted.append(number))
+    with handler, pytest.raises(KeyboardInterrupt), deferred():
+        both()
+    assert noted == [signal.SIGTERM]
 
 
 def test_check_raises_what_was_announced_until_it_is_withdrawn(tmp_path: Path) -> None:
