@@ -22,6 +22,7 @@ from faults.children import output
 import liftmesh
 from liftmesh import interruption
 from liftmesh.interruption import deferred, kept
+from liftmesh.io import registry
 
 MESH = liftmesh.triangulate(np.random.default_rng(3).random((40, 3)))
 TRIMESH = str(Path(trimesh.__file__).parent)
@@ -280,6 +281,53 @@ def test_a_handler_that_only_notes_its_signal_is_called_beside_one_that_raises()
     with handler, pytest.raises(KeyboardInterrupt), deferred():
         both()
     assert noted == [signal.SIGTERM]
+
+
+# --- formats and adapters of others --------------------------------------------------------------
+
+
+def read_deaf(*_: object) -> liftmesh.Cloud:
+    swallowing()
+    return liftmesh.Cloud(np.eye(3))
+
+
+def chunks_deaf_at_once(*_: object) -> Iterator[liftmesh.Cloud]:
+    return iter([read_deaf()])
+
+
+def chunks_deaf_later(*_: object) -> Iterator[liftmesh.Cloud]:
+    yield liftmesh.Cloud(np.eye(3))
+    yield read_deaf()
+
+
+@pytest.mark.parametrize("chunks", [None, chunks_deaf_at_once, chunks_deaf_later])
+def test_ctrl_c_in_the_chunks_of_any_format_is_heard(
+    chunks: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    deaf = liftmesh.Format("deaf", (".deaf",), read_deaf, None, "swallows", read_chunks=chunks)
+    monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, deaf))
+    with pytest.raises(KeyboardInterrupt):
+        list(liftmesh.read_chunks(io.BytesIO(b"some"), format="deaf"))
+
+
+def test_ctrl_c_between_chunks_reaches_the_caller_where_it_comes() -> None:
+    chunks = liftmesh.read_chunks(io.BytesIO(b"0 0 5\n1 0 6\n"), rows=1, format="xyz")
+    before = signal.getsignal(signal.SIGINT)
+    for _ in chunks:
+        assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_ctrl_c_while_an_adapter_looks_at_an_object_is_heard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def accepts(_: object) -> bool:
+        swallowing()
+        return True
+
+    deaf = liftmesh.Adapter("deaf", accepts, lambda _: liftmesh.Cloud(np.eye(3)))
+    monkeypatch.setattr(registry, "ADAPTERS", (deaf, *registry.ADAPTERS))
+    with pytest.raises(KeyboardInterrupt):
+        liftmesh.as_cloud(object())
 
 
 def test_check_raises_what_was_announced_until_it_is_withdrawn(tmp_path: Path) -> None:

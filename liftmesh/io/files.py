@@ -293,7 +293,13 @@ def _chunks(
     source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
 ) -> Iterator[Cloud]:
     with _opened(source, name) as stream:
-        for chunk in chunks(stream, name, rows):
+        with kept():
+            pieces = iter(chunks(stream, name, rows))
+        while True:
+            with kept():  # not around the yield: the caller's code is none of ours
+                chunk = next(pieces, None)
+            if chunk is None:
+                return
             yield _labelled(chunk, found, name)
 
 
@@ -301,8 +307,7 @@ def _split(reader: Reader) -> ChunkReader:
     """Make a chunk reader from a reader of whole files."""
 
     def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        with kept():
-            cloud = reader(stream, name)
+        cloud = reader(stream, name)
         for start in range(0, len(cloud), rows):
             yield cloud.select(slice(start, start + rows))
 

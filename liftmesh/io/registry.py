@@ -197,12 +197,12 @@ def as_cloud(source: Any) -> Cloud:
     >>> as_cloud([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]).points.shape
     (3, 3)
     """
-    for adapter in _adapters():
-        if adapter.accepts(source):
-            with kept():
-                cloud = adapter.to_cloud(source)
-            return _checked(cloud, adapter, source)
-    raise _unsupported(source)
+    with kept():
+        adapter = next((each for each in _adapters() if each.accepts(source)), None)
+        cloud = None if adapter is None else adapter.to_cloud(source)
+    if adapter is None:
+        raise _unsupported(source)
+    return _checked(cloud, adapter, source)
 
 
 def _checked(cloud: object, adapter: Adapter, source: object) -> Cloud:
