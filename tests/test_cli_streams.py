@@ -123,3 +123,21 @@ def test_paper_needs_no_stdout(folder: Path) -> None:
     done = run("paper --n 20 --seeds 1 --no-figures --out made", ">&-", folder)
     assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
     assert os.path.getsize(folder / "made" / "tables.md")  # noqa: PTH202
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("triangulate cloud.ply new.ply", "; new.ply was written"),
+        ("triangulate cloud.ply new.ply --json", "; new.ply was written"),
+        (
+            "compare cloud.ply --lower new.ply --hull new.obj",
+            "; new.ply and new.obj were written",
+        ),
+        ("info cloud.ply", ""),
+    ],
+)
+def test_a_full_stdout_says_which_files_were_written(words: str, said: str, folder: Path) -> None:
+    done = run(words, ">/dev/full", folder)
+    assert done.returncode == exit_codes.BAD_INPUT
+    assert done.stderr == f"liftmesh: error: stdout: No space left on device{said}\n"

@@ -82,10 +82,11 @@ def run(
         files.write(lower, result.lower_hull())
     if hull is not None and result.error is None:
         files.write(hull, result.trimesh_hull())
-    if json:
-        terminal.as_json(_values(result))
-    else:
-        _print_result(result, hull)
+    with standard_streams.after_writing(lower, None if result.error else hull):
+        if json:
+            terminal.as_json(_values(result))
+        else:
+            _print_result(result, hull)
     if not result.agrees:
         raise typer.Exit(exit_codes.DIFFERENT)
 

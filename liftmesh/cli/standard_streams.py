@@ -14,6 +14,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
+from pathlib import Path
 from typing import Any, NoReturn
 
 _NAMES = ("stdin", "stdout", "stderr")
@@ -81,6 +82,28 @@ def dispensable_stdout() -> Iterator[None]:
         return
     with open(os.devnull, "w", encoding="utf-8") as null, redirect_stdout(null):  # noqa: PTH123
         yield
+
+
+@contextmanager
+def after_writing(*paths: Path | None) -> Iterator[None]:
+    """Add to an error of stdout, such as a full disk, that files were written before.
+
+    Parameters
+    ----------
+    *paths : Path, optional
+        The files, if any.
+    """
+    try:
+        yield
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        names = [str(path) for path in paths if path is not None and str(path) != "-"]
+        if names and error.filename is None:
+            verb = "was" if len(names) == 1 else "were"
+            error.strerror = f"{error.strerror}; {' and '.join(names)} {verb} written"
+        raise
 
 
 def discard_stdout() -> None:

@@ -103,7 +103,8 @@ def run(
     seconds["write"] = perf_counter() - start
     # If the mesh itself goes to stdout, the report goes to stderr.
     is_stdout = files.is_stream(target)
-    with redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout():
+    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
+    with place, standard_streams.after_writing(written.path):
         _print_report(written, surface.report, seconds, as_json=json)
 
 
