@@ -15,7 +15,9 @@ import pytest
 from commands import COMMAND, PLAIN, liftmesh as command
 
 import liftmesh
+from liftmesh import interruption
 from liftmesh.cli import exit_codes
+from liftmesh.cli.signals import Ending
 
 ENDS = {
     signal.SIGINT: (exit_codes.INTERRUPTED, "liftmesh: error: interrupted\n"),
@@ -271,6 +273,32 @@ def test_a_signal_after_the_result_does_not_change_it(words: list[str], folder: 
     assert out
 
 
+QHULL_RUNS_ON = """
+import threading
+import numpy as np
+from liftmesh.comparison import background, hull_facets
+
+def sorts_for_ever():
+    ids = np.random.default_rng(0).integers(0, 10**6, 400_000)
+    while True:
+        np.unique(ids)
+
+def begun(work):
+    threading.Timer(0.3, send, [{number}]).start()
+    return background.interruptible(sorts_for_ever)
+
+hull_facets.interruptible = begun
+"""
+
+
+@pytest.mark.parametrize("number", ENDS)
+def test_compare_ends_in_order_although_qhull_runs_on(number: int, folder: Path) -> None:
+    change = QHULL_RUNS_ON.format(number=int(number))
+    for _ in range(3):
+        child = started(change, "compare", "mesh.ply", cwd=folder)
+        assert ended(child) == (ENDS[number][0], "", ENDS[number][1])
+
+
 @pytest.mark.parametrize("ignored", ["INT", "TERM"])
 def test_a_signal_that_is_ignored_stays_ignored(ignored: str, folder: Path) -> None:
     number = signal.Signals[f"SIG{ignored}"]
@@ -331,6 +359,23 @@ def test_main_ends_at_a_signal_and_can_run_again(
     assert state() == before
     done = command("triangulate", "mesh.ply", "out.ply", cwd=folder)
     assert done.returncode == exit_codes.DONE
+
+
+def test_main_leaves_a_signal_that_comes_after_its_result_to_its_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before = state()
+    real = Ending.stop
+
+    def stop(ending: Ending) -> None:
+        signal.raise_signal(signal.SIGINT)
+        real(ending)
+
+    monkeypatch.setattr(Ending, "stop", stop)
+    with pytest.raises(KeyboardInterrupt):
+        command("--version")
+    assert state() == before
+    interruption.check()
 
 
 def test_main_leaves_the_handlers_of_its_process_alone(folder: Path) -> None:

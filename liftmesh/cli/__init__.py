@@ -37,6 +37,8 @@ def program() -> int:
         watchdog.start()
 
     code = _run(sys.argv[1:], ending, prepare)
+    if ending.told:
+        watchdog.end(code)
     watchdog.stop()
     return code
 

@@ -74,8 +74,15 @@ class Ending:
         for number, handler in self._before.items():
             signal.signal(number, signal.SIG_IGN if self._is_final else handler)
         interruption.withdraw()
+        if not self._is_final and self.number is not None and not self.told:
+            signal.raise_signal(self.number)  # it came when the result stood: it is the caller's
         if self._is_final and self.number is not None:
             discard_stdout()  # what is not printed yet would come after the signal
+
+    @property
+    def told(self) -> bool:
+        """Whether the line about the signal was printed, so that the exit code is the signal's."""
+        return self._told is not None
 
     def _complain(self, what: sys.UnraisableHookArgs) -> None:
         """Print an exception that nobody can catch, unless it is that of the signal."""

@@ -61,10 +61,19 @@ class Watchdog:
         reader, _ = self._pipe
         first = _next(reader)
         if first and _next(reader, time.monotonic() + GRACE) != _OVER:
-            self._end(first)
+            self.end(self._ending.tell(first))
 
-    def _end(self, number: int) -> None:
-        code = self._ending.tell(number)
+    def end(self, code: int) -> None:
+        """End the process at once, after a signal.
+
+        Threads may still run compiled code, such as Qhull. Where Python goes down in order, it ends
+        them as soon as they ask for the interpreter, and C++ takes that for a fatal error.
+
+        Parameters
+        ----------
+        code : int
+            The exit code.
+        """
         atomic = sys.modules.get("liftmesh.io.atomic")  # no import: the main thread may be in one
         if atomic is not None:
             atomic.remove_unfinished()
