@@ -141,3 +141,18 @@ def test_a_full_stdout_says_which_files_were_written(words: str, said: str, fold
     done = run(words, ">/dev/full", folder)
     assert done.returncode == exit_codes.BAD_INPUT
     assert done.stderr == f"liftmesh: error: stdout: No space left on device{said}\n"
+
+
+@pytest.mark.parametrize("most", [5, 6, 7])
+def test_a_command_runs_where_few_files_may_be_open(most: int, folder: Path) -> None:
+    """There is no pipe for signals then; Python itself needs five."""
+    done = subprocess.run(
+        ["bash", "-c", f'ulimit -n {most}; exec "$@"', "bash", *COMMAND, "--version"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env=PLAIN,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (exit_codes.DONE, "")

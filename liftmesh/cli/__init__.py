@@ -171,7 +171,7 @@ def _print_error(message: str) -> None:
     line = " ".join(message.split())
     try:
         import_module("liftmesh.cli.terminal").error_line(line)
-    except (MemoryError, ImportError, SystemError):  # not enough memory to load it
+    except (MemoryError, ImportError, SystemError, OSError):  # no memory or file to load it
         sys.stderr.write(f"liftmesh: error: {line}\n")
 
 

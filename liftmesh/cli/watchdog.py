@@ -40,11 +40,11 @@ class Watchdog:
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
     def start(self) -> None:
-        """Listen, if the process may have another thread."""
+        """Listen, if the process may have another thread, and a pipe."""
         usual = threading.stack_size(_STACK)
-        self._pipe = os.pipe()
-        os.set_blocking(self._pipe[1], False)
-        with suppress(RuntimeError, MemoryError):
+        with suppress(OSError, RuntimeError, MemoryError):
+            self._pipe = _spare_pipe()
+            os.set_blocking(self._pipe[1], False)
             self._thread.start()
             signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
             os.register_at_fork(after_in_child=_forget)
@@ -78,6 +78,18 @@ class Watchdog:
         if atomic is not None:
             atomic.remove_unfinished()
         os._exit(code)
+
+
+def _spare_pipe() -> tuple[int, int]:
+    """Open a pipe, if the process may open another file besides: the command has to."""
+    pipe = os.pipe()
+    try:
+        os.close(os.dup(pipe[0]))
+    except OSError:
+        for end in pipe:
+            os.close(end)
+        raise
+    return pipe
 
 
 def _next(reader: int, end: float | None = None) -> int | None:
