@@ -8,7 +8,6 @@ everything else means. All are rejected here.
 
 from __future__ import annotations
 
-import json
 import struct
 from dataclasses import dataclass
 from typing import Any, BinaryIO
@@ -16,6 +15,7 @@ from typing import Any, BinaryIO
 from liftmesh.errors import FormatError
 from liftmesh.io.gltf_buffers import Buffers, Chunk
 from liftmesh.io.json_numbers import shown
+from liftmesh.io.json_text import check_length, parsed
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.streams import remaining
 
@@ -151,8 +151,10 @@ class Document:
         needed = _OBJECT * text.count(b"{") + _LIST * text.count(b"[")
         limit = limit_of(max_bytes, _GROWTH * len(text), _SMALL)
         check_expanded(needed, limit, self.name, f"its JSON of {len(text):,} bytes")
+        if max_bytes is None:
+            check_length(text, self.name)
         try:
-            tree = json.loads(text)
+            tree = parsed(text)
         except (ValueError, RecursionError) as error:
             raise self.error(str(error)) from error
         if not isinstance(tree, dict):

@@ -1,0 +1,65 @@
+"""JSON of glTF files: parsing holds the interpreter, so that it must not take long."""
+
+from __future__ import annotations
+
+import gc
+import io
+import json
+
+import pytest
+
+import liftmesh
+from liftmesh.io import json_text
+
+SCENE = {
+    "asset": {"version": "2.0"},
+    "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + "A" * 48}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 0}]}],
+    "nodes": [{"mesh": 0}],
+    "scenes": [{"nodes": [0]}],
+    "scene": 0,
+}
+
+
+def read(scene: object, **options: int) -> liftmesh.Cloud:
+    stream = io.BytesIO(json.dumps(scene).encode())
+    return liftmesh.read(stream, format="gltf", **options)
+
+
+def test_long_json_is_refused_unless_a_limit_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(json_text, "_MOST", 2000)
+    long = {**SCENE, "extras": [1] * 2000}
+    with pytest.raises(
+        liftmesh.FormatError, match=r"JSON .* has 6,\d+ bytes, .* of 2,000: .*max_by"
+    ):
+        read(long)
+    assert len(read(long, max_bytes=10**8)) == 3
+
+
+def test_embedded_buffers_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(json_text, "_MOST", 2000)
+    image = {"uri": "data:image/png;base64," + "A" * 100_000}
+    assert len(read({**SCENE, "images": [image, image]})) == 3
+
+
+@pytest.mark.parametrize("text", [b"[1]", b"[", b"[" * 100_000])
+@pytest.mark.parametrize("is_enabled", [True, False])
+def test_the_search_for_cycles_is_as_before(text: bytes, is_enabled: bool) -> None:
+    before = gc.isenabled()
+    (gc.enable if is_enabled else gc.disable)()
+    try:
+        try:
+            json_text.parsed(text)
+        except (ValueError, RecursionError):
+            assert text != b"[1]"
+        assert gc.isenabled() is is_enabled
+    finally:
+        (gc.enable if before else gc.disable)()
+
+
+def test_no_search_for_cycles_while_json_is_parsed() -> None:
+    passes = gc.get_stats()[0]["collections"]
+    json_text.parsed(b"[" + b"[]," * 200_000 + b"1]")
+    assert gc.get_stats()[0]["collections"] <= passes + 1
