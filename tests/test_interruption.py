@@ -362,7 +362,6 @@ WITH_TRIMESH: dict[str, Callable[[], object]] = {
     **{f"write {kind}": lambda kind=kind: saved(kind) for kind in ("glb", "gltf")},
     "to_trimesh": MESH.to_trimesh,
     "as_cloud": lambda: liftmesh.as_cloud(trimesh.Scene(trimesh.creation.box())),
-    "compare": lambda: liftmesh.compare(MESH),
 }
 
 
@@ -388,8 +387,8 @@ def calls_of_trimesh(work: Callable[[], object], at: int) -> int:
     return calls
 
 
-@pytest.mark.parametrize("job", [job for job in WITH_TRIMESH if job != "compare"])
-def test_ctrl_c_at_any_call_of_trimesh_is_heard(job: str) -> None:
+@pytest.mark.parametrize("job", WITH_TRIMESH)
+def test_ctrl_c_at_calls_all_over_trimesh_is_heard(job: str) -> None:
     work = WITH_TRIMESH[job]
     work()
     calls = calls_of_trimesh(work, 0)
@@ -397,6 +396,50 @@ def test_ctrl_c_at_any_call_of_trimesh_is_heard(job: str) -> None:
     for at in np.unique(np.linspace(1, calls, 150).astype(int)):
         with pytest.raises(KeyboardInterrupt):
             calls_of_trimesh(work, int(at))
+
+
+def test_ctrl_c_at_calls_all_over_the_hull_of_a_comparison_is_heard() -> None:
+    """trimesh runs in a thread of its own there, and the main thread waits."""
+    program = """
+    import os, signal, sys, threading
+    import numpy as np
+    import liftmesh, trimesh
+
+    FOLDER = os.path.dirname(trimesh.__file__)
+    mesh = liftmesh.triangulate(np.random.default_rng(3).random((40, 3)))
+    liftmesh.compare(mesh)
+
+    def calls(at):
+        seen = 0
+
+        def profile(frame, event, _):
+            nonlocal seen
+            if event == "call" and frame.f_code.co_filename.startswith(FOLDER):
+                seen += 1
+                if seen == at:
+                    sys.setprofile(None)
+                    os.kill(os.getpid(), signal.SIGINT)
+
+        threading.setprofile(profile)
+        try:
+            liftmesh.compare(mesh)
+        finally:
+            threading.setprofile(None)
+        return seen
+
+    total, heard = calls(0), 0
+    moments = np.unique(np.linspace(1, total, 30).astype(int))
+    for at in moments:
+        try:
+            calls(int(at))
+        except KeyboardInterrupt:
+            heard += 1
+    print(total > 3, len(moments) - heard)
+    for thread in threading.enumerate():
+        if thread is not threading.current_thread():
+            thread.join()
+    """
+    assert output(program).split() == ["True", "0"]
 
 
 def test_ctrl_c_amid_the_import_of_trimesh_leaves_no_module_missing() -> None:
