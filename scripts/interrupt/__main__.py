@@ -6,7 +6,8 @@
 
 Each job reads, triangulates, verifies or writes. It runs once without interruption, then `--rounds`
 times with a SIGINT at a random moment in each equal part of that run time. Library calls run
-repeatedly in one process with a prompt, commands each in a process of their own. Exits with 1 if
+repeatedly in one process with a prompt, commands each in a process of their own, which gets SIGINT
+and SIGTERM in turn. Exits with 1 if
 the prompt, or the end of the command, takes more than `--most` seconds from the signal, if memory,
 an open file or a thread is leaked, or if a file was changed or left behind.
 """

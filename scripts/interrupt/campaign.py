@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,11 @@ from interrupt.jobs import COMMANDS
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run
 TIMEOUT = 600.0
-INTERRUPTED = 130
+# The exit code and the line of each signal that ends a command.
+ENDS = {
+    signal.SIGINT: (130, "liftmesh: error: interrupted\n"),
+    signal.SIGTERM: (143, "liftmesh: error: terminated by SIGTERM\n"),
+}
 NOT_REACHED = "ended before"
 
 
@@ -151,7 +156,12 @@ def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> JobResu
     files = _files(folder)
     moments = delays(whole, rounds, random.Random(f"{job} {seed}"))
     return JobResult(
-        job, whole, tuple(_signalled(words, each, folder, files, output) for each in moments)
+        job,
+        whole,
+        tuple(
+            _signalled(words, number, each, folder, files, output)
+            for number, each in zip(cycle(ENDS), moments, strict=False)
+        ),
     )
 
 
@@ -180,21 +190,27 @@ def _open_files(process: int) -> list[str]:
 
 
 def _signalled(
-    words: tuple[str, ...], delay: float, folder: Path, files: dict[str, int], output: str
+    words: tuple[str, ...],
+    number: signal.Signals,
+    delay: float,
+    folder: Path,
+    files: dict[str, int],
+    output: str,
 ) -> Interrupt:
     child, began = _started(words, folder)
     time.sleep(max(0.0, began + delay - time.monotonic()))
     opened = _open_files(child.pid)
     sent = time.monotonic()
-    child.send_signal(signal.SIGINT)
+    child.send_signal(number)
     out, err = child.communicate(timeout=TIMEOUT)
     seconds = time.monotonic() - sent
-    if child.returncode == 0 or (child.returncode == -signal.SIGINT and out):  # as Python exits
+    if child.returncode == 0:
         return Interrupt(delay, NOT_REACHED, 0.0)
     faults = list(_changes(folder, files))
     # It may have begun to print its results.
-    expected = (child.returncode, err) == (INTERRUPTED, "liftmesh: error: interrupted\n")
-    if not expected or not _without_figures(output).startswith(_without_figures(out)):
+    if (child.returncode, err) != ENDS[number] or not _without_figures(output).startswith(
+        _without_figures(out)
+    ):
         faults.append(f"exit code {child.returncode}, {out!r}, {err[-500:]!r}")
     return Interrupt(delay, _stage(opened, folder, words), seconds, tuple(faults))
 
