@@ -71,7 +71,7 @@ def primitives(
         A primitive has an unknown mode, or numbers of a type or count that cannot be.
     """
     what = f"meshes[{number}]"
-    mesh = document.parts("meshes")[number]
+    mesh = document.meshes[number]
     extras = mesh.get("extras")
     crs = extras.get("crs") if isinstance(extras, dict) and is_crs(extras.get("crs")) else None
     for part in document.objects(mesh.get("primitives", []), what):

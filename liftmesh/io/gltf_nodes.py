@@ -53,7 +53,7 @@ def default_scene(document: Document) -> Scene:
     FormatError
         There is no such scene, a node is in it twice, or a transformation is invalid.
     """
-    scenes, nodes = document.parts("scenes"), document.parts("nodes")
+    scenes, nodes = document.scenes, document.nodes
     found = Scene()
     if not scenes and "scene" not in document.tree:
         return found
@@ -73,7 +73,7 @@ class _Walk:
         self._nodes = nodes
         self._scene = scene
         self._seen = bytearray(len(nodes))
-        self._meshes = len(document.parts("meshes"))
+        self._meshes = len(document.meshes)
 
     def run(self, roots: list[int]) -> None:
         """Visit the nodes below some, and them."""

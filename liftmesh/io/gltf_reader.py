@@ -98,9 +98,9 @@ class _Content:
     def _count_outside(self) -> None:
         """Count what does not stand in the scene."""
         tree = self._document
-        shown = sum("mesh" in node for node in tree.parts("nodes"))
+        shown = sum("mesh" in node for node in tree.nodes)
         self._skipped["node(s) outside the scene"] = shown - len(self._scene.meshes)
-        self._skipped["other scene(s)"] = max(len(tree.parts("scenes")) - 1, 0)
+        self._skipped["other scene(s)"] = max(len(tree.scenes) - 1, 0)
 
     def check(self, limit: int) -> None:
         """Raise if there is nothing to read, or more than the limit."""

@@ -61,6 +61,8 @@ class Accessor:
 class Document:
     """The tree of a glTF file and its buffers; every access is checked.
 
+    The lists that are indexed over and over are checked once, here.
+
     Parameters
     ----------
     stream : binary stream
@@ -69,6 +71,11 @@ class Document:
         Its name, and "glb" or "gltf".
     max_bytes : int or None
         Limit of what the tree may take in memory; None for twenty times its text.
+
+    Attributes
+    ----------
+    meshes, nodes, scenes : list of dict
+        The lists of these names; empty ones if there are none.
 
     Raises
     ------
@@ -85,13 +92,11 @@ class Document:
         self._check_versions()
         self.buffers = Buffers(self._places(), chunk, name)
         self.size = size + self.buffers.beside()
-        self._views, self._accessors = self.parts("bufferViews"), self.parts("accessors")
+        self.meshes, self.nodes = self._listed("meshes"), self._listed("nodes")
+        self.scenes = self._listed("scenes")
+        self._views, self._accessors = self._listed("bufferViews"), self._listed("accessors")
         self._check_views()
         self._check_accessors()
-
-    def parts(self, key: str) -> list[Tree]:
-        """Return a list of the tree."""
-        return self.objects(self.tree.get(key, []), key)
 
     def objects(self, found: object, what: str) -> list[Tree]:
         """Check a list of objects."""
@@ -147,6 +152,10 @@ class Document:
         """Make an error about this file."""
         return FormatError(f"{self.name}: not a valid {self._kind} file: {cause}")
 
+    def _listed(self, key: str) -> list[Tree]:
+        """Return a list of the tree: all of it is looked at, so do not call this in a loop."""
+        return self.objects(self.tree.get(key, []), key)
+
     def _parsed(self, text: bytes, max_bytes: int | None) -> Tree:
         needed = _OBJECT * text.count(b"{") + _LIST * text.count(b"[")
         limit = limit_of(max_bytes, _GROWTH * len(text), _SMALL)
@@ -178,13 +187,13 @@ class Document:
             )
 
     def _places(self) -> list[str | None]:
-        places = [each.get("uri") for each in self.parts("buffers")]
+        places = [each.get("uri") for each in self._listed("buffers")]
         if not all(isinstance(each, str | None) for each in places):
             raise self.error("a buffer has a name that is not a string")
         return places
 
     def _check_views(self) -> None:
-        buffers = len(self.parts("buffers"))
+        buffers = len(self._listed("buffers"))
         total = 0
         for number, view in enumerate(self._views):
             what = f"bufferViews[{number}]"
