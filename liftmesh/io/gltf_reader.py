@@ -143,6 +143,7 @@ class _Content:
             clouds = decoded(self._document, [each.part for each in batch])
             for each, cloud in zip(batch, clouds, strict=True):
                 arrays.put(cloud, each)
+        arrays.place()
         return arrays.cloud()
 
     def _parts(self) -> Iterator[_Part]:
@@ -190,7 +191,12 @@ def _batches(parts: Iterator[_Part]) -> Iterator[list[_Part]]:
 
 
 class _Arrays:
-    """The arrays of a cloud, filled piece by piece."""
+    """The arrays of a cloud, filled mesh by mesh.
+
+    The primitives of a mesh are joined in the rows of its last node, in the coordinates of the
+    mesh; from there it is placed at each of its nodes, and there last. So the steps are as many as
+    primitives and nodes, not as their products, and nothing is held twice.
+    """
 
     def __init__(self, scene: Scene, counts: dict[int, _Counts], having: Counter[str]) -> None:
         rows = np.array([counts[mesh].rows for mesh in scene.meshes], dtype=np.int64)
@@ -198,8 +204,8 @@ class _Arrays:
         self._scene = scene
         self._rows = np.cumsum(rows) - rows
         self._faces = np.cumsum(faces) - faces
-        self._order = np.argsort(scene.meshes, kind="stable")
-        self._sorted = np.array(scene.meshes)[self._order]
+        self._counts = counts
+        self._last = {mesh: node for node, mesh in enumerate(scene.meshes)}
         total = int(rows.sum())
         self._points: Floats = np.empty((total, 3))
         self._face_rows: Rows | None = np.empty((faces.sum(), 3), np.int32) if faces.any() else None
@@ -214,13 +220,35 @@ class _Arrays:
         )
 
     def put(self, cloud: Cloud, part: _Part) -> None:
-        """Put a primitive into each of its places."""
-        begin, end = np.searchsorted(self._sorted, [part.mesh, part.mesh + 1])
-        for instance in self._order[begin:end].tolist():
-            place = self._scene.places[instance]
-            placed = cloud if place is None else transformed(cloud, place)
-            self._put_rows(placed, int(self._rows[instance]) + part.rows)
-            self._put_faces(placed, instance, part)
+        """Put a primitive into its mesh."""
+        node = self._last[part.mesh]
+        self._put_rows(cloud, int(self._rows[node]) + part.rows)
+        self._put_faces(cloud, int(self._faces[node]) + part.faces, part.rows)
+
+    def place(self) -> None:
+        """Put each mesh into its places."""
+        for node, (mesh, place) in enumerate(
+            zip(self._scene.meshes, self._scene.places, strict=True)
+        ):
+            is_there = place is None and node == self._last[mesh]
+            if self._counts[mesh].rows and not is_there:
+                whole = self._mesh(mesh)
+                placed = whole if place is None else transformed(whole, place)
+                self._put_rows(placed, int(self._rows[node]))
+                self._put_faces(placed, int(self._faces[node]), 0)
+        self._shift_faces()
+
+    def _mesh(self, mesh: int) -> Cloud:
+        """Return the rows of a mesh, not copied, with faces that count from its first row."""
+        node, counts = self._last[mesh], self._counts[mesh]
+        rows = slice(self._rows[node], self._rows[node] + counts.rows)
+        faces = slice(self._faces[node], self._faces[node] + counts.faces)
+        return Cloud(
+            self._points[rows],
+            colors=None if self._colors is None else self._colors[rows],
+            normals=None if self._normals is None else self._normals[rows],
+            faces=None if self._face_rows is None else self._face_rows[faces],
+        )
 
     def _put_rows(self, cloud: Cloud, begin: int) -> None:
         rows = slice(begin, begin + len(cloud))
@@ -228,11 +256,17 @@ class _Arrays:
         self._colors = _filled(self._colors, rows, cloud.colors)
         self._normals = _filled(self._normals, rows, cloud.normals)
 
-    def _put_faces(self, cloud: Cloud, instance: int, part: _Part) -> None:
+    def _put_faces(self, cloud: Cloud, begin: int, first: int) -> None:
         if self._face_rows is not None and cloud.faces is not None:
-            begin = int(self._faces[instance]) + part.faces
-            first = np.int32(self._rows[instance] + part.rows)
-            np.add(cloud.faces, first, out=self._face_rows[begin : begin + len(cloud.faces)])
+            np.add(
+                cloud.faces, np.int32(first), out=self._face_rows[begin : begin + len(cloud.faces)]
+            )
+
+    def _shift_faces(self) -> None:
+        """Let faces count from the first row of all, no longer from that of their mesh."""
+        if self._face_rows is not None:
+            counts = [self._counts[mesh].faces for mesh in self._scene.meshes]
+            self._face_rows += np.repeat(self._rows.astype(np.int32), counts)[:, None]
 
 
 def _filled(held: Array | None, rows: slice, values: Array | None) -> Array | None:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
+import numpy as np
 import pytest
 from file_samples import loaded
-from gltf_models import TRIANGLE, Model
+from gltf_models import TRIANGLE, Model, faces
 
+from liftmesh.io import gltf_reader
 from liftmesh.io.gltf_validation import Document
+from liftmesh.io.objects.trimesh import transformed
 
 
 def test_lists_are_not_checked_again_for_each_of_their_parts(
@@ -30,3 +33,50 @@ def test_lists_are_not_checked_again_for_each_of_their_parts(
     monkeypatch.setattr(Document, "objects", counted)
     assert len(loaded(model.glb(), "glb")) == 3 * count
     assert looked_at["all"] < 10 * count
+
+
+def test_a_mesh_of_many_primitives_is_placed_as_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    count = 60
+    model = Model()
+    attributes = {"POSITION": model.accessor(TRIANGLE)}
+    mesh = model.mesh(*[{"attributes": attributes}] * count)
+    for place in range(count):
+        model.node(mesh=mesh, translation=[place, 0, 0])
+    calls = []
+    monkeypatch.setattr(
+        gltf_reader, "transformed", lambda *given: calls.append(given) or transformed(*given)
+    )
+    cloud = loaded(model.glb(), "glb")
+    assert len(calls) == count
+    shifts = np.arange(count)[::-1, None, None] * np.array([1, 0, 0])
+    assert np.array_equal(
+        cloud.points.reshape(count, -1, 3), np.tile(TRIANGLE, (count, 1)) + shifts
+    )
+    assert np.array_equal(np.ravel(cloud.faces), np.arange(3 * count**2))
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_meshes_of_every_mix_stand_where_each_primitive_alone_would(mirror: int) -> None:
+    def build(*, split: bool) -> Model:
+        model = Model()
+        up = model.accessor(np.array([[0, 0, 1]] * 3, dtype="<f4"))
+        red = model.accessor(np.array([[255, 0, 0, 255]] * 3, dtype="<u1"), normalized=True)
+        parts = [
+            {"attributes": {"POSITION": model.accessor(TRIANGLE + shift), "NORMAL": up,
+                            "COLOR_0": red}, "mode": mode}
+            for shift, mode in ((np.float32(0), 4), (np.float32(9), 0), (np.float32(5), 6))
+        ]  # fmt: skip
+        other = {"attributes": {**parts[0]["attributes"]}}
+        groups = [[part] for part in parts] if split else [parts]
+        for matrix in (None, [0, 2, 0, 0, -3 * mirror, 0, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1], None):
+            place = {} if matrix is None else {"matrix": matrix}
+            for group in groups[::-1]:  # a scene is read from its end
+                model.node(mesh=model.mesh(*group), **place)
+            model.node(mesh=model.mesh(other), scale=[1, 2, mirror])
+        return model
+
+    apart, joined = build(split=True).read(), build(split=False).read()
+    assert joined.points.tolist() == apart.points.tolist()
+    assert np.array_equal(joined.normals, apart.normals)
+    assert np.array_equal(joined.colors, apart.colors)
+    assert faces(joined) == faces(apart)
