@@ -67,10 +67,11 @@ class Model:
         tree = {**self.tree, "buffers": [{"uri": uri, "byteLength": len(self.data)}]}
         return json.dumps(tree).encode()
 
-    def glb(self, before: bytes = b"") -> bytes:
+    def glb(self, before: bytes = b"", **parts: Any) -> bytes:
         """Pack as binary."""
         data = self.data + bytes(-len(self.data) % 4)
-        text = json.dumps({**self.tree, "buffers": [{"byteLength": len(data)}]}).encode()
+        tree = {**self.tree, "buffers": [{"byteLength": len(data)}], **parts}
+        text = json.dumps(tree).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<I4s", len(text), b"JSON") + text + before
         chunks += struct.pack("<I4s", len(data), b"BIN\0") + data

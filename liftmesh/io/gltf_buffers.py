@@ -3,6 +3,9 @@
 The author of a file is not trusted to choose among all files of the machine, nor to use its
 network: only buffers in the file's own folder are read. Names that lead out of it, by ``..``, from
 the root, through a link or to a server, are rejected.
+
+The first buffer of a GLB file may be its binary chunk, which can be longer than the buffer. Other
+buffers without an address have no data: they stand for what a compression leaves out.
 """
 
 from __future__ import annotations
@@ -30,35 +33,72 @@ class Chunk:
     size: int
 
 
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What a file says of a buffer.
+
+    Attributes
+    ----------
+    uri : str or None
+        Its address; None for the binary chunk.
+    size : int or None
+        Its bytes; None for all that there are.
+    is_fallback : bool
+        Whether it is for readers that cannot decompress, and so has no data without an address.
+    """
+
+    uri: str | None
+    size: int | None
+    is_fallback: bool
+
+
 class Buffers:
     """The buffers of a file by number, each read when it is first asked for.
 
     Parameters
     ----------
-    places : sequence of str or None
-        For each buffer its URI; None stands for the binary chunk.
+    stated : sequence of Stated
+        What the file says of each.
     chunk : Chunk or None
         The binary chunk, if the file has one.
     name : str
         The file's name.
     """
 
-    def __init__(self, places: Sequence[str | None], chunk: Chunk | None, name: str) -> None:
-        self._places = places
+    def __init__(self, stated: Sequence[Stated], chunk: Chunk | None, name: str) -> None:
+        self._stated = stated
         self._chunk = chunk
         self._name = name
         self._contents: dict[str | None, bytes] = {}
 
-    def __getitem__(self, number: int) -> bytes:
-        place = self._places[number]
-        if place not in self._contents:
-            self._contents[place] = self._read(place, f"buffers[{number}]")
-        return self._contents[place]
+    def __getitem__(self, number: int) -> memoryview:
+        stated, what = self._stated[number], f"buffers[{number}]"
+        if stated.uri is None and (number or stated.is_fallback):
+            raise self._without_data(what)
+        if stated.uri not in self._contents:
+            self._contents[stated.uri] = self._read(stated.uri, what)
+        content = memoryview(self._contents[stated.uri])
+        if stated.size is not None and stated.size > len(content):
+            raise FormatError(
+                f"{self._name}: not a valid file: {what}: byteLength is {stated.size}, but its "
+                f"data have {len(content)} bytes: the file is truncated, or its counts are wrong"
+            )
+        return content[: stated.size]
+
+    def __len__(self) -> int:
+        return len(self._stated)
 
     def beside(self) -> int:
         """Return the total size of the files beside this one, without reading them."""
-        uris = {uri for uri in self._places if uri is not None and not uri.startswith("data:")}
+        named = {each.uri for each in self._stated}
+        uris = [uri for uri in named if uri is not None and not uri.startswith("data:")]
         return sum(self._path(uri).stat().st_size for uri in uris)
+
+    def _without_data(self, what: str) -> FormatError:
+        return FormatError(
+            f"{self._name}: not a valid file: {what} is without data: save the file without "
+            "compression"
+        )
 
     def _read(self, place: str | None, what: str) -> bytes:
         if place is None:
@@ -67,7 +107,7 @@ class Buffers:
 
     def _binary(self, what: str) -> bytes:
         if self._chunk is None:
-            raise FormatError(f"{self._name}: not a valid file: {what} is without data")
+            raise self._without_data(what)
         self._chunk.stream.seek(self._chunk.begin)
         return read_exactly(self._chunk.stream, self._chunk.size, self._name, "the binary chunk")
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
-from liftmesh.io.gltf_buffers import Buffers, Chunk
+from liftmesh.io.gltf_buffers import Buffers, Chunk, Stated
 from liftmesh.io.json_numbers import shown
 from liftmesh.io.json_text import check_length, parsed
 from liftmesh.io.limits import check_expanded, limit_of
@@ -33,6 +33,9 @@ _SHARED = 64
 _OBJECT, _LIST = 210, 90
 _SMALL = 1 << 26
 _GROWTH = 20
+
+# Extensions that mark buffers whose data are compressed elsewhere.
+_FALLBACKS = {"EXT_meshopt_compression", "KHR_meshopt_compression"}
 
 # Extensions that change neither positions nor faces.
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_",
@@ -90,7 +93,7 @@ class Document:
         text, chunk = _parts(stream, name) if kind == "glb" else (stream.read(), None)
         self.tree = self._parsed(text, max_bytes)
         self._check_versions()
-        self.buffers = Buffers(self._places(), chunk, name)
+        self.buffers = Buffers(self._stated(), chunk, name)
         self.size = size + self.buffers.beside()
         self.meshes, self.nodes = self._listed("meshes"), self._listed("nodes")
         self.scenes = self._listed("scenes")
@@ -186,14 +189,20 @@ class Document:
                 "save the file without it"
             )
 
-    def _places(self) -> list[str | None]:
-        places = [each.get("uri") for each in self._listed("buffers")]
-        if not all(isinstance(each, str | None) for each in places):
-            raise self.error("a buffer has a name that is not a string")
-        return places
+    def _stated(self) -> list[Stated]:
+        """List the buffers."""
+        stated = []
+        for number, each in enumerate(self._listed("buffers")):
+            uri, extensions = each.get("uri"), each.get("extensions")
+            if not isinstance(uri, str | None):
+                raise self.error("a buffer has a name that is not a string")
+            size = self.count(each, "byteLength", f"buffers[{number}]")
+            is_fallback = isinstance(extensions, dict) and not _FALLBACKS.isdisjoint(extensions)
+            stated.append(Stated(uri, size if "byteLength" in each else None, is_fallback))
+        return stated
 
     def _check_views(self) -> None:
-        buffers = len(self._listed("buffers"))
+        buffers = len(self.buffers)
         total = 0
         for number, view in enumerate(self._views):
             what = f"bufferViews[{number}]"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import struct
 from typing import Any
@@ -138,3 +139,71 @@ def test_buffers_that_are_none(uri: str, cause: str) -> None:
     tree["buffers"][0]["uri"] = uri
     with pytest.raises(FormatError, match=cause):
         loaded(json.dumps(tree).encode(), "gltf")
+
+
+def compressed(**changes: Any) -> bytes:
+    """Pack a triangle as GLB whose bytes are a fallback of others, as compressors write it."""
+    model = shape(5)
+    stated = {"buffer": 0, "byteOffset": 0, "byteLength": 84, "byteStride": 12, "count": 7}
+    for view in model.tree["bufferViews"]:
+        view["buffer"] = 1
+        view["extensions"] = {"EXT_meshopt_compression": {**stated, "mode": "ATTRIBUTES"}}
+    fallback = {"byteLength": 84, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}
+    model.tree["extensionsUsed"] = ["EXT_meshopt_compression"]
+    return model.glb(buffers=[{"byteLength": 84}, {**fallback, **changes}])
+
+
+def test_a_fallback_without_data_is_not_the_binary_chunk() -> None:
+    with pytest.raises(FormatError, match=r"buffers\[1\] is without data: save the file without"):
+        loaded(compressed(), "glb")
+    data = base64.b64encode(np.concatenate([TRIANGLE, SQUARE]).tobytes()).decode()
+    cloud = loaded(compressed(uri=f"data:;base64,{data}"), "glb")
+    assert cloud.points.tolist() == [*SQUARE.tolist(), *TRIANGLE.tolist()]
+
+
+@pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
+def test_nor_is_it_if_it_comes_first(name: str) -> None:
+    data = shape(5).glb(buffers=[{"byteLength": 84, "extensions": {name: {"fallback": True}}}])
+    with pytest.raises(FormatError, match=r"buffers\[0\] is without data"):
+        loaded(data, "glb")
+
+
+def test_only_the_first_buffer_is_the_binary_chunk() -> None:
+    model = shape(5)
+    for view in model.tree["bufferViews"]:
+        view["buffer"] = 1
+    with pytest.raises(FormatError, match=r"buffers\[1\] is without data"):
+        loaded(model.glb(buffers=[{"byteLength": 84}, {"byteLength": 84}]), "glb")
+    for view in model.tree["bufferViews"]:
+        view["buffer"] = 0
+    assert len(loaded(model.glb(buffers=[{"byteLength": 84}, {"byteLength": 84}]), "glb")) == 7
+
+
+@pytest.mark.parametrize(
+    ("size", "cause"),
+    [
+        (88, "byteLength is 88, but its data have 84 bytes"),
+        (80, "ends at byte 84 of its buffer, which has 80"),
+        (-1, "byteLength is -1: expected a whole number from 0"),
+        (84.0, "byteLength is 84.0: expected a whole number"),
+        (True, "byteLength is True: expected a whole number"),
+        ("84", "byteLength is '84': expected a whole number"),
+        (None, "byteLength is None: expected a whole number"),
+    ],
+)
+def test_sizes_of_buffers_that_are_none(size: Any, cause: str) -> None:
+    model = shape(5)
+    with pytest.raises(FormatError, match=cause):
+        loaded(model.glb(buffers=[{"byteLength": size}]), "glb")
+    tree = json.loads(model.gltf())
+    tree["buffers"][0]["byteLength"] = size
+    with pytest.raises(FormatError, match=cause):
+        loaded(json.dumps(tree).encode(), "gltf")
+
+
+def test_a_chunk_may_be_longer_than_its_buffer() -> None:
+    model = shape(5)
+    size = len(model.data)
+    model.data += b"\xff" * 4
+    assert len(loaded(model.glb(buffers=[{"byteLength": size}]), "glb")) == 7
+    assert len(loaded(model.glb(buffers=[{}]), "glb")) == 7  # without a size, all of it
