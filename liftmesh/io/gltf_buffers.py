@@ -23,6 +23,9 @@ from liftmesh.io.streams import read_exactly
 
 _PACKED = ";base64,"
 
+# Some programs break base64 into lines.
+_BREAKS = "\n\r\t "
+
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
@@ -115,7 +118,7 @@ class Buffers:
         _, mark, text = uri.partition(_PACKED)
         try:
             if mark:
-                return base64.b64decode(text, validate=True)
+                return base64.b64decode(_unbroken(text), validate=True)
         except ValueError as error:
             raise FormatError(f"{self._name}: {what} is not valid base64: {error}") from error
         raise FormatError(f"{self._name}: not a valid file: {what} is text, but not base64")
@@ -142,3 +145,10 @@ class Buffers:
         if not is_there:
             raise FormatError(f"{self._name}: its buffer {wanted[:60]!r} does not exist")
         return path
+
+
+def _unbroken(text: str) -> str:
+    """Join the lines of a text; without a copy if it is one line."""
+    if not any(mark in text for mark in _BREAKS):
+        return text
+    return text.translate(dict.fromkeys(map(ord, _BREAKS)))

@@ -15,6 +15,10 @@ from liftmesh._typing import Floats
 from liftmesh.io.gltf_validation import Document, Tree, is_harmless
 from liftmesh.io.json_numbers import finite_numbers, shown
 
+# The last row of an affine matrix, and how far products in single precision may miss it.
+_LAST = np.array([0.0, 0.0, 0.0, 1.0])
+_ROUNDED = 1e-5
+
 _PARTS = {"matrix": 16, "translation": 3, "rotation": 4, "scale": 3}
 
 
@@ -135,9 +139,9 @@ def _local(document: Document, node: Tree, what: str) -> Floats | None:
 def _matrix(key: str, numbers: Floats, document: Document, what: str) -> Floats:
     if key == "matrix":
         matrix: Floats = numbers.reshape(4, 4).T
-        if matrix[3].tolist() != [0, 0, 0, 1]:
+        if np.abs(matrix[3] - _LAST).max() > _ROUNDED:
             raise document.error(f"{what}: matrix is not affine: its last row is {matrix[3]}")
-        return matrix
+        return np.vstack([matrix[:3], _LAST])
     matrix = np.eye(4)
     if key == "translation":
         matrix[:3, 3] = numbers

@@ -41,6 +41,9 @@ _FALLBACKS = {"EXT_meshopt_compression", "KHR_meshopt_compression"}
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_",
              "EXT_lights_", "KHR_xmp", "KHR_mesh_quantization")  # fmt: skip
 
+# Extensions that neither do, but hold what is not read, and is named.
+_NAMED = ("EXT_mesh_features", "EXT_structural_metadata", "KHR_animation_pointer")
+
 
 @dataclass(frozen=True, slots=True)
 class Accessor:
@@ -182,7 +185,7 @@ class Document:
         required = self.tree.get("extensionsRequired", [])
         if not isinstance(required, list):
             raise self.error("extensionsRequired is not a list")
-        unknown = [each for each in required if not is_harmless(each)]
+        unknown = [each for each in required if not is_harmless(each) and each not in _NAMED]
         if unknown:
             raise self.error(
                 f"it requires the extension {shown(unknown[0])}, which liftmesh does not read: "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import tracemalloc
 from pathlib import Path
 from typing import Any
@@ -268,3 +269,30 @@ def test_more_vertices_than_indices_count() -> None:
     data = instances(60_000, 40_000).glb()
     with pytest.raises(FormatError, match="2,400,000,000 vertices are more than 32-bit indices"):
         liftmesh.read(io.BytesIO(data), format="glb", max_bytes=10**12)
+
+
+def test_matrices_that_single_precision_rounded() -> None:
+    matrix = [2.0, 0, 0, 1e-6, 0, 2, 0, -1e-6, 0, 0, 2, 1e-7, 5, 6, 7, 0.99999988]
+    exact = [2.0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 5, 6, 7, 1]
+    cloud = shape(5, matrix=matrix).read()
+    assert cloud.points.tolist() == shape(5, matrix=exact).read().points.tolist()
+    assert [7, 8, 7] in cloud.points.tolist()
+
+
+@pytest.mark.parametrize("mark", ["\n", "\r\n", " ", "\t"])
+def test_base64_in_lines(mark: str) -> None:
+    tree = json.loads(shape(5).gltf())
+    head, text = tree["buffers"][0]["uri"].split(",")
+    lines = [text[k : k + 16] for k in range(0, len(text), 16)]
+    tree["buffers"][0]["uri"] = f"{head},{mark.join(lines)}{mark}"
+    assert len(loaded(json.dumps(tree).encode(), "gltf")) == 7
+
+
+@pytest.mark.parametrize(
+    "name", ["EXT_mesh_features", "EXT_structural_metadata", "KHR_animation_pointer"]
+)
+def test_required_extensions_that_move_nothing(name: str) -> None:
+    model = shape(5)
+    model.tree["extensionsRequired"] = [name]
+    model.tree["meshes"][1]["primitives"][0]["extensions"] = {name: {}}
+    assert model.read().metadata["skipped"] == (f"1 primitive with {name}",)

@@ -14,6 +14,8 @@ from gltf_models import SQUARE, TRIANGLE, Model, shape
 
 from liftmesh import FormatError
 
+IDENTITY = np.eye(4).ravel().tolist()
+
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "scene -1": ({"scene": -1}, "scene is -1: expected a whole number from 0"),
     "scene true": ({"scene": True}, "scene is True: expected a whole"),
@@ -21,6 +23,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "scene beyond": ({"scene": 1}, "scene is 1, but there are only 1"),
     "scene null": ({"scene": None}, "scene is None: expected a whole"),
     "draco": ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "requires the extension"),
+    "another": ({"extensionsRequired": ["EXT_mesh_features_2"]}, "requires the extension"),
     "a number": ({"extensionsRequired": [3]}, "requires the extension 3"),
     "no list": ({"extensionsRequired": "KHR"}, "extensionsRequired is not a list"),
     "version 1": ({"asset": {"version": "1.0"}}, "its version is '1.0': only glTF 2"),
@@ -50,6 +53,8 @@ def test_trees_that_are_refused(name: str) -> None:
         ({"matrix": [1] * 15}, "expected 16 finite numbers"),
         ({"matrix": [float("nan")] * 16}, "matrix is nan, nan, nan, nan: expected 16 finite"),
         ({"matrix": [1.0] * 16}, "matrix is not affine"),
+        ({"matrix": [*IDENTITY[:11], 2e-5, *IDENTITY[12:]]}, "matrix is not affine"),
+        ({"matrix": [*IDENTITY[:15], 0.0]}, "matrix is not affine"),
         ({"translation": [1, 2, True]}, "translation is 1, 2, True: expected 3 finite numbers"),
         ({"translation": ["1", 2, 3]}, "translation is '1', 2, 3: expected"),
         ({"translation": [10**400, 2, 3]}, "translation is 10{36}..., 2, 3: expected"),
