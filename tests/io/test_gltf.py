@@ -296,3 +296,10 @@ def test_required_extensions_that_move_nothing(name: str) -> None:
     model.tree["extensionsRequired"] = [name]
     model.tree["meshes"][1]["primitives"][0]["extensions"] = {name: {}}
     assert model.read().metadata["skipped"] == (f"1 primitive with {name}",)
+
+
+def test_points_beyond_doubles_are_infinite_without_a_warning() -> None:
+    cloud = shape(0, scale=[1.7e308] * 3).read()
+    assert cloud.points[:4].tolist() == (SQUARE.astype(float) * 1.7e308).tolist()
+    cloud = shape(0, rows=SQUARE + np.float32(1), scale=[1.7e308] * 3).read()
+    assert cloud.points[2].tolist() == [np.inf, np.inf, 1.7e308]

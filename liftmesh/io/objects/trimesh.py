@@ -121,7 +121,8 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
     Returns
     -------
     Cloud
-        Faces are turned over if the matrix mirrors; normals are dropped if it is singular.
+        Faces are turned over if the matrix mirrors; normals are dropped if it is singular, or its
+        inverse beyond double precision.
 
     Examples
     --------
@@ -131,14 +132,15 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
     if np.array_equal(matrix, np.eye(4)):
         return cloud
     linear = matrix[:3, :3]
-    points = cloud.points @ linear.T + matrix[:3, 3]
-    size = np.abs(linear).max()
-    scaled = linear / size if np.isfinite(size) and size > 0 else np.zeros((3, 3))
-    determinant = np.linalg.det(scaled)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # infinities are results
+        points = cloud.points @ linear.T + matrix[:3, 3]
+        size = np.abs(linear).max()
+        scaled = linear / size if np.isfinite(size) and size > 0 else np.zeros((3, 3))
+        determinant = np.linalg.det(scaled)
+        normals = None if cloud.normals is None else _rotated(cloud.normals, scaled, determinant)
     faces = cloud.faces
     if faces is not None and determinant < 0:
         faces = faces[:, ::-1]  # a mirrored mesh keeps its outside
-    normals = None if cloud.normals is None else _rotated(cloud.normals, scaled, determinant)
     return replace(cloud, points=points, normals=normals, faces=faces)
 
 
@@ -273,7 +275,12 @@ def _holds_points(geometry: Any) -> bool:
 def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:
     if determinant == 0:
         return None
-    rotated: Floats = normals @ np.linalg.inv(matrix)
+    inverse = np.linalg.inv(matrix)
+    if not np.isfinite(inverse).all():
+        return None
+    # A power of two, so that no square overflows and no bit changes.
+    inverse = np.ldexp(inverse, -np.frexp(np.abs(inverse).max())[1])
+    rotated: Floats = normals @ inverse
     lengths = np.sqrt((rotated * rotated).sum(axis=1, keepdims=True))
     np.divide(rotated, lengths, out=rotated, where=lengths > 0)
     return rotated

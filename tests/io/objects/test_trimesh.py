@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
-from liftmesh.io.objects.trimesh import to_mesh
+from liftmesh.io.objects.trimesh import to_mesh, transformed
 from liftmesh.io.registry import as_cloud
 
 POINTS = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0], [1.0, 1.0, -0.0]])
@@ -165,3 +165,17 @@ def test_edits_of_the_mesh_do_not_reach_the_cloud():
     assert points.tobytes() == POINTS.tobytes()
     assert values.tolist() == [0, 1, 2, 3]
     assert normals.flags.writeable
+
+
+def test_places_beyond_doubles_end_in_infinities_without_a_warning():
+    cloud = Cloud(POINTS, normals=NORMALS, faces=FACES)
+    huge = transformed(cloud, np.diag([1.7e308, 1.7e308, 1.7e308, 1.0]))
+    assert huge.points[0].tolist() == [0.0, 0.0, np.inf]
+    np.testing.assert_array_equal(huge.normals[:3], NORMALS[:3])
+    flat = transformed(cloud, np.diag([1e300, 1e-5, 1e-5, 1.0]))
+    assert flat.normals is None  # its determinant is beyond doubles
+    for exponent in (-300, -150, 150, 160):
+        sizes = np.array([1.0, 1.0, 10.0**exponent])
+        normals = transformed(cloud, np.diag([*sizes, 1.0])).normals
+        lengths = np.sqrt((normals**2).sum(axis=1))
+        np.testing.assert_allclose(lengths, 1.0, rtol=1e-12)
