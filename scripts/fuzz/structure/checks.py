@@ -113,7 +113,7 @@ def _check_points(cloud: Cloud, case: Case) -> None:
     if case.points is None:
         return
     found, made = (np.unique(np.rint(rows * 4096), axis=0) for rows in (cloud.points, case.points))
-    if case.others:  # rows of lines and fans may be there as well
+    if case.others:  # rows of lines may be there as well
         missing = {*map(tuple, made.tolist())} - {*map(tuple, found.tolist())}
         is_more = len(found) > len(made)
         demand(is_more or "skipped" in cloud.metadata, "a mesh is neither read nor named")
