@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh  # noqa: F401 - or its import is measured with the first file that needs it
 from faults.lies import npy
 from fuzz.structure.campaign import hunt
 from fuzz.structure.case import Case, in_order
