@@ -1,10 +1,10 @@
 """Merging of equal rows of coordinates.
 
 Rows are sorted by a hash of their coordinates, and neighbours in this order compared. If different
-rows share a hash, the coordinates themselves are sorted. The hash depends on a secret of the
-process, so that no file can be made to collide; the result does not depend on it. Many rows are
-first distributed by the leading bits of their hashes, so that no step takes long: between steps
-Python hears signals.
+rows share a hash, the coordinates themselves are sorted: a collision costs one more sort. The hash
+depends on a secret of the process, so that no file gives very many different rows one hash; the
+result does not depend on it. Many rows are first distributed by bits of their hashes, so that no
+step takes long: between steps Python hears signals.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def weld(points: Floats) -> tuple[Integers, Integers]:
     rows = np.arange(len(points))
     first = rows.copy()
     hashes = _hashes(points)
-    for part in _parts(hashes, rows[~np.isnan(points).any(axis=1)], 63):
+    for part in _parts(hashes, rows[~np.isnan(points).any(axis=1)]):
         _find_first(points, hashes, part, first)
     kept = first == rows
     return np.flatnonzero(kept), (np.cumsum(kept) - 1)[first]
@@ -63,14 +63,22 @@ def _hashes(points: Floats) -> Hashes:
     return hashes
 
 
-def _parts(hashes: Hashes, rows: Integers, bit: int) -> Iterator[Integers]:
-    """Distribute rows by the bits of their hashes until few are left in a part."""
-    if len(rows) <= _PART or bit < 0:
-        yield rows
-        return
-    upper = (hashes[rows] >> np.uint64(bit)) & np.uint64(1) == 1
-    yield from _parts(hashes, rows[~upper], bit - 1)
-    yield from _parts(hashes, rows[upper], bit - 1)
+def _parts(hashes: Hashes, rows: Integers) -> Iterator[Integers]:
+    """Distribute rows by the bits of their hashes until few are left in a part, or all agree."""
+    waiting = [rows]
+    while waiting:
+        rows = waiting.pop()  # a row is in one part only: splits take no more memory
+        bit = _first_that_differs(hashes[rows]) if len(rows) > _PART else -1
+        if bit < 0:
+            yield rows
+            continue
+        upper = (hashes[rows] >> np.uint64(bit)) & np.uint64(1) == 1
+        waiting += [rows[upper], rows[~upper]]
+
+
+def _first_that_differs(hashes: Hashes) -> int:
+    """Find the highest bit in which some hashes differ; -1 if all are equal."""
+    return int(np.bitwise_or.reduce(hashes ^ hashes[0])).bit_length() - 1
 
 
 def _find_first(points: Floats, hashes: Hashes, rows: Integers, first: Integers) -> None:

@@ -6,6 +6,7 @@ import io
 import logging
 import math
 import struct
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -206,6 +207,24 @@ def test_equal_corners_are_merged_as_one_by_one(
     assert back.faces is not None
     assert back.faces.reshape(-1).tolist() == rows
     assert back.metadata["repeated_vertices"] == 600 - len(kept)
+
+
+@pytest.mark.parametrize("others", [0, 1, 1000])
+def test_very_many_equal_corners_take_no_more_memory(
+    monkeypatch: pytest.MonkeyPatch, others: int
+) -> None:
+    monkeypatch.setattr(welding, "_PART", 1000)
+    points = np.ones((200_000, 3))
+    points[:others, 0] = np.arange(others) + 2
+    tracemalloc.start()
+    try:
+        kept, place = welding.weld(points)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert kept.tolist() == [*range(others + 1)]
+    assert place.tolist() == [*range(others)] + [others] * (len(points) - others)
+    assert peak < 200 * len(points)  # 10 bytes for each of a binary file
 
 
 def test_colliding_factors_do_collide(monkeypatch: pytest.MonkeyPatch) -> None:
