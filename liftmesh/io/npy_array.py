@@ -1,12 +1,15 @@
 """One array in NumPy's NPY layout: a short header, then the values.
 
 ``numpy.load`` allocates the memory that a header asks for before it reads the file. Here the
-header is compared with the size of the file first.
+header is compared with the size of the file first. NumPy parses the header itself, a short text:
+so memory that its parser runs out of is the file's fault, not the machine's.
 """
 
 from __future__ import annotations
 
+import io
 import math
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -20,6 +23,14 @@ from liftmesh.io.streams import Source, remaining
 from liftmesh.io.text_tables import shortened
 
 _PIECE = 1 << 16  # bytes read at a time
+
+_LONGEST_HEADER = 10_000  # what NumPy takes from a file that is not trusted
+
+# The length of the header, and what parses both.
+_VERSIONS = {
+    (1, 0): (struct.Struct("<H"), npy.read_array_header_1_0),
+    (2, 0): (struct.Struct("<I"), npy.read_array_header_2_0),
+}
 
 
 def read_array(stream: BinaryIO, name: str) -> Array:
@@ -49,8 +60,10 @@ class Layout:
         """Read the header and leave the stream at the first value."""
         try:
             layout = cls(*_header(stream))
-        except MemoryError:
-            raise
+        except MemoryError as error:  # the parser's own limit: its message, if any, is about stacks
+            raise FormatError(
+                f"{name}: not an NPY file, or its header is invalid: nested too deeply"
+            ) from error
         except Exception as error:  # the header is a Python literal: its parser raises many kinds
             raise FormatError(
                 f"{name}: not an NPY file, or its header is invalid: {error}"
@@ -101,11 +114,17 @@ class Layout:
 
 def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
     version = npy.read_magic(stream)
-    if version == (1, 0):
-        return npy.read_array_header_1_0(stream)
-    if version == (2, 0):
-        return npy.read_array_header_2_0(stream)
-    raise ValueError(f"version {version} of the layout is not supported")
+    if version not in _VERSIONS:
+        raise ValueError(f"version {version} of the layout is not supported")
+    length, parse = _VERSIONS[version]
+    begin = read_most(stream, length.size)
+    size = length.unpack(begin)[0] if len(begin) == length.size else 0
+    if size > _LONGEST_HEADER:
+        raise ValueError(
+            f"the header takes {size:,} bytes, more than {_LONGEST_HEADER:,}: save only the fields "
+            "you need"
+        )
+    return parse(io.BytesIO(begin + read_most(stream, size)), max_header_size=_LONGEST_HEADER)
 
 
 def array_of(stream: Source, layout: Layout, name: str) -> Array:

@@ -201,6 +201,42 @@ def test_neither_archive_nor_array() -> None:
         loaded(b"1 2 3\n4 5 6\n", "npy")
 
 
+def with_header(header: bytes, version: int) -> bytes:
+    """Make an NPY file of a header alone."""
+    length = struct.pack("<H" if version == 1 else "<I", len(header))
+    return b"\x93NUMPY" + bytes([version, 0]) + length + header
+
+
+@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("header", [b"-" * 9000 + b"1", b"(" * 5000, b"[" * 300 + b"]" * 300])
+def test_a_header_that_is_nested_too_deeply_is_invalid(header: bytes, version: int) -> None:
+    data = with_header(header, version)
+    with pytest.raises(FormatError, match="<stream>: not an NPY file, or its header is invalid"):
+        loaded(data, "npy")
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("points.npy", data)
+    with pytest.raises(FormatError, match=r"points\.npy: not an NPY file, or its header is inv"):
+        loaded(stream.getvalue(), "npz")
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_header_has_ten_thousand_bytes_at_most(version: int) -> None:
+    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3)}"
+    rows = np.array([[1.0, 2.0, 3.0]])
+    longest = with_header(header.ljust(10_000), version) + rows.tobytes()
+    assert loaded(longest, "npy").points.tolist() == rows.tolist()
+    data = with_header(header.ljust(10_001), version) + rows.tobytes()
+    with pytest.raises(
+        FormatError, match="header takes 10,001 bytes, more than 10,000: save"
+    ) as told:
+        loaded(data, "npy")
+    assert "pickle" not in str(told.value)
+    lie = with_header(b"", version)[: -1 - version] + b"\xff" * (2 * version)
+    with pytest.raises(FormatError, match="more than 10,000"):
+        loaded(lie, "npy")
+
+
 def test_npy_is_not_written() -> None:
     with pytest.raises(FormatError, match=r"npy files cannot be written .*: write PLY, OBJ or NPZ"):
         saved(full_mesh(), "npy")

@@ -16,7 +16,7 @@ from fuzz.structure.parts import Chance, Liar, Part, encoded
 
 NPY_WORDS = [b"<f8", b"|O", b"|V0", b"<U0", b">c16", b"|b1", b"<M8[s]", b"(4, 3)", b"'descr'",
              b"[('x', '<f8'), ('y', '<f8')]", b"('<f8', (3,))", b"__import__('os')", b"-1", b"True",
-             b"(" * 300, b"None", b"{}", b"\x01\x00", b"\x03\x00"]  # fmt: skip
+             b"(" * 300, b"-" * 9000, b"None", b"{}", b"\x01\x00", b"\x03\x00"]  # fmt: skip
 ZIP_WORDS = [b"PK\x03\x04", b"PK\x01\x02", b"PK\x05\x06", b"PK\x06\x06", b"PK\x06\x07",
              b"faces.npy", b"points.npy", b"colors.npy", b"../a.npy", b"/a.npy",
              b"crs.npy"]  # fmt: skip
