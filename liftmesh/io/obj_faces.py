@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _PIECE = 1 << 20  # bytes parsed at a time
 
 _WORD = re.compile(r"\S+")
-_CORNER = re.compile(r"(-?\d{1,9})(?:/(?:-?\d{1,9})?(?:/(-?\d{1,9}))?)?", re.ASCII)
+_CORNER = re.compile(r"(-?\d{1,9})(?:/(?:-?\d{1,18})?(?:/(-?\d{1,9}))?)?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ def _parsed(text: bytes) -> tuple[Array, Array | None]:
     """Parse corners: vertices, and normals, 0 for none, if any."""
     begins = words(text)
     if b"/" not in text:
-        return _nonzero(_numbers(text, len(begins))), None
+        return _indexes(_numbers(text, len(begins))), None
     plain = text.replace(b"/", b" ")
     starts = words(plain)
     values = _numbers(plain, len(starts))
@@ -119,9 +119,12 @@ def _parsed(text: bytes) -> tuple[Array, Array | None]:
     if (starts[first] != begins).any():
         raise ValueError("a corner without vertex")
     named = slashes == 2
-    normals = np.where(named, values[first + found - 1], np.int32(0))
-    _nonzero(normals[named])
-    return _nonzero(values[first]), normals if named.any() else None
+    vertices = _indexes(values[first])  # textures may be any whole numbers
+    if not named.any():
+        return vertices, None
+    normals = np.zeros(len(named), dtype=np.int32)
+    normals[named] = _indexes(values[(first + found - 1)[named]])
+    return vertices, normals
 
 
 def _slashes(text: bytes, begins: Integers, found: Integers) -> Integers:
@@ -143,17 +146,19 @@ def _in_corners(positions: Integers, begins: Integers) -> Integers:
     return counts
 
 
-def _numbers(text: bytes, count: int) -> Array:
+def _numbers(text: bytes, count: int) -> Integers:
     values = integers(text, count)
     if values is None:
         raise ValueError("a corner that is no number")
-    return whole(values, np.int32)
+    return values
 
 
-def _nonzero(numbers: Array) -> Array:
-    if not numbers.all():
+def _indexes(numbers: Integers) -> Array:
+    """Narrow indices counted from 1, or backwards."""
+    indices = whole(numbers, np.int32)
+    if not indices.all():
         raise ValueError("0")
-    return numbers
+    return indices
 
 
 def _from_zero(

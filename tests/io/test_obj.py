@@ -170,6 +170,8 @@ def test_more_lines_than_a_block() -> None:
         (SQUARE + "f 1/1/1/1 2 3\n", "line 5: '1/1/1/1' is not a corner"),
         (SQUARE + "f 1//0 2//1 3//1\n", "line 5: '1//0' is not a corner"),
         (SQUARE + "f 1 2 99999999999999999999\n", "line 5: '99999999999999999999' is not a corner"),
+        (SQUARE + "f 1 2/9999999999 2147483648/1\n", "line 5: '2147483648/1' is not a corner"),
+        (SQUARE + "f 1 2 3//2147483648\n", "line 5: '3//2147483648' is not a corner"),
         (SQUARE + "f 1 2 inf\n", "line 5: 'inf' is not a corner"),
         (SQUARE + "f 1 2 5\n", "line 5: face refers to vertex 4 .* there are 4 vertices"),
         (SQUARE + "f 1 2 3\nf -5 2 3\n", "line 6: face refers to vertex -2"),
@@ -180,6 +182,15 @@ def test_more_lines_than_a_block() -> None:
 def test_broken_files_name_the_line(text: str, cause: str) -> None:
     with pytest.raises(FormatError, match=f"<stream>: .*{cause}"):
         read(text)
+
+
+@pytest.mark.parametrize("texture", ["9999999999", "-2147483649", "0", "9" * 18])
+def test_indices_of_textures_are_not_used(texture: str) -> None:
+    for form in ("{0}/{1}", "{0}/{1}/1"):
+        corners = " ".join(form.format(k, texture) for k in (1, 2, 4))
+        cloud = read(SQUARE + f"vn 0 0 1\nf {corners}\n")
+        assert cloud.faces is not None
+        assert cloud.faces.tolist() == [[0, 1, 3]]
 
 
 def test_bad_colours_and_comments_are_refused() -> None:
