@@ -33,8 +33,9 @@ _TITLE_SIZE = 80
 _HEAD = struct.Struct(f"<{_TITLE_SIZE}sI")
 _STATED = "liftmesh origin"
 
-# The byte order mark and white space may come first. Control characters are in no text.
-_TEXT = re.compile(rb"(?:\xef\xbb\xbf)?\s*solid\b[^\0-\x08\x0e-\x1f]*", re.IGNORECASE)
+# The byte order mark, white space and comments may come first. Control characters are in no text.
+_TEXT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:solid\b|[#;])[^\0-\x08\x0e-\x1f]*", re.IGNORECASE)
+_CONTROL = re.compile(rb"[\0-\x08\x0e-\x1f]")
 
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
@@ -45,7 +46,7 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
     Cloud
         STL repeats a vertex for each triangle: equal vertices are merged, in the order of first
         appearance, and ``metadata["repeated_vertices"]`` counts the repetitions. Attribute bytes
-        other than zero are counted in ``metadata["skipped"]``.
+        other than zero, and the colours of a text, are counted in ``metadata["skipped"]``.
 
     Raises
     ------
@@ -57,7 +58,8 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
     if not _is_text(head, size):
         return _binary(stream, head, size, name)
     stream.seek(begin)
-    return _welded(read_corners(stream, name), name)
+    corners, colors = read_corners(stream, name)
+    return _welded(corners, name, **_skipped(f"{colors} lines of colours" if colors else ""))
 
 
 def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
@@ -109,9 +111,13 @@ def _binary(stream: BinaryIO, head: bytes, size: int, name: str) -> Cloud:
         read_exactly(stream, count * _FACET.itemsize, name, "the facets"), dtype=_FACET
     )
     marked = int(np.count_nonzero(facets["attribute"]))
-    skipped = {"skipped": (f"attribute bytes of {marked} facets",)} if marked else {}
+    skipped = _skipped(f"attribute bytes of {marked} facets" if marked else "")
     corners = facets["corners"].reshape(-1, 3).astype(np.float64)
     return with_origin(_welded(corners, name, **skipped), origin)
+
+
+def _skipped(what: str) -> dict[str, tuple[str, ...]]:
+    return {"skipped": (what,)} if what else {}
 
 
 def _check_size(head: bytes, size: int, name: str) -> None:
@@ -121,6 +127,11 @@ def _check_size(head: bytes, size: int, name: str) -> None:
             f"'solid' nor a whole header of {_HEAD.size} bytes"
         )
     stated = _stated_size(head)
+    if size != stated and not _CONTROL.search(head):
+        raise FormatError(
+            f"{name}: not a valid stl file: its {size} bytes are neither text that begins with "
+            "'solid' nor binary facets"
+        )
     if size != stated:
         raise FormatError(
             f"{name}: not a valid stl file: byte {_TITLE_SIZE}: {_HEAD.unpack(head)[1]} facets "

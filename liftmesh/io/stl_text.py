@@ -9,8 +9,11 @@ without, and between them facets of seven lines::
     endloop
     endfacet
 
-Keywords are in lower or upper case; empty lines do not count. The lines are taken in large blocks,
-and all numbers of a block are parsed at once.
+Normals are not read: programs write what they like for a triangle without a direction. Keywords
+are in lower or upper case, and ``end`` may be a word of its own. Empty lines and comments, from
+``#`` or a ``;`` at the beginning of a line, do not count, and lines ``color`` are left out. A solid
+also ends where the next one begins; after the last one, NUL and Ctrl-Z may fill the file. The lines
+are taken in large blocks, and all numbers of a block are parsed at once.
 """
 
 from __future__ import annotations
@@ -25,19 +28,22 @@ from liftmesh.errors import FormatError
 from liftmesh.io.lines import BLOCK, Block, Lines
 from liftmesh.io.text_tables import number_table, quoted
 
-_FACET = ("facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet")
-_ALONE = ("outer loop", "endloop", "endfacet")  # without numbers
-_LINES = len(_FACET)
+_LINES = 7
+_VERTICES = slice(2, 5)  # of the lines of a facet
 _MARK = "\ufeff".encode().decode("latin-1")  # some editors begin a text with it
+_COMMENTS = ("#", ";")
+_FILLING = "\0\x1a"  # some programs fill the last block of a file
 
 
-def read_corners(stream: BinaryIO, name: str) -> Floats:
+def read_corners(stream: BinaryIO, name: str) -> tuple[Floats, int]:
     """Read the corners of all facets of a text file.
 
     Returns
     -------
-    (3 n, 3) ndarray of float64
+    corners : (3 n, 3) ndarray of float64
         Three rows for each facet, in the order of the file.
+    colors : int
+        The number of lines ``color``, which are left out.
 
     Raises
     ------
@@ -45,16 +51,17 @@ def read_corners(stream: BinaryIO, name: str) -> Floats:
         A line is not what should be at its place, or the last solid has no end; the message gives
         the line.
     """
-    parts = [_corners(facets, name) for facets in _facets(Lines(stream, name), name)]
-    return np.concatenate(parts) if parts else np.empty((0, 3))
-
-
-def _facets(lines: Lines, name: str) -> Iterator[Block]:
-    """Yield the lines of whole facets, without those of the solids around them."""
     solids = _Solids(name)
+    lines = Lines(stream, name, comments=_COMMENTS)
+    parts = [_corners(facets, name) for facets in _facets(lines, solids)]
+    return np.concatenate(parts) if parts else np.empty((0, 3)), solids.colors
+
+
+def _facets(lines: Lines, solids: _Solids) -> Iterator[Block]:
+    """Yield the lines of whole facets, without those of the solids around them."""
     left = Block([], np.empty(0, dtype=np.int64))
     while len(block := lines.take(BLOCK)):
-        facets, left = solids.split(_joined(left, block))
+        facets, left = solids.split(_joined(left, solids.without_colors(block)))
         yield facets  # errors in them come first
         solids.check()
     solids.finish(left, lines.number)
@@ -68,9 +75,18 @@ class _Solids:
     """Finds the facets among the lines, and checks that every solid has its end."""
 
     def __init__(self, name: str) -> None:
+        self.colors = 0  # lines left out
         self._name = name
         self._begin = 0  # the line of the solid that has no end yet
         self._wrong: FormatError | None = None
+
+    def without_colors(self, block: Block) -> Block:
+        """Leave out the colours of facets, which may stand anywhere."""
+        if "color" not in "\n".join(block.texts).lower():
+            return block
+        kept = [text[:6].rstrip().lower() != "color" for text in block.texts]
+        self.colors += len(block) - sum(kept)
+        return block[np.array(kept)]
 
     def split(self, block: Block) -> tuple[Block, Block]:
         """Return the lines of the whole facets, and those of an unfinished one at the end."""
@@ -98,16 +114,20 @@ class _Solids:
         return at
 
     def _within_facet(self, text: str) -> bool:
-        return self._begin > 0 and text[:5].lower() == "facet"
+        return self._begin > 0 and text[:6].rstrip().lower() == "facet"
 
     def _take(self, text: str, number: int) -> bool:
-        """Take the first or last line of a solid; return whether it is one."""
-        word = text.removeprefix(_MARK).split(None, 1)[0].lower()
-        if word != ("endsolid" if self._begin else "solid"):
-            expected = "'facet normal' or 'endsolid'" if self._begin else "'solid'"
+        """Take the first or last line of a solid, or what fills the file; False if it is none."""
+        words = text.removeprefix(_MARK).strip(_FILLING).lower().split(None, 2)[:2]
+        ends = words[:1] == ["endsolid"] or words == ["end", "solid"]
+        if ends and self._begin:
+            self._begin = 0
+        elif words[:1] == ["solid"]:  # many programs do not end the one before
+            self._begin = number
+        elif words or self._begin:
+            expected = "'facet' or 'endsolid'" if self._begin else "'solid'"
             self._wrong = _unexpected(self._name, number, text, expected)
             return False
-        self._begin = 0 if self._begin else number
         return True
 
     def finish(self, left: Block, number: int) -> None:
@@ -125,38 +145,45 @@ def _cut(block: Block, runs: list[slice]) -> Block:
     if len(runs) == 1:
         return block[runs[0]]
     texts = [text for run in runs for text in block.texts[run]]
-    return Block(texts, np.concatenate([block.numbers[run] for run in runs]))
+    numbers = [block.numbers[run] for run in runs]
+    return Block(texts, np.concatenate([block.numbers[:0], *numbers]))
 
 
 def _corners(facets: Block, name: str) -> Floats:
     """Parse the lines of whole facets."""
     parts = [Block(facets.texts[k::_LINES], facets.numbers[k::_LINES]) for k in range(_LINES)]
-    values = [_values(lines, words, name) for lines, words in zip(parts, _FACET, strict=True)]
-    number_table(Block(values[0], parts[0].numbers), name, width=3)
-    texts = [text for corners in zip(*values[2:5], strict=True) for text in corners]
-    numbers = np.column_stack([part.numbers for part in parts[2:5]]).reshape(-1)
+    _check_alone(parts[1], ("outer loop",), name)
+    values = [_values(part, name) for part in parts[_VERTICES]]
+    _check_alone(parts[5], ("endloop", "end loop"), name)
+    _check_alone(parts[6], ("endfacet", "end facet"), name)
+    texts = [text for corners in zip(*values, strict=True) for text in corners]
+    numbers = np.column_stack([part.numbers for part in parts[_VERTICES]]).reshape(-1)
     return number_table(Block(texts, numbers), name, width=3)
 
 
-def _values(lines: Block, words: str, name: str) -> list[str]:
-    """Return what follows a keyword in each line: numbers, or nothing."""
-    if words in _ALONE and set(lines.texts) <= {words}:
-        return []
-    begin, size = f"{words} ", len(words) + 1
-    values = [text[size:] for text in lines.texts if text[:size] == begin]
-    if len(values) == len(lines) and words not in _ALONE:
-        return values
-    return [_value(text, number, words, name) for text, number in lines]
+def _check_alone(lines: Block, words: tuple[str, ...], name: str) -> None:
+    """Raise if a line is not a keyword alone."""
+    if not {*map(_plain, {*lines.texts})} <= {*words}:
+        text, number = next(each for each in lines if _plain(each[0]) not in words)
+        raise _unexpected(name, number, text, repr(words[0]))
 
 
-def _value(text: str, number: int, words: str, name: str) -> str:
-    count = len(words.split())
-    found = text.split(None, count)
-    is_keyword = [word.lower() for word in found[:count]] == words.split()
-    if not is_keyword or (len(found) > count) == (words in _ALONE):
-        numbers = "" if words in _ALONE else " with three numbers"
-        raise _unexpected(name, number, text, f"{words!r}{numbers}")
-    return "".join(found[count:])
+def _plain(text: str) -> str:
+    """Write a keyword as most programs do."""
+    return " ".join(text.lower().split(None, 2))
+
+
+def _values(lines: Block, name: str) -> list[str]:
+    """Return what follows the keyword ``vertex`` in each line."""
+    values = [text[7:] for text in lines.texts if text[:7] == "vertex "]
+    return values if len(values) == len(lines) else [_value(*line, name) for line in lines]
+
+
+def _value(text: str, number: int, name: str) -> str:
+    word, *numbers = text.split(None, 1)
+    if word.lower() != "vertex" or not numbers:
+        raise _unexpected(name, number, text, "'vertex' with three numbers")
+    return numbers[0]
 
 
 def _unexpected(name: str, number: int, text: str, expected: str) -> FormatError:

@@ -111,6 +111,29 @@ def test_attribute_bytes_are_told() -> None:
         TEXT.replace("a thing", "von Müller"),
         TEXT.replace("0 0 1\n", "nan -nan inf\n"),
         TEXT.replace("\n", "\n" + " " * 100),
+        TEXT.replace("0 0 1\n", "-nan(ind) -nan(ind) -nan(ind)\n"),
+        TEXT.replace("0 0 1\n", "1.#QNAN -1.#IND 0\n"),
+        TEXT.replace("0 0 1\n", "0 0\n"),
+        TEXT.replace(" 0 0 1\n", "\n"),
+        TEXT.replace(" normal 0 0 1\n", "\n"),
+        TEXT.replace("normal 0 0 1\n", "\n"),
+        TEXT.replace("normal ", ""),
+        TEXT.replace("endf", "end f").replace("endl", "end  l").replace("ends", "end\ts"),
+        TEXT.replace("endf", "END F").replace("endl", "End L").replace("ends", "END S"),
+        TEXT + "\0" * 300,
+        TEXT + "\x1a",
+        TEXT + "\n\x1a\0\0\n\0",
+        TEXT.removesuffix(" a thing\n") + "\0\0",
+        TEXT.removesuffix("\n") + "\x1a",
+        "# made by hand\n" + TEXT,
+        "; made by hand\n;\n" + TEXT,
+        "\ufeff# made by hand\n" + TEXT,
+        "#" * 1000 + "\n" + TEXT,
+        TEXT.replace("\n", "\n # more\n;\n"),
+        TEXT.replace("1 0 0\n", "1 0 0 # a corner\n"),
+        TEXT.replace(" a thing", " colour; color #3"),
+        TEXT.removesuffix("endsolid a thing\n") + "solid b\nendsolid b\n",
+        "solid b\n" + TEXT,
     ],
 )
 def test_text_in_many_styles(text: str) -> None:
@@ -118,6 +141,33 @@ def test_text_in_many_styles(text: str) -> None:
     assert back.points.tolist() == CORNERS
     assert back.faces is not None
     assert back.faces.tolist() == [[0, 1, 2]]
+    assert "skipped" not in back.metadata
+
+
+@pytest.mark.parametrize("color", ["color 1 0 0", "COLOR\t1 0 0", "color"])
+def test_colours_are_told(color: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = TEXT.replace("\n", f"\n  {color}\n") * 5
+    for size in (1, 4, 1 << 17):
+        monkeypatch.setattr("liftmesh.io.stl_text.BLOCK", size)
+        back = loaded(text.encode(), "stl")
+        assert back.points.tolist() == CORNERS
+        assert back.metadata["skipped"] == ("45 lines of colours",)
+    with pytest.raises(FormatError, match="line 2: 'colors', where 'solid' should be"):
+        loaded(b"#\ncolors\n", "stl")
+
+
+def test_solids_without_an_end_are_joined() -> None:
+    begun = TEXT.removesuffix("endsolid a thing\n")
+    back = loaded((begun.replace("0.1", "7") + begun * 2 + TEXT).encode(), "stl")
+    assert back.faces is not None
+    assert back.faces.tolist() == [[0, 1, 2], [3, 1, 2], [3, 1, 2], [3, 1, 2]]
+
+
+@pytest.mark.parametrize("data", [TEXT[8:], "facet " * 100, "v 1 2 3\n" * 100, "solids\n" + TEXT])
+def test_a_text_of_another_kind_is_neither(data: str) -> None:
+    cause = f"its {len(data)} bytes are neither text that begins with 'solid' nor binary facets"
+    with pytest.raises(FormatError, match=cause):
+        loaded(data.encode(), "stl")
 
 
 def test_solids_are_joined() -> None:
@@ -133,11 +183,14 @@ def test_solids_are_joined() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "cause"),
     [
-        ("0 0 1\n", "0 0 q\n", "line 2, value 3: 'q' is not a number"),
-        ("0 0 1\n", "0 0\n", "line 2: expected 3 values, found 2"),
-        ("normal 0 0 1\n", "normal\n", "line 2: 'facet normal', where 'facet normal' with three"),
-        ("facet normal", "facet", "line 2: 'facet 0 0 1', where 'facet normal' with three"),
-        ("facet normal", "facetnormal", "line 2: .* where 'facet normal' with three"),
+        ("facet normal", "facetnormal", "line 2: .* where 'facet' or 'endsolid' should be"),
+        ("facet normal", "normal", "line 2: 'normal 0 0 1', where 'facet' or 'endsolid' should be"),
+        ("facet normal", "end facet", "line 2: 'end facet 0 0 1', where 'facet' or 'endsolid'"),
+        ("1 0 0\n", "1 0 -nan(ind)\n", r"line 5, value 3: '-nan\(ind\)' is not a number"),
+        ("1 0 0\n", "\n", "line 5: 'vertex', where 'vertex' with three"),
+        ("endloop", "end loops", "line 7: 'end loops', where 'endloop' should be"),
+        ("endloop", "end", "line 7: 'end', where 'endloop' should be"),
+        ("endfacet\n", "endfacet\n\0\n", "line 9: .* where 'facet' or 'endsolid' should be"),
         ("outer loop", "outer", "line 3: 'outer', where 'outer loop' should be"),
         ("1 0 0\n", "1 0 0 0\n", "line 5: expected 3 values, found 4"),
         ("1 0 0\n", "1 0 1_0\n", "line 5, value 3: '1_0' is not a number"),
@@ -148,8 +201,9 @@ def test_solids_are_joined() -> None:
         ("endloop", "endloop 3", "line 7: 'endloop 3', where 'endloop' should be"),
         ("  endfacet\n", "", "line 8: 'endsolid a thing', where 'endfacet' should be|within a f"),
         ("endsolid a thing\n", "", "line 8: the file ends within the solid that begins in line 1"),
-        ("endsolid", "solid", "line 9: 'solid a thing', where 'facet normal' or 'endsolid' should"),
-        ("endsolid", "endsolidus", "line 9: .* where 'facet normal' or 'endsolid' should be"),
+        ("endsolid", "solid", "line 9: the file ends within the solid that begins in line 9"),
+        ("endsolid", "endsolidus", "line 9: .* where 'facet' or 'endsolid' should be"),
+        ("endsolid a thing\n", "endsolid\nendsolid\n", "line 10: 'endsolid', where 'solid' should"),
         ("endsolid a thing\n", "endsolid\nsolid\nfacet", "line 11: the file ends within a facet"),
         ("endsolid a thing\n", "endsolid\nnonsense", "line 10: 'nonsense', where 'solid' should"),
         ("endsolid a thing\n", "endsolid\nfacet normal 0 0 1\n" * 9, "line 10: .* 'solid' should"),

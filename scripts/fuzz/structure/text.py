@@ -14,7 +14,8 @@ OBJ_WORDS = vocabulary("obj")
 TABLE_WORDS = vocabulary("xyz")
 OFF_WORDS = [b"OFF", b"COFF", b"NOFF", b"STOFF", b"4OFF", b"# a\n", b"OFF 1 1 1\n"]
 STL_WORDS = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"normal",
-             b"vertex", b"solid a\n", b"endsolid\n", b"solid liftmesh origin 1 2 3\n"]  # fmt: skip
+             b"vertex", b"solid a\n", b"endsolid\n", b"solid liftmesh origin 1 2 3\n", b"end ",
+             b"color 1 0 0\n", b"# a\n", b"; a\n", b"\0", b"\x1a", b"-nan(ind)"]  # fmt: skip
 
 
 def line(*values: object, between: bytes = b" ") -> list[Part]:
@@ -81,13 +82,18 @@ def off(chance: Chance) -> Case:
 def ascii_stl(chance: Chance) -> Case:
     """Make an STL file as text."""
     corners = _corners(chance)
-    parts = line("solid", chance.choice(("a", "liftmesh origin 0.0 0.0 0.0")))
+    parts = line("# a") if chance.one_in(4) else []
+    parts += line("solid", chance.choice(("a", "liftmesh origin 0.0 0.0 0.0")))
+    end = chance.choice(("end", "end", "end "))
+    normal = chance.choice(((0.0, 0.0, 1.0), ("-nan(ind)",) * 3, ("1.#QNAN", 0.0, 0.0), ()))
     for facet in corners.tolist():
-        parts += [*line("facet", "normal", 0.0, 0.0, 1.0), *line("outer", "loop")]
+        parts += line("color", 1.0, 0.0, 0.0) * chance.one_in(4)
+        parts += [*line("facet", "normal", *normal), *line("outer", "loop")]
         for corner in facet:
             parts += line("vertex", *corner)
-        parts += [*line("endloop"), *line("endfacet")]
-    parts += line("endsolid", "a")
+        parts += [*line(f"{end}loop"), *line(f"{end}facet")]
+        parts += line("solid", "b") * chance.one_in(8)
+    parts += [*line(f"{end}solid", "a"), Part(chance.choice((b"", b"", b"\x1a", bytes(9))))]
     return told("stl", parts, STL_WORDS, welded(corners), chance)
 
 
