@@ -19,7 +19,7 @@ from numpy.lib import format as npy
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.streams import Source, remaining
+from liftmesh.io.streams import Source, read_most, remaining
 from liftmesh.io.text_tables import shortened
 
 _PIECE = 1 << 16  # bytes read at a time
