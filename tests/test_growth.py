@@ -12,14 +12,16 @@ from functools import cached_property
 from pathlib import Path
 
 import pytest
-from growth.counting import Count
+from growth.counting import Count, Work
 from growth.growing import ORDERS, Growth, cases, grown
-from growth.subjects import FILES, WITHOUT_DATA, subjects
+from growth.seconds import FIRST, Timing, timed
+from growth.subjects import FILES, WITHOUT_DATA, Subject, subjects
 from test_codebase import METHODS, NAMES
 
 from liftmesh.io.registry import FORMATS
 
-GROUPS = 4
+LIBRARIES = ("glb", "gltf", "trimesh", "matplotlib", "scipy", "compare", "Comparison", "save")
+"""Parts of the names of what imports trimesh, Matplotlib or SciPy: one process imports them all."""
 SUBJECTS = subjects()
 CASES = sorted(cases())
 PROPERTIES = {
@@ -65,9 +67,9 @@ def test_known_orders_are_counted() -> None:
     assert [case for case in ORDERS if case not in CASES] == []
 
 
-@pytest.mark.parametrize("group", range(GROUPS))
-def test_cost_grows_no_faster_than_the_input(group: int) -> None:
-    found = grown(CASES[group::GROUPS])
+@pytest.mark.parametrize("libraries", [False, True])
+def test_cost_grows_no_faster_than_the_input(libraries: bool) -> None:
+    found = grown([case for case in CASES if libraries == any(x in case[0] for x in LIBRARIES)])
     assert len(found) > 10
     assert [each.fault for each in found if each.fault] == []
 
@@ -89,3 +91,29 @@ def test_a_known_order_has_a_bound_and_an_end() -> None:
     )
     assert "x 64" in worse.fault
     assert "no longer grows" in linear.fault
+
+
+def test_what_was_not_measured_is_not_fine() -> None:
+    found = Timing("read ply", "points as text")
+    assert found.verdict == "not measured"
+    found.seconds = {1000: 0.1, 2000: 0.2, 4000: 0.4}
+    assert found.verdict == "not measured"
+    found.seconds[8000] = 0.8
+    assert found.verdict == ""
+    found.seconds[16_000] = 8.0
+    assert found.verdict == "grows"
+
+
+def test_slow_cases_are_timed_from_smaller_sizes_on() -> None:
+    def prepare(n: int) -> Work:
+        return Work(lambda: sum(range(1000 * n)), n)
+
+    slow = Subject("numbers", {"all": lambda n: n}, prepare)
+    assert min(timed(slow, "all", 0.1).seconds) < FIRST
+
+
+def test_a_reader_may_not_grow_slowly_either() -> None:
+    counts = tuple(Count(n * (1000 + n), n) for n in (64, 512, 4096))
+    assert Growth(("read ply", "properties"), counts).fault
+    sorting = tuple(Count(n * (10 + n.bit_length()), n) for n in (64, 512, 4096))
+    assert Growth(("read ply", "properties"), sorting).fault == ""

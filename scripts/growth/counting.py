@@ -2,10 +2,11 @@
 
 A child process runs under callgrind, which interprets every instruction of the interpreter, of
 NumPy and of the kernel. That makes a start with all imports some fifty times slower, so one child
-makes many calls. Before it is counted, a call is made once to fill caches and to import what it
-needs, unless a smaller one has done that. What counts is between two marks: requests to callgrind,
-compiled from `marks.c`. The counts are reproducible to about a per cent, and do not depend on what
-else the machine does.
+makes many calls. All inputs are made, and each call is made once to import what it needs, before
+callgrind is switched on; that happens once, since it translates all code anew each time. Before it
+is counted, a call is made again to fill caches, unless a smaller one has done that. What counts is
+between two marks: requests to callgrind, compiled from `marks.c`. The counts are reproducible to
+about a per cent, and do not depend on what else the machine does.
 
 What the system does in the calls of a process (copying a file into a buffer, clearing new pages) is
 not in the counts.
@@ -125,10 +126,12 @@ def work_through(library: str, jobs: Path) -> None:
     marks = ctypes.CDLL(library)
     prepare, values = json.loads(jobs.read_text())
     make = _function(prepare)
-    for number, value in enumerate(values):
-        work = make(value)
-        if work.warm:
-            attempt(work.call)
+    works = [ready(make(value)) for value in values]
+    gc.collect()
+    gc.freeze()
+    marks.start()
+    for number, work in enumerate(works):
+        ready(work)  # what other calls have pushed out of caches
         gc.collect()
         gc.disable()
         marks.begin()
@@ -136,6 +139,13 @@ def work_through(library: str, jobs: Path) -> None:
         marks.end(str(number).encode())
         gc.enable()
         print(json.dumps([work.units, error]), flush=True)
+
+
+def ready(work: Work) -> Work:
+    """Make the call that is not counted, if there is to be one."""
+    if work.warm:
+        attempt(work.call)
+    return work
 
 
 def attempt(call: Callable[[], object]) -> str:

@@ -2,7 +2,9 @@
 
 Seconds show what counts of small inputs cannot: steps that only large inputs take, and quadratic
 work with a small constant. They scatter, so the fastest of two calls counts, sizes that take less
-than half a millisecond are left out, and the tests do not measure them.
+than half a millisecond are left out, and the tests do not measure them. Where a case has had its
+time before its sizes differ by eight, it starts from smaller ones; one that still has no two such
+sizes counts as not measured, which fails.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from math import isnan, nan
 from typing import TYPE_CHECKING
 
 from growth.counting import attempt
@@ -43,7 +46,7 @@ class Timing:
 
     @property
     def ratio(self) -> float:
-        """The largest ratio of the cost of a unit between sizes that differ by eight or more."""
+        """The largest ratio of the cost of a unit between sizes eight apart; nan without such."""
         costs = [(units, time / units) for units, time in self.seconds.items() if time > SHORTEST]
         ratios = [
             large / small
@@ -51,21 +54,36 @@ class Timing:
             for most, large in costs[at:]
             if APART * 0.9 <= most / least <= APART * 1.2
         ]
-        return max(ratios, default=0.0)
+        return max(ratios, default=nan)
 
     @property
     def verdict(self) -> str:
-        """What is wrong, in words; an empty string if nothing is."""
-        most = most_of((self.subject, self.family))
+        """What is wrong, in words; an empty string if nothing is.
+
+        A case without a ratio was not measured, and is not said to be fine.
+        """
+        if not self.ended and isnan(self.ratio):
+            return "not measured"
+        most = max(most_of((self.subject, self.family)), MOST)  # seconds scatter
         if self.ended or self.ratio > most:
             return self.ended or "grows"
         return "known" if self.ratio > MOST else ""
 
 
 def timed(subject: Subject, family: str, budget: float) -> Timing:
+    """Time a case, from smaller sizes on where the usual ones take too long for a ratio."""
+    found = Timing(subject.name, family)
+    for first in (FIRST, FIRST // APART, FIRST // APART**2):
+        found = doubled(subject, family, budget, first)
+        if not isnan(found.ratio):
+            break
+    return found
+
+
+def doubled(subject: Subject, family: str, budget: float, first: int) -> Timing:
     """Time a case on doubling sizes until they have taken the budget, in seconds of CPU."""
     found = Timing(subject.name, family)
-    size, spent = FIRST, 0.0
+    size, spent = first, 0.0
     while spent < budget and size <= LARGEST:
         before = time.process_time()
         try:

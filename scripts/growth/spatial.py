@@ -105,3 +105,6 @@ SPATIAL = named(
     descending,
     thin_valley,
 )
+
+DEEP = ("coplanar", "two scales of height", "descending", "thin valley")
+"""Exact arithmetic makes these dear: they are counted at an eighth of the rows."""

@@ -22,6 +22,7 @@ from growth.files.ply import PLY
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.planar import DEAR
+from growth.spatial import DEEP
 from liftmesh.io.registry import FORMATS
 
 if TYPE_CHECKING:
@@ -43,6 +44,27 @@ FILES: dict[str, Families] = {
 GLTF_COUNTED = ("soup", "indexed", "flat json")
 PARTS = 16
 """The least number of rows, faces or members in the files that are counted."""
+
+CHEAP = (
+    "chain", "empty nodes", "unused", "unused meshes", "flat json", "scalar elements",
+    "foreign members",
+)  # fmt: skip
+"""Of very many parts that cost little each: they are counted at four times as many, since a search
+among all others shows the earlier, the less there is beside it."""
+
+SLOW = ("text elements", "list elements", "members", "skipped members")
+"""Of parts that cost much each: they are counted at an eighth as many."""
+
+IN_CHUNKS = {
+    "ply": (
+        "points in binary", "points as text", "triangles in binary", "polygons in binary",
+        "vertices with lists", "two byte rows", "blank lines first",
+    ),
+    "npy": ("rows", "columns first", "fields"),
+    "npz": ("stored", "deflated"),
+    "text": ("table", "table with header", "columns", "blank lines", "remarks", "long word"),
+}  # fmt: skip
+"""What is counted when read in chunks, where all else takes the same way as in a whole file."""
 
 CHUNKS = 16
 """Files are read in chunks of a sixteenth of their rows, roughly."""
@@ -82,8 +104,9 @@ class Subject:
 
     def sizes(self, family: str) -> tuple[int, int, int]:
         """Return the three sizes that are counted, each eight times the one before."""
-        dear = family in DEAR or family in HEAVY
+        dear = family in (*DEAR, *DEEP, *HEAVY, *SLOW)
         least = max(self.smallest // 8, 4) if dear else self.smallest
+        least *= 4 if family in CHEAP else 1
         return least, 8 * least, 64 * least
 
 
@@ -135,7 +158,8 @@ def of_formats() -> Iterator[Subject]:
         if each.read is not None:
             counted = GLTF_COUNTED if each.name == "gltf" else None  # all else is as in GLB
             yield Subject(f"read {each.name}", families, reader(each), counted, PARTS)
-            counted = None if each.read_chunks else ordinary  # else read whole, then split
+            whole = not each.read_chunks  # read whole, then split
+            counted = ordinary if whole else IN_CHUNKS.get(each.name)
             yield Subject(f"read_chunks {each.name}", families, chunk_reader(each), counted, PARTS)
         if each.write is not None:
             yield Subject(f"write {each.name}", CLOUDS, writer(each), None, PARTS)

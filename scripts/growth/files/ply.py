@@ -177,7 +177,7 @@ def growing_lists(n: int) -> bytes:
 
 def longest_uniform_lists(n: int) -> bytes:
     """Polygons of 255 corners, the longest that a length of one byte allows."""
-    return mesh(3, [[0] * 255] * max(n // 16, 1), "little")
+    return mesh(3, [[0] * 255] * max(n // 4, 1), "little")
 
 
 def rows_of_nothing(n: int) -> bytes:
