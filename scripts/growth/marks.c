@@ -5,8 +5,14 @@
 
 #include <valgrind/callgrind.h>
 
-void start(void) { CALLGRIND_START_INSTRUMENTATION; }
+void start(void) {
+    CALLGRIND_START_INSTRUMENTATION;
+}
 
-void begin(void) { CALLGRIND_ZERO_STATS; }
+void begin(void) {
+    CALLGRIND_ZERO_STATS;
+}
 
-void end(const char* label) { CALLGRIND_DUMP_STATS_AT(label); }
+void end(const char* label) {
+    CALLGRIND_DUMP_STATS_AT(label);
+}
