@@ -155,7 +155,7 @@ def dropped(
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
     missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
-    if "float64" not in kept and not _fits_single(cloud.points[_held(found, cloud)], origin):
+    if "float64" not in kept and not _fits_single(cloud.points.take(_held(found, cloud), axis=0), origin):
         missing.append(CONTENT["float64"])
     if "attributes" in missing:
         at = missing.index("attributes")
