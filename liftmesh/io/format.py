@@ -155,7 +155,9 @@ def dropped(
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
     missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
-    if "float64" not in kept and not _fits_single(cloud.points.take(_held(found, cloud), axis=0), origin):
+    if "float64" not in kept and not _fits_single(
+        cloud.points.take(_held(found, cloud), axis=0), origin
+    ):
         missing.append(CONTENT["float64"])
     if "attributes" in missing:
         at = missing.index("attributes")
@@ -199,7 +201,7 @@ def _fits_single(points: Floats, origin: Origin | None) -> bool:
 
 
 def _check_finite(cloud: Cloud, rows: Rows, name: str) -> None:
-    bad = ~np.isfinite(cloud.points[rows]).all(axis=1)
+    bad = ~np.isfinite(cloud.points.take(rows, axis=0)).all(axis=1)
     if bad.any():
         row = int(rows[np.argmax(bad)])
         raise FormatError(
