@@ -7,7 +7,7 @@ package that it can do without. There the signal would be lost, and the package 
 missing until the process ends.
 
 - `kept` encloses calls of other libraries. It remembers what a handler raised inside, and raises it
-  again at its end if it did not come out.
+  again at its end if it did not come out. It also decorates functions that make such calls.
 - `deferred` encloses imports. The handler is called at the end, and at once if a second signal
   comes.
 
@@ -21,6 +21,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import ContextDecorator
 from types import FrameType, TracebackType
 
 # Those whose handlers are known to raise: Ctrl-C, an end that was asked for, and a time limit.
@@ -29,7 +30,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
 _announced: list[BaseException] = []
 
 
-class _Guard:
+class _Guard(ContextDecorator):
     """Replaces the handlers of signals for the duration of a block.
 
     Handlers are replaced and restored one by one, and a signal may come between any two steps.
@@ -44,6 +45,10 @@ class _Guard:
         self._waiting: list[int] = []
         self._raised: BaseException | None = None
         self._is_inside = False
+
+    def _recreate_cm(self) -> _Guard:
+        """Make a guard of its own for each call of a function that this one decorates."""
+        return _Guard(defers=self._defers)
 
     def __enter__(self) -> None:
         if threading.current_thread() is not threading.main_thread():
@@ -118,7 +123,7 @@ def kept() -> _Guard:
 
     Returns
     -------
-    context manager
+    context manager and decorator
         It raises, at the end of its block, what a handler of SIGINT, SIGTERM or SIGALRM raised
         inside, even if another exception or none came out. In other threads than the main one it
         does nothing.

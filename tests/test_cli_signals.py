@@ -75,6 +75,13 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def wait_until_deaf(child: subprocess.Popen[str]) -> None:
+    """Wait for the line in front of the call that hears nothing, and until the call has begun."""
+    assert child.stdout is not None
+    assert child.stdout.readline() == "deaf\n"
+    time.sleep(0.1)
+
+
 def assert_nothing_was_written(folder: Path) -> None:
     names = {"mesh.glb", "mesh.stl", "mesh.ply", "out.ply", "out.glb"}
     assert {path.name for path in folder.iterdir()} == names
@@ -174,8 +181,7 @@ def test_a_signal_is_heard_within_a_second_while_compiled_code_runs(
     number: int, folder: Path
 ) -> None:
     child = started(DEAF, "triangulate", "mesh.ply", "out.ply", cwd=folder)
-    assert child.stdout is not None
-    assert child.stdout.readline() == "deaf\n"
+    wait_until_deaf(child)
     sent = time.monotonic()
     child.send_signal(number)
     assert ended(child) == (ENDS[number][0], "", ENDS[number][1])
@@ -185,8 +191,7 @@ def test_a_signal_is_heard_within_a_second_while_compiled_code_runs(
 
 def test_a_second_signal_ends_at_once(folder: Path) -> None:
     child = started(DEAF + "watchdog.GRACE = 60\n", "info", "mesh.ply", cwd=folder)
-    assert child.stdout is not None
-    assert child.stdout.readline() == "deaf\n"
+    wait_until_deaf(child)
     child.send_signal(signal.SIGTERM)
     time.sleep(0.3)
     assert child.poll() is None
@@ -240,8 +245,7 @@ atomic._NAMELESS = 0
 files._write = deaf
 """
     child = started(change, "triangulate", "mesh.ply", "out.ply", cwd=folder)
-    assert child.stdout is not None
-    assert child.stdout.readline() == "deaf\n"
+    wait_until_deaf(child)
     assert any(path.name.startswith(".liftmesh-") for path in folder.iterdir())
     child.send_signal(signal.SIGTERM)
     assert ended(child) == (ENDS[signal.SIGTERM][0], "", ENDS[signal.SIGTERM][1])
@@ -251,8 +255,7 @@ files._write = deaf
 def test_a_full_pipe_of_errors_does_not_hold_up_the_end(folder: Path) -> None:
     change = DEAF + "os.write(2, bytes(65536))\n"
     child = started(change, "info", "mesh.ply", cwd=folder)
-    assert child.stdout is not None
-    assert child.stdout.readline() == "deaf\n"
+    wait_until_deaf(child)
     child.send_signal(signal.SIGTERM)
     assert child.wait(timeout=10) == exit_codes.TERMINATED
     child.communicate()

@@ -10,6 +10,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -303,14 +304,44 @@ def chunks_deaf_later(*_: object) -> Iterator[liftmesh.Cloud]:
     yield read_deaf()
 
 
-@pytest.mark.parametrize("chunks", [None, chunks_deaf_at_once, chunks_deaf_later])
-def test_ctrl_c_in_the_chunks_of_any_format_is_heard(
-    chunks: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    deaf = liftmesh.Format("deaf", (".deaf",), read_deaf, None, "swallows", read_chunks=chunks)
-    monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, deaf))
+def write_deaf(*_: object) -> None:
+    swallowing()
+
+
+WHOLE = liftmesh.Format("whole", (".whole",), read_deaf, write_deaf, "swallows signals")
+AT_ONCE = replace(WHOLE, name="at_once", read_chunks=chunks_deaf_at_once)
+LATER = replace(WHOLE, name="later", read_chunks=chunks_deaf_later)
+
+
+@pytest.fixture
+def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Install a plugin with these formats."""
+    folder = tmp_path / "deaf-1.0.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: deaf\nVersion: 1.0\n")
+    names = [f"{name} = {__name__}:{name.upper()}\n" for name in ("whole", "at_once", "later")]
+    (folder / "entry_points.txt").write_text(f"[liftmesh.formats]\n{''.join(names)}")
+    monkeypatch.syspath_prepend(tmp_path)
+
+
+@pytest.mark.usefixtures("plugin")
+@pytest.mark.parametrize("kind", ["whole", "at_once", "later"])
+def test_ctrl_c_in_the_chunks_of_a_plugin_is_heard(kind: str) -> None:
     with pytest.raises(KeyboardInterrupt):
-        list(liftmesh.read_chunks(io.BytesIO(b"some"), format="deaf"))
+        list(liftmesh.read_chunks(io.BytesIO(b"some"), format=kind))
+
+
+READ_AND_WRITE = {
+    "read": lambda: liftmesh.read(io.BytesIO(b"some"), format="whole"),
+    "write": lambda: liftmesh.write(io.BytesIO(), np.eye(3), format="whole"),
+}
+
+
+@pytest.mark.usefixtures("plugin")
+@pytest.mark.parametrize("what", READ_AND_WRITE)
+def test_ctrl_c_in_a_plugin_is_heard(what: str) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        READ_AND_WRITE[what]()
 
 
 def test_ctrl_c_between_chunks_reaches_the_caller_where_it_comes() -> None:

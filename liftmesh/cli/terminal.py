@@ -95,7 +95,7 @@ def note(text: str) -> None:
     text : str
         The text.
     """
-    line = Text.assemble(("liftmesh: ", "bold"), printable(text))
+    line = Text.assemble(("liftmesh: ", "bold"), "note: ", printable(text))
     Console(stderr=True, soft_wrap=True, highlight=False).print(line)
 
 

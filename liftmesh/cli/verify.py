@@ -114,8 +114,7 @@ def _note_polygons(cloud: Cloud) -> None:
     notes = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
     notes += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
     if notes:
-        with redirect_stdout(sys.stderr):
-            terminal.sentence(f"liftmesh: note: faces of the file: {', '.join(notes)}")
+        terminal.note(f"faces of the file: {', '.join(notes)}")
 
 
 def _write(path: Path, found: Certificate) -> None:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from liftmesh.errors import FormatError, InputError
-from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
@@ -116,7 +115,7 @@ def read(
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name, max_bytes)
-    with _opened(source, name) as stream, kept():
+    with _opened(source, name) as stream:
         return _labelled(read_whole(stream, name), found, name)
 
 
@@ -293,13 +292,7 @@ def _chunks(
     source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
 ) -> Iterator[Cloud]:
     with _opened(source, name) as stream:
-        with kept():
-            pieces = iter(chunks(stream, name, rows))
-        while True:
-            with kept():  # not around the yield: the caller's code is none of ours
-                chunk = next(pieces, None)
-            if chunk is None:
-                return
+        for chunk in chunks(stream, name, rows):
             yield _labelled(chunk, found, name)
 
 
@@ -328,9 +321,13 @@ def _name(place: object) -> str:
 def _find(place: object, wanted: str | None, name: str) -> Format:
     if wanted is not None:
         return find_format(wanted, name)
-    if isinstance(place, str | os.PathLike) and Path(place).is_dir():
-        raise FormatError(f"{name}: this is a folder, not a file")
+    if isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
+        raise _folder(name)
     return find_format(Path(name).suffix, name)
+
+
+def _folder(name: str) -> FormatError:
+    return FormatError(f"{name}: this is a folder, not a file")
 
 
 def _reader(found: Format, name: str, max_bytes: int | None) -> Reader:
@@ -354,13 +351,13 @@ def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
         _check_stream(source, "read")
         yield _filled(seekable(source), name)
         return
-    if Path(source).is_dir():
-        raise FormatError(f"{name}: this is a folder, not a file")
-    check_links(source)
     try:
-        with Path(source).open("rb") as stream:
+        with open(source, "rb") as stream:  # noqa: PTH123
             yield _filled(seekable(stream), name)
+    except IsADirectoryError as error:
+        raise _folder(name) from error
     except OSError as error:  # of the stream, which knows no name
+        check_links(source)
         add_name(error, name)
         raise
 
@@ -407,6 +404,5 @@ def _write(
         stream.write(held.getbuffer())
         return origin, size
     begin = stream.tell()
-    with kept():
-        origin = writer(stream, cloud, **options)
+    origin = writer(stream, cloud, **options)
     return origin, stream.tell() - begin

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Floats
 from liftmesh.arrays import used_rows
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
@@ -142,7 +142,7 @@ def check_needs(found: Format, cloud: Cloud) -> None:
             f"a cloud without faces cannot be written as {found.name.upper()}: write PLY"
         )
     if "finite" in found.needs:
-        _check_finite(cloud, _held(found, cloud), found.name)
+        _check_finite(found, cloud)
 
 
 def dropped(
@@ -155,9 +155,7 @@ def dropped(
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
     missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
-    if "float64" not in kept and not _fits_single(
-        cloud.points.take(_held(found, cloud), axis=0), origin
-    ):
+    if "float64" not in kept and not _fits_single(_held(found, cloud), origin):
         missing.append(CONTENT["float64"])
     if "attributes" in missing:
         at = missing.index("attributes")
@@ -181,11 +179,11 @@ def _has(cloud: Cloud, word: str) -> bool:
     return getattr(cloud, word) is not None
 
 
-def _held(found: Format, cloud: Cloud) -> Rows:
-    """The rows that a file holds: all, or those of the faces."""
+def _held(found: Format, cloud: Cloud) -> Floats:
+    """The points that a file holds: all, or those of the faces."""
     if "points" in found.keeps or cloud.faces is None:
-        return np.arange(len(cloud), dtype=np.int32)
-    return used_rows(len(cloud), cloud.faces)
+        return cloud.points
+    return cloud.points.take(used_rows(len(cloud), cloud.faces), axis=0)
 
 
 def _has_unused_rows(cloud: Cloud) -> bool:
@@ -200,13 +198,16 @@ def _fits_single(points: Floats, origin: Origin | None) -> bool:
     return np.array_equal(again, points, equal_nan=True)
 
 
-def _check_finite(cloud: Cloud, rows: Rows, name: str) -> None:
-    bad = ~np.isfinite(cloud.points.take(rows, axis=0)).all(axis=1)
+def _check_finite(found: Format, cloud: Cloud) -> None:
+    held = _held(found, cloud)
+    bad = ~np.isfinite(held).all(axis=1)
     if bad.any():
-        row = int(rows[np.argmax(bad)])
+        row = int(np.argmax(bad))
+        if cloud.faces is not None and len(held) < len(cloud):
+            row = int(used_rows(len(cloud), cloud.faces)[row])
         raise FormatError(
-            f"vertex {row} is {cloud.points[row].tolist()}: {name} holds finite coordinates only: "
-            "remove such rows, or write PLY or OBJ"
+            f"vertex {row} is {cloud.points[row].tolist()}: {found.name} holds finite coordinates "
+            "only: remove such rows, or write PLY or OBJ"
         )
 
 

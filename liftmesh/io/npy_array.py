@@ -19,10 +19,8 @@ from numpy.lib import format as npy
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.streams import Source, read_most, remaining
+from liftmesh.io.streams import Source, read_into, read_most, remaining
 from liftmesh.io.text_tables import shortened
-
-_PIECE = 1 << 16  # bytes read at a time
 
 _LONGEST_HEADER = 10_000  # what NumPy takes from a file that is not trusted
 
@@ -151,18 +149,8 @@ def _read_values(stream: Source, size: int, name: str, what: str) -> Array:
     values = np.empty(size, np.uint8)
     view, start = values.data, 0
     while start < size:
-        count = _read_into(stream, view[start:])
+        count = read_into(stream, view[start:])
         if not count:
             raise FormatError(f"{name}: {what}: the values end too early: the file is truncated")
         start += count
     return values
-
-
-def _read_into(stream: Source, view: memoryview) -> int:
-    """Read as much as the stream gives at a time; return the number of bytes."""
-    if hasattr(stream, "readinto"):
-        return int(stream.readinto(view))
-    size = min(_PIECE, len(view))
-    piece = stream.read1(size) if hasattr(stream, "read1") else stream.read(size)
-    view[: len(piece)] = piece
-    return len(piece)

@@ -9,6 +9,8 @@ from typing import Any, BinaryIO, Protocol, cast
 
 from liftmesh.errors import FormatError
 
+_PIECE = 1 << 16  # bytes read at a time from a stream that cannot fill memory
+
 
 def seekable(stream: BinaryIO) -> BinaryIO:
     """Return the stream, or its content in memory if it is a pipe."""
@@ -41,6 +43,15 @@ def read_most(stream: Source, size: int) -> bytes:
         parts.append(stream.read(left))
         left -= len(parts[-1])
     return b"".join(parts)
+
+
+def read_into(stream: Source, memory: memoryview) -> int:
+    """Read as much into memory as the stream gives at a time; return the number of bytes."""
+    if hasattr(stream, "readinto"):
+        return int(stream.readinto(memory))
+    piece = stream.read(min(_PIECE, len(memory)))
+    memory[: len(piece)] = piece
+    return len(piece)
 
 
 def read_exactly(stream: BinaryIO, size: int, name: str, what: str) -> bytes:

@@ -15,6 +15,8 @@ import zlib
 from typing import TYPE_CHECKING, BinaryIO, Protocol
 from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, BadZipFile
 
+from liftmesh.io.streams import read_into
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from zipfile import ZipInfo
@@ -25,7 +27,7 @@ _IN_EXTRA = 0xFFFFFFFF  # as a size: it stands in the extra field
 
 _ENCRYPTED, _END_MARKER, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0, 1, 3, 5, 11))
 
-_PIECE = 1 << 16  # compressed bytes at a time
+_PIECE = 1 << 17  # compressed bytes at a time
 _MOST = 1 << 20  # bytes decompressed at a time
 _SMALLEST_DICTIONARY = 1 << 12
 _PADDING = 16  # at most, after the last symbol of LZMA data
@@ -68,26 +70,27 @@ class Content:
             The stream ends before.
         """
         wanted = self.left if size < 0 else min(size, self.left)
-        parts: list[bytes] = []
-        while wanted:
-            parts.append(self.read1(wanted))
-            wanted -= len(parts[-1])
-        return parts[0] if len(parts) == 1 else b"".join(parts)
+        memory = memoryview(bytearray(wanted))
+        start = 0
+        while start < wanted:
+            start += self.readinto(memory[start:])
+        return bytes(memory)
 
-    def read1(self, size: int) -> bytes:
-        """Read at most ``size`` bytes of those that are left: as many as there are without a copy.
+    def readinto(self, memory: memoryview) -> int:
+        """Read some of the bytes that are left into memory; return their number.
 
         Raises
         ------
         BadZipFile
             The stream ends before.
         """
-        part = self._some(min(size, self.left, _MOST)) if self.left else b""
-        if not part and self.left:
+        memory = memory[: min(self.left, _MOST)]
+        count = self._fill(memory) if memory else 0
+        if not count and self.left:
             raise BadZipFile(f"its data end {self.left} bytes before the size stated for it")
-        self.left -= len(part)
-        self._sum = zlib.crc32(part, self._sum)
-        return part
+        self.left -= count
+        self._sum = zlib.crc32(memory[:count], self._sum)
+        return count
 
     def finish(self) -> None:
         """Read what is left, and check the end of the data and the checksum.
@@ -106,18 +109,28 @@ class Content:
 
     def _goes_on(self) -> bool:
         """Whether data follow those that make up the content."""
+        if self._decoder is None:
+            return self._packed > 0
         if self._info.compress_type == ZIP_LZMA and not self._info.flag_bits & _END_MARKER:
             # The decoder does not know its end: it would decode the padding of the last bytes.
             self._raw(_PADDING)
             return self._packed > 0
-        more = self._some(1) or getattr(self._decoder, "unused_data", b"")
+        more = self._some(self._decoder, 1) or getattr(self._decoder, "unused_data", b"")
         return bool(more) or self._packed > 0
 
-    def _some(self, most: int) -> bytes:
+    def _fill(self, memory: memoryview) -> int:
+        """Put some bytes of the content into memory, none only at the end."""
+        if self._decoder is None:
+            return self._raw_into(memory)
+        part = self._some(self._decoder, len(memory))
+        memory[: len(part)] = part
+        return len(part)
+
+    def _some(self, decoder: _Decoder, most: int) -> bytes:
         """Decompress at most ``most`` bytes, none only at the end."""
-        while not self._decoder.eof:
-            found = self._decoder.decompress(self._input, most)
-            self._input = getattr(self._decoder, "unconsumed_tail", b"")
+        while not decoder.eof:
+            found = decoder.decompress(self._input, most)
+            self._input = getattr(decoder, "unconsumed_tail", b"")
             if found:
                 return found
             if not self._input:
@@ -130,15 +143,25 @@ class Content:
         """Read compressed bytes."""
         self._stream.seek(self._position)
         data = self._stream.read(min(size, self._packed))
-        self._position += len(data)
-        self._packed -= len(data)
+        self._advance(len(data))
         return data
 
-    def _decoder_of(self, info: ZipInfo) -> _Decoder:
+    def _raw_into(self, memory: memoryview) -> int:
+        self._stream.seek(self._position)
+        count = read_into(self._stream, memory[: self._packed])
+        self._advance(count)
+        return count
+
+    def _advance(self, count: int) -> None:
+        self._position += count
+        self._packed -= count
+
+    def _decoder_of(self, info: ZipInfo) -> _Decoder | None:
+        """Make the decompressor of a member; None if it is stored as it is."""
         if info.flag_bits & _ENCRYPTED:
             raise BadZipFile("it is encrypted")
-        makers: dict[int, Callable[[], _Decoder]] = {
-            ZIP_STORED: _Stored,
+        makers: dict[int, Callable[[], _Decoder | None]] = {
+            ZIP_STORED: lambda: None,
             ZIP_DEFLATED: lambda: zlib.decompressobj(-15),
             ZIP_BZIP2: bz2.BZ2Decompressor,
             ZIP_LZMA: self._lzma,
@@ -166,17 +189,6 @@ class _Decoder(Protocol):
     @property
     def eof(self) -> bool: ...
     def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
-
-
-class _Stored:
-    """Bytes as they are."""
-
-    eof = False
-    unconsumed_tail = b""
-
-    def decompress(self, data: bytes, max_length: int, /) -> bytes:
-        self.unconsumed_tail = data[max_length:]
-        return data[:max_length]
 
 
 def _start_of_data(stream: BinaryIO, info: ZipInfo) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import io
 import json
 import struct
@@ -10,6 +9,7 @@ import zipfile
 from typing import Any
 
 import numpy as np
+from gltf_models import TRIANGLE, Model
 
 HUGE = (2**31, 2**32 - 1, 2**62 // 10, 10**18 - 1)
 
@@ -133,18 +133,9 @@ def other_lies() -> dict[str, tuple[bytes, str]]:
 
 def gltf_tree(**changes: Any) -> dict[str, Any]:
     """Make a whole tree of one triangle, with some of its parts changed."""
-    rows = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4").tobytes()
-    uri = "data:application/octet-stream;base64," + base64.b64encode(rows).decode()
-    tree: dict[str, Any] = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}],
-        "buffers": [{"uri": uri, "byteLength": 36}],
-    }
+    model = Model()
+    model.node(mesh=model.mesh({"attributes": {"POSITION": model.accessor(TRIANGLE)}}))
+    tree: dict[str, Any] = json.loads(model.gltf())
     for path, value in changes.items():
         *parents, last = path.split("__")
         part: Any = tree
