@@ -27,7 +27,7 @@ _IN_EXTRA = 0xFFFFFFFF  # as a size: it stands in the extra field
 
 _ENCRYPTED, _END_MARKER, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0, 1, 3, 5, 11))
 
-_PIECE = 1 << 17  # compressed bytes at a time
+_PIECE = 1 << 16  # compressed bytes at a time
 _MOST = 1 << 20  # bytes decompressed at a time
 _SMALLEST_DICTIONARY = 1 << 12
 _PADDING = 16  # at most, after the last symbol of LZMA data
