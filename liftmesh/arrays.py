@@ -84,7 +84,7 @@ def as_rows3(points: ArrayLike) -> Floats:
     if array.shape[1] == 3 or not narrow:  # as float64, narrow ones would need room of their own
         array = as_coordinates(array)
     if array.shape[1] == 3:
-        return array.astype(np.float64, copy=False)
+        return widened(array)
     lifted = np.zeros((len(array), 3))
     lifted[:, :2] = array
     return lifted
@@ -118,7 +118,29 @@ def as_pairs(points: ArrayLike) -> Floats:
     if array.ndim == 0 or array.shape[-1] != 2:
         raise InputError(f"planar points need the shape (..., 2), not {array.shape}")
     flat = _as_floating(array.reshape(-1, 2))
-    return np.ascontiguousarray(flat, dtype=np.float64).reshape(array.shape)
+    return np.ascontiguousarray(widened(flat)).reshape(array.shape)
+
+
+def widened(array: Array) -> Floats:
+    """Convert floats to float64; those that are float64 stay as they are, in the same memory.
+
+    Parameters
+    ----------
+    array : ndarray of float
+        Of any shape.
+
+    Returns
+    -------
+    ndarray of float64
+        The same values, and NaN where there is one of any kind.
+
+    Examples
+    --------
+    >>> widened(np.array([0.5], dtype=np.float32))
+    array([0.5])
+    """
+    with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs, which files may hold
+        return array.astype(np.float64, copy=False)
 
 
 def read_only(array: Array) -> Array:

@@ -7,7 +7,7 @@ package that it can do without. There the signal would be lost, and the package 
 missing until the process ends.
 
 - `kept` encloses calls of other libraries. It remembers what a handler raised inside, and raises it
-  again at its end if it did not come out. It also decorates functions that make such calls.
+  again at its end if it did not come out.
 - `deferred` encloses imports. The handler is called at the end, and at once if a second signal
   comes.
 
@@ -20,8 +20,11 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+
+# The functions that `signal` wraps. The wrappers convert to enumerations and back, which takes ten
+# times as long: a guard of both would take a tenth of the time to read a small file.
+from _signal import getsignal, signal as set_handler  # type: ignore[import-not-found]
 from collections.abc import Callable
-from contextlib import ContextDecorator
 from types import FrameType, TracebackType
 
 # Those whose handlers are known to raise: Ctrl-C, an end that was asked for, and a time limit.
@@ -30,7 +33,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
 _announced: list[BaseException] = []
 
 
-class _Guard(ContextDecorator):
+class _Guard:
     """Replaces the handlers of signals for the duration of a block.
 
     Handlers are replaced and restored one by one, and a signal may come between any two steps.
@@ -46,19 +49,15 @@ class _Guard(ContextDecorator):
         self._raised: BaseException | None = None
         self._is_inside = False
 
-    def _recreate_cm(self) -> _Guard:
-        """Make a guard of its own for each call of a function that this one decorates."""
-        return _Guard(defers=self._defers)
-
     def __enter__(self) -> None:
         if threading.current_thread() is not threading.main_thread():
             return  # handlers run in the main thread, and only it may replace them
         try:
             for number in _SIGNALS:
-                handler = signal.getsignal(number)
+                handler = getsignal(number)
                 if callable(handler):
                     self._handlers[number] = handler
-                    signal.signal(number, self._hear)
+                    set_handler(number, self._hear)
             self._is_inside = True
         except BaseException as error:  # noqa: BLE001 - __exit__ raises it
             self._raised = error
@@ -83,8 +82,8 @@ class _Guard(ContextDecorator):
 
     def _restore(self) -> None:
         for number, handler in self._handlers.items():
-            if signal.getsignal(number) == self._hear:  # and not the block's own
-                signal.signal(number, handler)
+            if getsignal(number) == self._hear:  # and not the block's own
+                set_handler(number, handler)
 
     def _call(self, numbers: list[int], frame: FrameType | None) -> None:
         """Call the handlers of all these signals, even if one raises."""
@@ -99,7 +98,7 @@ class _Guard(ContextDecorator):
             self._waiting.append(number)
             return
         if not self._is_inside:  # left behind by more signals at once than there are attempts
-            signal.signal(number, self._handlers[number])
+            set_handler(number, self._handlers[number])
         try:
             self._handlers[number](number, frame)
         except BaseException as error:
@@ -123,7 +122,7 @@ def kept() -> _Guard:
 
     Returns
     -------
-    context manager and decorator
+    context manager
         It raises, at the end of its block, what a handler of SIGINT, SIGTERM or SIGALRM raised
         inside, even if another exception or none came out. In other threads than the main one it
         does nothing.

@@ -134,6 +134,7 @@ def test_paper_needs_no_stdout(folder: Path) -> None:
             "compare cloud.ply --lower new.ply --hull new.obj",
             "; new.ply and new.obj were written",
         ),
+        ("verify mesh.ply --certificate c.json", "; c.json was written"),
         ("info cloud.ply", ""),
     ],
 )
@@ -156,3 +157,7 @@ def test_a_command_runs_where_few_files_may_be_open(most: int, folder: Path) -> 
         check=False,
     )
     assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
+
+
+def test_a_full_stderr_leaves_the_exit_code(folder: Path) -> None:
+    assert run("info nowhere.csv", "2>/dev/full", folder).returncode == exit_codes.BAD_INPUT

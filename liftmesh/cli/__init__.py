@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib import import_module
 
 from liftmesh.cli import exit_codes
@@ -172,7 +173,8 @@ def _print_error(message: str) -> None:
     try:
         import_module("liftmesh.cli.terminal").error_line(line)
     except (MemoryError, ImportError, SystemError, OSError):  # no memory or file to load it
-        sys.stderr.write(f"liftmesh: error: {line}\n")
+        with suppress(OSError):  # a full disk: the exit code says it
+            sys.stderr.write(f"liftmesh: error: {line}\n")
 
 
 def _name_stdout(error: BaseException) -> None:

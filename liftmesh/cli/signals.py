@@ -71,9 +71,9 @@ class Ending:
 
     def stop(self) -> None:
         """Restore the handlers; in a process that is over, ignore the signals from now on."""
-        for number, handler in self._before.items():
-            signal.signal(number, signal.SIG_IGN if self._is_final else handler)
         interruption.withdraw()
+        for number, handler in reversed(self._before.items()):  # SIGINT last: then it may raise
+            signal.signal(number, signal.SIG_IGN if self._is_final else handler)
         if not self._is_final and self.number is not None and not self.told:
             signal.raise_signal(self.number)  # it came when the result stood: it is the caller's
         if self._is_final and self.number is not None:
@@ -94,9 +94,9 @@ class Ending:
             self.number = number
         elif self._is_final:
             return  # the watchdog ends the process
-        error = KeyboardInterrupt() if number == signal.SIGINT else Terminated()
-        interruption.announce(error)
         if not self.decided:
+            error = KeyboardInterrupt() if number == signal.SIGINT else Terminated()
+            interruption.announce(error)
             raise error
 
     def tell(self, number: int) -> int:

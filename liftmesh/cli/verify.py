@@ -82,7 +82,8 @@ def run(
         _write(certificate, found)
     # Where the certificate itself goes to stdout, what there is to say goes to stderr.
     aside = certificate is not None and files.is_stream(certificate)
-    with redirect_stdout(sys.stderr) if aside else nullcontext():
+    place = redirect_stdout(sys.stderr) if aside else nullcontext()
+    with place, standard_streams.after_writing(certificate):
         if json:
             sys.stdout.write(found.to_json())
         else:

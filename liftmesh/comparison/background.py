@@ -2,7 +2,8 @@
 
 Qhull lets other threads run but never checks for Ctrl-C, and takes minutes for a million points. It
 runs in its own thread; an interrupted caller continues at once, and the thread, a daemon, ends with
-Qhull or with the process.
+Qhull or with the process. A process that goes down in order while the thread runs compiled code may
+end by SIGABRT: the command line ends at once instead (`cli.watchdog`).
 """
 
 from __future__ import annotations

@@ -55,8 +55,9 @@ class CloudBuilder:
 
     def fill(self, rows: slice, columns: Mapping[str, Array]) -> None:
         """Set some rows of the named columns."""
-        for name, values in columns.items():
-            self.columns[name][rows] = values
+        with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs in single precision
+            for name, values in columns.items():
+                self.columns[name][rows] = values
 
     def cloud(
         self,

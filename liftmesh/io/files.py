@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from liftmesh.errors import FormatError, InputError
+from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 CHUNK_ROWS = 1_000_000
+_NO_MORE: Any = object()
 
 Read = TypeVar("Read")
 
@@ -115,7 +117,7 @@ def read(
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name, max_bytes)
-    with _opened(source, name) as stream:
+    with _opened(source, name) as stream, kept():
         return _labelled(read_whole(stream, name), found, name)
 
 
@@ -292,7 +294,13 @@ def _chunks(
     source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
 ) -> Iterator[Cloud]:
     with _opened(source, name) as stream:
-        for chunk in chunks(stream, name, rows):
+        with kept():
+            pieces = iter(chunks(stream, name, rows))
+        while True:
+            with kept():  # not around the yield: the caller's code is none of ours
+                chunk = next(pieces, _NO_MORE)
+            if chunk is _NO_MORE:
+                return
             yield _labelled(chunk, found, name)
 
 
@@ -404,5 +412,6 @@ def _write(
         stream.write(held.getbuffer())
         return origin, size
     begin = stream.tell()
-    origin = writer(stream, cloud, **options)
+    with kept():
+        origin = writer(stream, cloud, **options)
     return origin, stream.tell() - begin

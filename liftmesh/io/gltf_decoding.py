@@ -18,6 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.errors import FormatError
+from liftmesh.interruption import kept
 from liftmesh.io.gltf_meshes import FAN, POINTS, TRIANGLES, Primitive
 from liftmesh.io.objects.trimesh import to_cloud
 from liftmesh.optional import load
@@ -66,7 +67,8 @@ def _load_scene(stream: BinaryIO, resolver: object) -> Any:
     with warnings.catch_warnings():
         # At text that is not a number NumPy only warns, and trimesh uses what came before.
         warnings.simplefilter("error", DeprecationWarning)
-        return trimesh.load_scene(stream, resolver=resolver, **options)
+        with kept():
+            return trimesh.load_scene(stream, resolver=resolver, **options)
 
 
 class _Plain:

@@ -33,5 +33,7 @@ def check_links(path: str | os.PathLike[str]) -> None:
                 f"{os.fspath(path)}: its symbolic links lead in a circle, and to no file: "
                 "give another name, or remove them"
             ) from error
+        if error.errno is None:  # not the system's: a time limit that a handler raises
+            raise
     except ValueError:  # no name that a file can have, which opening it reports
         return

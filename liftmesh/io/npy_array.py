@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,6 +24,13 @@ from liftmesh.io.streams import Source, read_into, read_most, remaining
 from liftmesh.io.text_tables import shortened
 
 _LONGEST_HEADER = 10_000  # what NumPy takes from a file that is not trusted
+
+# What a header consists of: strings, whole numbers, truth values and brackets. Python 2 wrote some
+# numbers with an L.
+_TOKEN = re.compile(
+    r"""\s*("(?:[^"\\]|\\[\\'"nrtxuU])*"|'(?:[^'\\]|\\[\\'"nrtxuU])*'|"""
+    r"""-?\d+(?!\w)|-?\d+(?=L\b)|True|False|[][(){},:])(?:(?<=\d)L)?"""
+)
 
 # The length of the header, and what parses both.
 _VERSIONS = {
@@ -122,7 +130,19 @@ def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
             f"the header takes {size:,} bytes, more than {_LONGEST_HEADER:,}: save only the fields "
             "you need"
         )
-    return parse(io.BytesIO(begin + read_most(stream, size)), max_header_size=_LONGEST_HEADER)
+    text = _plain_text(read_most(stream, size).decode("latin-1")).encode("latin-1")
+    return parse(io.BytesIO(length.pack(len(text)) + text), max_header_size=len(text))
+
+
+def _plain_text(text: str) -> str:
+    """Return the header without what Python and NumPy warn of, such as the L of Python 2."""
+    at, parts = 0, []
+    while (found := _TOKEN.match(text, at)) is not None:
+        parts.append(found[1])
+        at = found.end()
+    if text[at:].strip():
+        raise ValueError(f"unexpected {shortened(text[at:])!r}")
+    return " ".join(parts)
 
 
 def array_of(stream: Source, layout: Layout, name: str) -> Array:

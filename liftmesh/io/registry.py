@@ -15,18 +15,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterator
-from contextlib import nullcontext
-from dataclasses import dataclass, replace
-from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
-
-import numpy as np
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.interruption import deferred, kept
 from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
-from liftmesh.io.format import ChunkReader, Format
+from liftmesh.io.format import Format
 from liftmesh.io.objects import open3d, plain, trimesh
 from liftmesh.io.objects.plain import qualified_name
 
@@ -200,8 +197,7 @@ def as_cloud(source: Any) -> Cloud:
     >>> as_cloud([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]).points.shape
     (3, 3)
     """
-    is_ours = isinstance(source, Cloud | np.ndarray)
-    with nullcontext() if is_ours else kept():  # others may catch the exception of a signal
+    with kept():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
         cloud = None if adapter is None else adapter.to_cloud(source)
     if adapter is None:
@@ -248,34 +244,12 @@ def _suffixes() -> list[str]:
 
 def _format(entry: EntryPoint) -> Format:
     try:
-        return _guarded(_loaded(entry, Format))
+        return _loaded(entry, Format)
     except _NotLoadedError as error:
         raise FormatError(
             f"the plugin {entry.value!r} for {entry.name!r} files {error}: "
             "repair or uninstall its package"
         ) from error.__cause__
-
-
-def _guarded(found: Format) -> Format:
-    """Let no signal get lost in the functions of a plugin, whatever they catch."""
-    return replace(
-        found,
-        read=found.read and kept()(found.read),
-        write=found.write and kept()(found.write),
-        read_chunks=found.read_chunks and _guarded_chunks(found.read_chunks),
-    )
-
-
-def _guarded_chunks(read_chunks: ChunkReader) -> ChunkReader:
-    """Guard every step of a generator, but not the caller's code between them."""
-
-    def chunks(stream: BinaryIO, name: str, rows: int, **options: int | None) -> Iterator[Cloud]:
-        pieces = iter(kept()(read_chunks)(stream, name, rows, **options))
-        step = kept()(partial(next, pieces, None))
-        while (chunk := step()) is not None:
-            yield chunk
-
-    return chunks
 
 
 def _listed(entry: EntryPoint) -> Format:
@@ -314,11 +288,11 @@ def _entries(group: str) -> list[EntryPoint]:
 
 def _loaded(entry: EntryPoint, kind: type[Entry]) -> Entry:
     """Load the object of an entry point and check its type."""
-    try:
-        with deferred():
+    with deferred():  # around the clause: a time limit is no fault of the plugin
+        try:
             loaded = entry.load()
-    except Exception as error:
-        raise _NotLoadedError(f"cannot be loaded ({type(error).__name__}: {error})") from error
+        except Exception as error:
+            raise _NotLoadedError(f"cannot be loaded ({type(error).__name__}: {error})") from error
     if not isinstance(loaded, kind):
         raise _NotLoadedError(f"is a {qualified_name(loaded)}, not a liftmesh.{kind.__name__}")
     return loaded

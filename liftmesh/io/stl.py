@@ -18,7 +18,7 @@ from typing import BinaryIO
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import used_rows
+from liftmesh.arrays import used_rows, widened
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.format import Format, Origin
@@ -112,7 +112,7 @@ def _binary(stream: BinaryIO, head: bytes, size: int, name: str) -> Cloud:
     )
     marked = int(np.count_nonzero(facets["attribute"]))
     skipped = _skipped(f"attribute bytes of {marked} facets" if marked else "")
-    corners = facets["corners"].reshape(-1, 3).astype(np.float64)
+    corners = widened(facets["corners"].reshape(-1, 3))
     return with_origin(_welded(corners, name, **skipped), origin)
 
 

@@ -1,7 +1,6 @@
 """Formats read and written through trimesh: GLB and glTF.
 
-The origin of single precision (`io.origin`) stands in the ``extras`` of the scene. trimesh catches
-every exception here and there, so that reading and writing are guarded (`interruption.kept`).
+The origin of single precision (`io.origin`) stands in the ``extras`` of the scene.
 """
 
 from __future__ import annotations
@@ -13,7 +12,6 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
-from liftmesh.interruption import kept
 from liftmesh.io.format import Format, Origin
 from liftmesh.io.gltf_reader import read_scene
 from liftmesh.io.objects.trimesh import to_mesh, to_points
@@ -21,7 +19,6 @@ from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
 from liftmesh.optional import load
 
 
-@kept()
 def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a GLB file: the points and triangles of all meshes of its scene, each in its place.
 
@@ -39,13 +36,11 @@ def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     return read_scene(stream, name, "glb", max_bytes)
 
 
-@kept()
 def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
     return read_scene(stream, name, "gltf", max_bytes)
 
 
-@kept()
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     """Write a mesh, or points, as GLB with 8-bit colours.
 
@@ -69,7 +64,6 @@ def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     return origin
 
 
-@kept()
 def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     """Write a mesh, or points, as a glTF file that contains its buffers; see :func:`write_glb`."""
     scene, origin = _scene(cloud, "gltf")
@@ -99,8 +93,8 @@ def _has_faces(cloud: Cloud) -> bool:
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Points are written without normals, and normals of meshes with unit length."""
-    is_kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
-    return () if is_kept else ("normals",)
+    kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
+    return () if kept else ("normals",)
 
 
 def _squarable(normals: Array | None) -> Array | None:

@@ -30,6 +30,7 @@ ENDS = {
     signal.SIGTERM: (143, "liftmesh: error: terminated by SIGTERM\n"),
 }
 NOT_REACHED = "ended before"
+AT_ONCE = 0.3  # seconds in which a process ends whose result is there
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,13 +111,19 @@ def _interrupted(
 ) -> Interrupt:
     answer = _attempt(child, delay)
     if not answer["place"]:
-        return Interrupt(delay, NOT_REACHED, 0.0)
+        return _ended_before(delay, answer["until"])
     return Interrupt(
         delay,
         answer["place"],
         answer["until"],
         (*_faults(_state(answer), held), *_changes(folder, files)),
     )
+
+
+def _ended_before(delay: float, seconds: float) -> Interrupt:
+    """A run that a signal did not end: it is over at once, unless the signal was lost."""
+    lost = (f"went on for {seconds:.2f} s as if there were no signal",)
+    return Interrupt(delay, NOT_REACHED, 0.0, lost if seconds > AT_ONCE else ())
 
 
 def _state(answer: dict[str, Any]) -> State:
@@ -205,7 +212,7 @@ def _signalled(
     out, err = child.communicate(timeout=TIMEOUT)
     seconds = time.monotonic() - sent
     if child.returncode == 0:
-        return Interrupt(delay, NOT_REACHED, 0.0)
+        return _ended_before(delay, seconds)
     faults = list(_changes(folder, files))
     # It may have begun to print its results.
     if (child.returncode, err) != ENDS[number] or not _without_figures(output).startswith(
