@@ -75,7 +75,8 @@ class _Guard:
             except BaseException as raised:  # noqa: BLE001 - raised below
                 self._raised = raised
         try:
-            self._call(self._waiting, sys._getframe(1))  # noqa: SLF001
+            if self._waiting:
+                self._call(self._waiting, sys._getframe(1))  # noqa: SLF001
         finally:
             if self._raised is not None and self._raised is not error:
                 raise self._raised from None

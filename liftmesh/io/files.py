@@ -296,12 +296,11 @@ def _chunks(
     with _opened(source, name) as stream:
         with kept():
             pieces = iter(chunks(stream, name, rows))
-        while True:
+            chunk = next(pieces, _NO_MORE)
+        while chunk is not _NO_MORE:
+            yield _labelled(chunk, found, name)
             with kept():  # not around the yield: the caller's code is none of ours
                 chunk = next(pieces, _NO_MORE)
-            if chunk is _NO_MORE:
-                return
-            yield _labelled(chunk, found, name)
 
 
 def _split(reader: Reader) -> ChunkReader:
