@@ -12,6 +12,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_pairs, read_only
 from liftmesh.choices import NonFinite
+from liftmesh.planar.barycentric import barycentric_transforms
 from liftmesh.planar.lifting import LowerHull, lift, resolve_q
 
 if TYPE_CHECKING:
@@ -196,21 +197,13 @@ class Triangulation:
 
     @cached_property
     def transform(self) -> Floats:
-        """The barycentric transforms, (m, 3, 2) float64; NaN where they overflow.
+        """The barycentric transforms, (m, 3, 2) float64; NaN for slivers, as in SciPy.
 
         With ``T = transform[i, :2]`` and ``r = transform[i, 2]``, ``T @ (x - r)`` gives the first
-        two barycentric coordinates of x in triangle i.
+        two barycentric coordinates of x in triangle i. A triangle is NaN if it is so thin that
+        less than three digits of its transform would be right.
         """
-        corners = self.points[self.simplices]
-        origin = corners[:, 2]
-        (ax, ay), (bx, by) = (corners[:, 0] - origin).T, (corners[:, 1] - origin).T
-        result = np.empty((self.nsimplex, 3, 2))
-        with np.errstate(all="ignore"):
-            inverse = np.array([[by, -bx], [-ay, ax]]) / (ax * by - ay * bx)
-        result[:, :2] = inverse.transpose(2, 0, 1)
-        result[:, 2] = origin
-        result[~np.isfinite(result).all(axis=(1, 2))] = np.nan
-        return result
+        return barycentric_transforms(self.points, self.simplices)
 
     @cached_property
     def equations(self) -> Floats:
