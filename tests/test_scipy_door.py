@@ -198,7 +198,29 @@ def test_coplanar_rows_are_duplicates_as_scipy_reports_them() -> None:
     actual, expected = liftmesh.Delaunay(points), scipy.spatial.Delaunay(points)
     assert len(actual.coplanar) == len(expected.coplanar) == 3
     np.testing.assert_array_equal(points[actual.coplanar[:, 0]], points[actual.coplanar[:, 2]])
-    assert (actual.vertex_to_simplex == -1).sum() == 3
+    for found in actual.coplanar, expected.coplanar:  # both in the order of the triangles
+        assert (np.diff(found[:, 1]) >= 0).all()
+
+
+@pytest.mark.parametrize("made", [liftmesh.delaunay, liftmesh.Delaunay])
+def test_every_row_has_a_triangle_at_its_position(made) -> None:
+    points = np.random.default_rng(101).random((60, 2))[
+        np.random.default_rng(103).permutation(90) % 60
+    ]
+    tri = made(points)
+    assert len(tri.duplicates) == 30
+    corners = tri.points[tri.simplices[tri.vertex_to_simplex]]
+    assert (corners == points[:, None]).all(axis=2).any(axis=1).all()
+    row, triangle, kept = tri.coplanar.T
+    np.testing.assert_array_equal(triangle, tri.vertex_to_simplex[row])
+    np.testing.assert_array_equal(triangle, tri.vertex_to_simplex[kept])
+    assert (np.diff(triangle) >= 0).all()
+
+
+def test_skipped_rows_have_no_triangle() -> None:
+    points = [[0, 0], [np.nan, 0], [2, 0], [0, 2], [0, 2]]
+    tri = liftmesh.delaunay(points, nonfinite="skip")
+    assert tri.vertex_to_simplex.tolist() == [0, -1, 0, 0, 0]
 
 
 def test_scipys_functions_take_it(ours, theirs) -> None:

@@ -150,9 +150,13 @@ class Triangulation:
 
     @property
     def coplanar(self) -> Rows:
-        """The duplicates in SciPy's form, (k, 3) int32: row, a triangle at the row, row kept."""
+        """The duplicates in SciPy's form, (k, 3) int32: row, a triangle at the row, row kept.
+
+        In the order of the triangles, then of the rows.
+        """
         row, kept = self.duplicates.T
-        return np.stack([row, self.vertex_to_simplex[kept], kept], axis=1)
+        triangle = self.vertex_to_simplex[row]
+        return np.stack([row, triangle, kept], axis=1)[np.argsort(triangle, kind="stable")]
 
     @property
     def good(self) -> Rows:
@@ -173,11 +177,13 @@ class Triangulation:
 
     @cached_property
     def vertex_to_simplex(self) -> Rows:
-        """The first triangle at each row, (n,) int32; -1 for rows that are not a vertex."""
+        """The first triangle at the position of each row, (n,) int32; -1 for skipped rows."""
         first = np.full(self.npoints, -1, dtype=np.int32)
-        names = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 3)
+        names = np.repeat(np.arange(len(self.simplices), dtype=np.int32), 3)
         # The last of repeated assignments wins: in reverse order, that is the first triangle.
         first[self.simplices.reshape(-1)[::-1]] = names[::-1]
+        row, kept = self.duplicates.T
+        first[row] = first[kept]
         return first
 
     @cached_property
