@@ -75,6 +75,13 @@ def sorted_first(found: liftmesh.Delaunay) -> object:
     return found.vertex_neighbor_vertices
 
 
+def grown_by_half(points: Points) -> Work:
+    """Prepare the addition of the second half of the points to the first."""
+    half = len(points) // 2
+    found = liftmesh.Delaunay(points[:half], incremental=True)
+    return Work(lambda: copy.copy(found).add_points(points[half:]), len(points))
+
+
 def on_hull(call: Callable[[liftmesh.LowerHull], object]) -> Prepare:
     """Prepare a call on the lower hull of lifted points."""
 
@@ -252,6 +259,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
         on_scipys(sorted_first),
         PLAIN,
     )
+    yield "Delaunay.add_points", PLANAR, grown_by_half, PLAIN
     yield "Delaunay.close", PLANAR, on_scipys(liftmesh.Delaunay.close), ()
     yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT)
     for way in (shuffled, unshared, wrong):
