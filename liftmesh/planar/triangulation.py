@@ -52,8 +52,8 @@ class Triangulation:
     neighbors : (m, 3) ndarray of int32
         The triangle across the edge opposite vertex k; -1 outside.
     duplicates : (k, 2) ndarray of int32
-        Rows that are not a vertex because an earlier row has the same position, in ascending order,
-        each with the row that is kept.
+        Rows that are not a vertex because another row has the same position, in ascending order,
+        each with the row that is kept: the first, or the one that `triangulate` chose.
     skipped : (j,) ndarray of int32
         Rows skipped because they are not finite.
     counters : Counters or None
@@ -397,6 +397,11 @@ class Triangulation:
         -------
         scipy.spatial.Delaunay
             An instance created without running Qhull.
+
+        Notes
+        -----
+        ``NearestNDInterpolator`` takes the points alone, those of duplicates too, and gives the
+        value of any row at the nearest position.
 
         Examples
         --------
