@@ -162,6 +162,13 @@ class TestWrites:
                 actual = tri.vertex_neighbor_vertices
         compare_neighbors(actual, tri.vertex_neighbor_vertices)
 
+    def test_a_comparison_takes_the_triangulation_as_it_was_computed(self) -> None:
+        points = np.random.default_rng(167).random((200, 2))
+        for change in (lambda tri: np.sort(tri.simplices), lambda tri: tri.simplices[5:]):
+            tri = liftmesh.Delaunay(points)
+            tri.simplices = change(tri)
+            assert liftmesh.compare(tri).verdict == "identical"
+
     @pytest.mark.parametrize(
         "name",
         ["simplices", "neighbors", "equations", "coplanar", "good", "nsimplex", "npoints", "ndim",
