@@ -21,8 +21,9 @@ from .io.format import Format as Format
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
 from .planar.counters import Counters as Counters
-from .planar.delaunay import Delaunay as Delaunay, delaunay as delaunay
+from .planar.delaunay import delaunay as delaunay
 from .planar.lifting import LowerHull as LowerHull, lift as lift, project as project
+from .planar.scipy_delaunay import Delaunay as Delaunay
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d

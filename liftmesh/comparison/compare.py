@@ -108,11 +108,15 @@ def compare(
 def _triangulate(
     source: object, plane: ArrayLike, nonfinite: NonFinite
 ) -> tuple[Triangulation, float]:
-    """Return the triangulation and its time; a given one is recomputed to measure the time."""
+    """Return the triangulation and its time; a given one is recomputed to measure the time.
+
+    The new one is returned where the caller may have written to the triangles of the given one.
+    """
     if isinstance(source, Surface):
         source = source.triangulation
     if isinstance(source, Triangulation):
-        return source, _timed(source.points, "skip")[1]
+        again, seconds = _timed(source.points, "skip")
+        return again if source.simplices.flags.writeable else source, seconds
     cloud = read_cloud(source)
     return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
 

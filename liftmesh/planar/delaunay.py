@@ -1,4 +1,4 @@
-"""delaunay(): planar Delaunay triangulation; Delaunay: the same with SciPy's interface.
+"""delaunay(): planar Delaunay triangulation.
 
 Each set of points has one canonical triangulation, and every method finds it.
 """
@@ -14,7 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.choices import Method, NonFinite, RowOrder, check_option
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
 from liftmesh.planar.triangulation import Triangulation
@@ -104,64 +104,10 @@ def delaunay(
     array([[0, 1, 3],
            [3, 1, 2]], dtype=int32)
     """
-    return Triangulation(**_solve(points, method, q, nonfinite, order, threads, progress, copy))
+    return Triangulation(**solve(points, method, q, nonfinite, order, threads, progress, copy))
 
 
-class Delaunay(Triangulation):
-    """Drop-in replacement for ``scipy.spatial.Delaunay`` with the same call and attributes.
-
-    Differences: points are planar only and cannot be added, arrays are read-only, and degenerate
-    input raises `DegenerateInputError`, a ValueError, where SciPy raises its QhullError.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2)
-        Planar points.
-    furthest_site, incremental : bool, default False
-        Must be False.
-    qhull_options : str, optional
-        Ignored: Qhull is not used.
-    copy : bool, default False
-        As for `delaunay`.
-
-    Raises
-    ------
-    InputError
-        As for `delaunay`, or an option is set that liftmesh does not support.
-    NonFiniteError
-        A row is not finite.
-    DegenerateInputError
-        There are fewer than three distinct points, or all lie on one line.
-
-    Examples
-    --------
-    >>> tri = Delaunay(np.array([[0, 0], [0, 1.1], [1, 0], [1, 1]]))
-    >>> tri.find_simplex([(0.1, 0.2), (1.5, 0.5)]) >= 0
-    array([ True, False])
-    """
-
-    def __init__(
-        self,
-        points: ArrayLike,
-        furthest_site: bool = False,
-        incremental: bool = False,
-        qhull_options: str | None = None,  # noqa: ARG002 - part of SciPy's signature
-        *,
-        copy: bool = False,
-    ) -> None:
-        for option, asked in {"furthest_site": furthest_site, "incremental": incremental}.items():
-            if asked:
-                raise InputError(f"{option}=True is not available: use scipy.spatial.Delaunay")
-        rows = as_coordinates(points)
-        if rows.shape[1] == 3:
-            raise InputError(
-                "points have three columns: liftmesh.delaunay(points) triangulates their x and y; "
-                "for tetrahedra use scipy.spatial.Delaunay"
-            )
-        super().__init__(**_solve(rows, copy=copy))
-
-
-def _solve(
+def solve(
     points: ArrayLike,
     method: Method = "auto",
     q: ParaboloidVertex = "origin",
@@ -171,6 +117,28 @@ def _solve(
     progress: Progress | None = None,
     copy: bool = False,
 ) -> dict[str, Any]:
+    """Compute what a `Triangulation` is made of.
+
+    Parameters
+    ----------
+    points, method, q, nonfinite, order, threads, progress, copy
+        As for `delaunay`.
+
+    Returns
+    -------
+    dict
+        The arguments of `Triangulation`.
+
+    Raises
+    ------
+    InputError
+        As for `delaunay`.
+
+    Examples
+    --------
+    >>> solve([[0, 0], [2, 0], [0, 2]])["simplices"].shape
+    (1, 3)
+    """
     check_option("method", method, Method)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("order", order, RowOrder)

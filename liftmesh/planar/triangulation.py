@@ -12,6 +12,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_pairs, read_only
 from liftmesh.choices import NonFinite
+from liftmesh.planar.barycentric import barycentric_transforms
 from liftmesh.planar.lifting import LowerHull, lift, resolve_q
 
 if TYPE_CHECKING:
@@ -51,8 +52,8 @@ class Triangulation:
     neighbors : (m, 3) ndarray of int32
         The triangle across the edge opposite vertex k; -1 outside.
     duplicates : (k, 2) ndarray of int32
-        Rows that are not a vertex because an earlier row has the same position, in ascending order,
-        each with the row that is kept.
+        Rows that are not a vertex because another row has the same position, in ascending order,
+        each with the row that is kept: the first, or the one that `triangulate` chose.
     skipped : (j,) ndarray of int32
         Rows skipped because they are not finite.
     counters : Counters or None
@@ -149,9 +150,13 @@ class Triangulation:
 
     @property
     def coplanar(self) -> Rows:
-        """The duplicates in SciPy's form, (k, 3) int32: row, a triangle at the row, row kept."""
+        """The duplicates in SciPy's form, (k, 3) int32: row, a triangle at the row, row kept.
+
+        In the order of the triangles, then of the rows.
+        """
         row, kept = self.duplicates.T
-        return np.stack([row, self.vertex_to_simplex[kept], kept], axis=1)
+        triangle = self.vertex_to_simplex[row]
+        return np.stack([row, triangle, kept], axis=1)[np.argsort(triangle, kind="stable")]
 
     @property
     def good(self) -> Rows:
@@ -172,11 +177,13 @@ class Triangulation:
 
     @cached_property
     def vertex_to_simplex(self) -> Rows:
-        """The first triangle at each row, (n,) int32; -1 for rows that are not a vertex."""
+        """The first triangle at the position of each row, (n,) int32; -1 for skipped rows."""
         first = np.full(self.npoints, -1, dtype=np.int32)
-        names = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 3)
+        names = np.repeat(np.arange(len(self.simplices), dtype=np.int32), 3)
         # The last of repeated assignments wins: in reverse order, that is the first triangle.
         first[self.simplices.reshape(-1)[::-1]] = names[::-1]
+        row, kept = self.duplicates.T
+        first[row] = first[kept]
         return first
 
     @cached_property
@@ -196,21 +203,13 @@ class Triangulation:
 
     @cached_property
     def transform(self) -> Floats:
-        """The barycentric transforms, (m, 3, 2) float64; NaN where they overflow.
+        """The barycentric transforms, (m, 3, 2) float64; NaN for slivers, as in SciPy.
 
         With ``T = transform[i, :2]`` and ``r = transform[i, 2]``, ``T @ (x - r)`` gives the first
-        two barycentric coordinates of x in triangle i.
+        two barycentric coordinates of x in triangle i. A triangle is NaN if it is so thin that
+        less than three digits of its transform would be right.
         """
-        corners = self.points[self.simplices]
-        origin = corners[:, 2]
-        (ax, ay), (bx, by) = (corners[:, 0] - origin).T, (corners[:, 1] - origin).T
-        result = np.empty((self.nsimplex, 3, 2))
-        with np.errstate(all="ignore"):
-            inverse = np.array([[by, -bx], [-ay, ax]]) / (ax * by - ay * bx)
-        result[:, :2] = inverse.transpose(2, 0, 1)
-        result[:, 2] = origin
-        result[~np.isfinite(result).all(axis=(1, 2))] = np.nan
-        return result
+        return barycentric_transforms(self.points, self.simplices)
 
     @cached_property
     def equations(self) -> Floats:
@@ -398,6 +397,11 @@ class Triangulation:
         -------
         scipy.spatial.Delaunay
             An instance created without running Qhull.
+
+        Notes
+        -----
+        ``NearestNDInterpolator`` takes the points alone, those of duplicates too, and gives the
+        value of any row at the nearest position.
 
         Examples
         --------

@@ -115,8 +115,8 @@ class Surface:
     faces : (m, 3) ndarray of int32
         Triangles as rows of ``vertices``, counter-clockwise seen from above the plane.
     triangulation : Triangulation
-        The planar problem and its solution. At a shared planar position it keeps the first row,
-        while ``faces`` may use another: see ``report``.
+        The planar problem and its solution. Its ``simplices`` are the faces: at a shared planar
+        position it has the row that ``report`` names, whose height is the surface's.
     frame : Frame
         The projection plane and its axes.
     report : Report
@@ -260,7 +260,8 @@ class Surface:
         -------
         matplotlib.tri.Triangulation
             Planar coordinates and faces, for plots of ``surface.vertices[:, 2]`` or of any array
-            of one value per vertex.
+            of one value per vertex. Give matplotlib's cubic interpolator a copy of the values: it
+            writes to them if there are rows in no face.
 
         Raises
         ------

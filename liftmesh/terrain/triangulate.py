@@ -9,7 +9,7 @@ order: the selection concerns the faces only.
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,14 +19,11 @@ from liftmesh.arrays import check_finite, non_finite, read_only
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
-from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.delaunay import solve
+from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.surface import Report, Surface
-
-if TYPE_CHECKING:
-    from liftmesh.planar.triangulation import Triangulation
-
 
 # Fraction of the whole work that is done at the end of each stage.
 DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
@@ -124,16 +121,16 @@ def triangulate(
     options: _Options = {"nonfinite": nonfinite, "method": method, "q": q, "threads": threads}
     solution = _solve(source.points, planar, heights, options, stages.within("triangulation"))
     stages.finish("triangulation")
-    choice = choose_rows(solution.duplicates, heights, planar, duplicates)
-    faces = _faces(solution, choice)
+    choice = choose_rows(solution["duplicates"], heights, planar, duplicates)
+    triangulation = Triangulation(**_chosen(solution, choice))
     vertices = _vertices(source.points, heights, frame, choice)
     stages.finish("heights")
     surface = Surface(
         vertices=read_only(vertices),  # they may be the caller's
-        faces=faces,
-        triangulation=solution,
+        faces=triangulation.simplices,
+        triangulation=triangulation,
         frame=frame,
-        report=_report(solution, choice, duplicates, stages.seconds),
+        report=_report(triangulation, choice, duplicates, stages.seconds),
         colors=source.colors,
         normals=source.normals,
         attributes=source.attributes,
@@ -145,7 +142,7 @@ def triangulate(
 
 
 class _Options(TypedDict):
-    """Options of `delaunay`."""
+    """Options of `solve`."""
 
     nonfinite: NonFinite
     method: Method
@@ -193,10 +190,10 @@ def _solve(
     heights: Floats,
     options: _Options,
     progress: Progress | None,
-) -> Triangulation:
+) -> dict[str, Any]:
     """Triangulate the planar points; a row whose height is not finite counts as not finite.
 
-    `delaunay` checks the planar coordinates itself, so only the heights are checked here. If one is
+    `solve` checks the planar coordinates itself, so only the heights are checked here. If one is
     not finite, the planar coordinates are copied to mark that row.
     """
     if not np.isfinite(heights).all():
@@ -205,12 +202,12 @@ def _solve(
         planar = planar.copy()
         planar[~np.isfinite(heights)] = np.nan
     try:
-        solution = delaunay(planar, **options, progress=progress)
+        solution = solve(planar, **options, progress=progress)
     except NonFiniteError:
         if np.isfinite(planar).all():
             raise  # not about these points: raised by `progress`
         raise _nonfinite_error(points, planar, heights) from None
-    _refuse_overflow(points, solution.skipped)
+    _refuse_overflow(points, solution["skipped"])
     return solution
 
 
@@ -237,14 +234,18 @@ def _overflow(row: int, points: Floats) -> InputError:
     )
 
 
-def _faces(solution: Triangulation, choice: Choice) -> Rows:
-    """Replace kept rows by chosen rows; return the same array if there is no change."""
+def _chosen(solution: dict[str, Any], choice: Choice) -> dict[str, Any]:
+    """Replace kept rows by chosen rows; return the same arrays if there is no change."""
     changed = choice.kept != choice.chosen
     if not changed.any():
-        return solution.simplices
-    vertex_of = np.arange(solution.npoints, dtype=np.int32)
+        return solution
+    vertex_of = np.arange(len(solution["points"]), dtype=np.int32)
     vertex_of[choice.kept[changed]] = choice.chosen[changed]
-    return vertex_of[solution.simplices]
+    return solution | {
+        "simplices": vertex_of[solution["simplices"]],
+        "hull": vertex_of[solution["hull"]],
+        "duplicates": np.stack([choice.left_out, choice.representatives], axis=1),
+    }
 
 
 def _vertices(points: Floats, heights: Floats, frame: Frame, choice: Choice) -> Floats:
@@ -258,19 +259,20 @@ def _vertices(points: Floats, heights: Floats, frame: Frame, choice: Choice) -> 
 
 
 def _report(
-    solution: Triangulation, choice: Choice, policy: str, seconds: dict[str, float]
+    triangulation: Triangulation, choice: Choice, policy: str, seconds: dict[str, float]
 ) -> Report:
     overhangs = int(np.count_nonzero(choice.overhanging))
-    left_out = np.concatenate([choice.left_out, solution.skipped])
-    representatives = np.concatenate([choice.representatives, np.full_like(solution.skipped, -1)])
+    skipped = triangulation.skipped
+    left_out = np.concatenate([choice.left_out, skipped])
+    representatives = np.concatenate([choice.representatives, np.full_like(skipped, -1)])
     order = np.argsort(left_out)
     return Report(
-        rows=solution.npoints,
-        used=solution.npoints - len(left_out),
+        rows=triangulation.npoints,
+        used=triangulation.npoints - len(left_out),
         duplicates=len(choice.left_out) - overhangs,
         overhangs=overhangs,
-        skipped=len(solution.skipped),
-        triangles=len(solution.simplices),
+        skipped=len(skipped),
+        triangles=triangulation.nsimplex,
         policy=policy,
         seconds=seconds,
         left_out=left_out[order],

@@ -6,6 +6,7 @@ so that each call computes them anew.
 
 from __future__ import annotations
 
+import copy
 import io
 import zipfile
 from collections.abc import Callable, Iterator
@@ -56,6 +57,29 @@ def on_triangulation(call: Callable[[Triangulation], object]) -> Prepare:
         return Work(lambda: call(found), len(points))
 
     return prepare
+
+
+def on_scipys(call: Callable[[liftmesh.Delaunay], object]) -> Prepare:
+    """Prepare a call on a fresh triangulation of SciPy's class."""
+
+    def prepare(points: Points) -> Work:
+        found = liftmesh.Delaunay(points)
+        return Work(lambda: call(copy.copy(found)), len(points))
+
+    return prepare
+
+
+def sorted_first(found: liftmesh.Delaunay) -> object:
+    """Find the neighbours of vertices after the caller has sorted the corners."""
+    found.simplices = np.sort(found.simplices)
+    return found.vertex_neighbor_vertices
+
+
+def grown_by_half(points: Points) -> Work:
+    """Prepare the addition of the second half of the points to the first."""
+    half = len(points) // 2
+    found = liftmesh.Delaunay(points[:half], incremental=True)
+    return Work(lambda: copy.copy(found).add_points(points[half:]), len(points))
 
 
 def on_hull(call: Callable[[liftmesh.LowerHull], object]) -> Prepare:
@@ -227,6 +251,16 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     for method in ("lf", "lfres", "lfres-indexed"):
         yield f"delaunay by {method}", PLANAR, delaunay(method=method), ("uniform",), 8
     yield "Delaunay", PLANAR, on_points(liftmesh.Delaunay), PLAIN
+    for name in ("coplanar", "good", "vertex_neighbor_vertices"):
+        yield f"Delaunay.{name}", PLANAR, on_scipys(lambda tri, name=name: getattr(tri, name)), ()
+    yield (
+        "Delaunay.vertex_neighbor_vertices of sorted corners",
+        PLANAR,
+        on_scipys(sorted_first),
+        PLAIN,
+    )
+    yield "Delaunay.add_points", PLANAR, grown_by_half, PLAIN
+    yield "Delaunay.close", PLANAR, on_scipys(liftmesh.Delaunay.close), ()
     yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT)
     for way in (shuffled, unshared, wrong):
         yield f"verify {way.__name__}", PLANAR, verified(way), (*PLAIN, "polar scan")

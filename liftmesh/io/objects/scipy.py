@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from liftmesh._typing import Floats
+from liftmesh._typing import Floats, Rows
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
 
 _SHARED = (
-    "simplices",
-    "neighbors",
     "equations",
     "coplanar",
     "good",
@@ -33,9 +31,20 @@ _SHARED = (
 class Triangulated(Protocol):
     """An object with SciPy's attributes, such as `liftmesh.Triangulation`."""
 
+    simplices: Rows
+    neighbors: Rows
+
     @property
     def points(self) -> Floats:
         """(n, 2) coordinates."""
+
+    @property
+    def transform(self) -> Floats:
+        """(m, 3, 2) barycentric transforms."""
+
+    @property
+    def vertex_to_simplex(self) -> Rows:
+        """(n,) triangles at the rows."""
 
 
 def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
@@ -44,7 +53,8 @@ def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
     Parameters
     ----------
     triangulation : Triangulated
-        Its arrays are shared, not copied, if SciPy can use them as they are.
+        Its arrays are shared if SciPy can use them as they are; the triangles and their neighbours,
+        to which SciPy's users write, are copied.
 
     Returns
     -------
@@ -61,10 +71,12 @@ def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
     result = made.__new__(made)
     result.__dict__.update({name: getattr(triangulation, name) for name in _SHARED})
     result.__dict__.update(
+        simplices=triangulation.simplices.copy(),
+        neighbors=triangulation.neighbors.copy(),
         _points=np.ascontiguousarray(triangulation.points),
         _qhull=None,
-        _transform=None,
-        _vertex_to_simplex=None,
+        _transform=triangulation.transform,
+        _vertex_to_simplex=triangulation.vertex_to_simplex,
         _vertex_neighbor_vertices=None,
     )
     return result

@@ -1,0 +1,244 @@
+"""`Delaunay`: a `Triangulation` that is also a ``scipy.spatial.Delaunay``.
+
+SciPy's interpolators, and many libraries, ask for an instance of SciPy's class, and read its
+attributes in compiled code: C-contiguous arrays of float64 and int32. This class inherits from both
+and has these attributes, but never runs Qhull. What SciPy's class computes when it is made is an
+ordinary attribute, which a caller may replace; what it computes on first access comes from
+`Triangulation`, and is computed from the triangles as the caller may have rewritten them.
+
+Callers write to ``simplices`` (``tri.simplices.sort()``). Point location must not see that, so it
+has the kernel's arrays, and the caller has copies.
+
+SciPy is imported with this module, which is when ``liftmesh.Delaunay`` is first asked for.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Rows
+from liftmesh.arrays import as_coordinates, check_finite
+from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.optional import load
+from liftmesh.planar.delaunay import solve
+from liftmesh.planar.qhull_options import check_qhull_options
+from liftmesh.planar.triangulation import Triangulation
+
+if TYPE_CHECKING:
+    from scipy import spatial
+else:
+    spatial = load("scipy.spatial")
+
+
+class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]
+    """No triangle exists: a `DegenerateInputError` for code that expects SciPy's QhullError."""
+
+
+class NotIncrementalError(InputError, RuntimeError):
+    """Points were added to a triangulation that is finished: a RuntimeError in SciPy."""
+
+
+class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
+    """Drop-in replacement for ``scipy.spatial.Delaunay``, and an instance of it.
+
+    SciPy's interpolators, ``tsearch`` and ``delaunay_plot_2d`` take it. Differences from SciPy: the
+    triangulation is exact and canonical, and so is `find_simplex`; points are planar only;
+    ``points`` is read-only. As with SciPy, ``simplices`` and ``neighbors`` may be written to or
+    replaced; `find_simplex` keeps to the triangulation as it was computed.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points.
+    furthest_site : bool, default False
+        Must be False.
+    incremental : bool, default False
+        Whether points can be added, by `add_points`, until `close` is called.
+    qhull_options : str, optional
+        Options of Qhull. Those that serve its rounding or its output have no effect; those that
+        would change the triangulation raise an error. ``coplanar`` is filled without ``Qc``, too.
+    copy : bool, default False
+        Whether to copy the points first, as for `delaunay`; `incremental` always does.
+
+    Raises
+    ------
+    InputError
+        As for `delaunay`, or an option is set that liftmesh does not support.
+    NonFiniteError
+        A row is not finite.
+    DegenerateInputError
+        There are fewer than three distinct points, or all lie on one line. The error is a
+        ``scipy.spatial.QhullError`` too.
+
+    Examples
+    --------
+    >>> tri = Delaunay(np.array([[0, 0], [0, 1.1], [1, 0], [1, 1]]))
+    >>> tri.find_simplex([(0.1, 0.2), (1.5, 0.5)]) >= 0
+    array([ True, False])
+    >>> from scipy.interpolate import LinearNDInterpolator
+    >>> float(LinearNDInterpolator(tri, [0.0, 1.1, 2.0, 3.0])(0.5, 0.25))
+    1.25
+    """
+
+    npoints = 0
+    nsimplex = 0
+    _can_grow = False
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: str | None = None,
+        *,
+        copy: bool = False,
+    ) -> None:
+        if furthest_site:
+            raise InputError("furthest_site=True is not available: use scipy.spatial.Delaunay")
+        check_qhull_options(qhull_options)
+        self._triangulate(_planar(points), copy=copy or incremental)
+        self._can_grow = bool(incremental)
+
+    def _triangulate(self, rows: Floats, *, copy: bool) -> None:
+        try:
+            solution = solve(rows, copy=copy)
+        except DegenerateInputError as error:
+            raise DegenerateQhullError(*error.args) from None
+        for name in _COMPUTED_LATER:
+            self.__dict__.pop(name, None)
+        self._exact = solution["simplices"], solution["neighbors"]
+        own = {name: solution[name].copy() for name in ("simplices", "neighbors")}
+        super().__init__(**(solution | own))
+        self.npoints = len(solution["points"])
+        self.nsimplex = len(self.simplices)
+
+    def _protect(self) -> None:
+        for array in (*self._exact, self._hull, self.duplicates, self.skipped):
+            array.setflags(write=False)
+
+    def add_points(
+        self,
+        points: ArrayLike,
+        restart: bool = False,  # noqa: ARG002 - part of SciPy's signature
+    ) -> None:
+        """Add points, in the incremental mode.
+
+        Their rows follow those that are there. All attributes are new afterwards; what they were
+        before stays with those who hold it. If there is an error, nothing has changed.
+
+        Parameters
+        ----------
+        points : array_like of shape (k, 2)
+            Planar points.
+        restart : bool, default False
+            Accepted for compatibility with SciPy, without effect.
+
+        Raises
+        ------
+        InputError
+            The triangulation was made without ``incremental=True``, or has been closed (the error
+            is a RuntimeError too); or `points` are not planar points.
+        NonFiniteError
+            A point is not finite: row 0 is the first of `points`.
+
+        Notes
+        -----
+        All points are triangulated anew, in O(n log n) for n points in all, however few are added:
+        0.2 s for a million. So add points in large groups.
+
+        Examples
+        --------
+        >>> tri = Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> tri.add_points([[2, 2], [1, 1]])
+        >>> tri.npoints, tri.nsimplex
+        (5, 4)
+        """
+        if not self._can_grow:
+            raise NotIncrementalError(
+                "points can be added only to a triangulation made with incremental=True, until "
+                "it is closed"
+            )
+        added = _planar(points)
+        check_finite(added, skippable=False)
+        if len(added):
+            self._triangulate(np.concatenate([self._rows, added]), copy=False)
+
+    def close(self) -> None:
+        """End the incremental mode: afterwards no points can be added.
+
+        Examples
+        --------
+        >>> tri = Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> tri.close()
+        """
+        self._can_grow = False
+
+    @cached_property
+    def coplanar(self) -> Rows:
+        """The duplicates, (k, 3) int32: row, a triangle at the row, row kept.
+
+        In the order of the triangles, then of the rows.
+        """
+        return super().coplanar
+
+    @cached_property
+    def good(self) -> Rows:
+        """Ones, (m,) int32: SciPy's mark of triangles that `qhull_options` did not exclude."""
+        return super().good
+
+    @cached_property
+    def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
+        """The neighbours of each row: indptr, (n + 1,) int32, and indices, int32.
+
+        Those of row i are ``indices[indptr[i]:indptr[i + 1]]``.
+        """
+        if np.array_equal(self.simplices, self._exact[0]):
+            return super().vertex_neighbor_vertices
+        return _neighbors_in(self.simplices, self.npoints)
+
+    @cached_property
+    def _locator(self) -> _kernel.Locator:
+        return _kernel.Locator(self._rows, *self._exact)
+
+
+_COMPUTED_LATER = [
+    name
+    for kind in (Triangulation, Delaunay)
+    for name, member in vars(kind).items()
+    if isinstance(member, cached_property)
+]
+
+
+def _planar(points: ArrayLike) -> Floats:
+    """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
+    with suppress(ValueError):  # of rows that differ in length, which the conversion names
+        points = np.asanyarray(points)
+    _refuse_space(getattr(points, "shape", ()))
+    rows = as_coordinates(points)
+    return np.ascontiguousarray(rows, dtype=np.float64)
+
+
+def _refuse_space(shape: tuple[int, ...]) -> None:
+    """Raise for points of more than two columns, unless rows and columns seem exchanged."""
+    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 2 or shape[1] == 3):
+        raise InputError(
+            f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
+            "points[:, :2] to triangulate their first two, or use scipy.spatial.Delaunay for "
+            f"simplices in {shape[1]} dimensions"
+        )
+
+
+def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:
+    """Return the neighbours of each row in any triangles, as SciPy does."""
+    start = simplices[:, [0, 1, 2, 0, 1, 2]].reshape(-1).astype(np.int64)
+    end = simplices[:, [1, 2, 0, 2, 0, 1]].reshape(-1)
+    pairs = np.unique(start << 32 | end)
+    indptr = np.zeros(npoints + 1, dtype=np.int32)
+    np.cumsum(np.bincount(pairs >> 32, minlength=npoints), out=indptr[1:])
+    return indptr, (pairs & 0xFFFFFFFF).astype(np.int32)

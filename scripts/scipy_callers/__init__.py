@@ -1,0 +1,1 @@
+"""Libraries that call ``scipy.spatial.Delaunay``, run with SciPy's class and with liftmesh's."""
