@@ -7,7 +7,10 @@ from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 
 
@@ -36,7 +39,7 @@ class Cloud:
     Raises
     ------
     InputError
-        An array does not have one row per point, or ``crs`` is not a string.
+        An array does not have one row per point, or a part has another type.
 
     Examples
     --------
@@ -55,9 +58,17 @@ class Cloud:
     crs: str | None = None
 
     def __post_init__(self) -> None:
+        _check_array("points", self.points)
         if self.points.ndim != 2 or self.points.shape[1] != 3:
             raise InputError(f"a cloud needs points of shape (n, 3), not {self.points.shape}")
+        if self.points.dtype.kind not in "fiu":
+            raise InputError(f"a cloud needs points of float64, not of {self.points.dtype}")
+        for name in ("attributes", "metadata"):
+            _check_mapping(name, getattr(self, name))
+        if self.faces is not None:
+            _check_array("faces", self.faces)
         for name, values in self._per_row():
+            _check_array(name, values)
             if len(values) != len(self.points):
                 raise InputError(
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
@@ -87,6 +98,11 @@ class Cloud:
         Cloud
             The selected rows in the given order; slices share memory with this cloud.
 
+        Raises
+        ------
+        InputError
+            There are no such rows.
+
         Examples
         --------
         >>> import numpy as np
@@ -94,9 +110,15 @@ class Cloud:
         array([[0., 1., 0.],
                [0., 0., 1.]])
         """
+        try:
+            points = self.points[which]
+        except (IndexError, TypeError, ValueError) as error:
+            raise InputError(
+                f"rows {shown(which)} cannot be selected of {len(self)}: {error}"
+            ) from error
         return replace(
             self,
-            points=self.points[which],
+            points=points,
             colors=None if self.colors is None else self.colors[which],
             normals=None if self.normals is None else self.normals[which],
             attributes={name: values[which] for name, values in self.attributes.items()},
@@ -106,6 +128,23 @@ class Cloud:
     def _per_row(self) -> list[tuple[str, Array]]:
         named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]
         return [(name, values) for name, values in named if values is not None]
+
+
+def _check_array(name: str, values: object) -> None:
+    if not isinstance(values, np.ndarray):
+        raise InputError(
+            f"{name} of a cloud are a {type(values).__name__}: give a NumPy array; "
+            "liftmesh.as_cloud takes lists and other objects of points"
+        )
+    if values.ndim == 0:
+        raise InputError(f"{name} of a cloud are one value: give an array of one row per point")
+
+
+def _check_mapping(name: str, values: object) -> None:
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"{name} of a cloud are a {type(values).__name__}: give a dict of names and values"
+        )
 
 
 def is_crs(value: object) -> bool:

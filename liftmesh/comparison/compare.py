@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from time import perf_counter
 from types import MappingProxyType
 from typing import Literal
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex
 from liftmesh.arrays import used_rows
-from liftmesh.choices import NonFinite
+from liftmesh.choices import NonFinite, as_count, check_option
 from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.evidence import Evidence
@@ -77,6 +78,7 @@ def compare(
     >>> result.verdict, result.identical
     ('identical', 4)
     """
+    most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
     triangulation, seconds = _triangulate(source, plane, nonfinite)
     triangles = triangulation.simplices
     rows = used_rows(triangulation.npoints, triangles)
@@ -99,7 +101,7 @@ def compare(
         lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
         coincident=hull.coincident,
         violations=len(cells.violations),
-        proofs=() if hull.error else tuple(evidence.proofs(max_proofs)),
+        proofs=() if hull.error else tuple(evidence.proofs(most)),
         seconds=MappingProxyType({"liftmesh": seconds, "trimesh": hull.seconds}),
         error=hull.error,
     )
@@ -109,6 +111,7 @@ def _triangulate(
     source: object, plane: ArrayLike, nonfinite: NonFinite
 ) -> tuple[Triangulation, float]:
     """Return the triangulation and its time; a given one is recomputed to measure the time."""
+    check_option("nonfinite", nonfinite, NonFinite)
     if isinstance(source, Surface):
         source = source.triangulation
     if isinstance(source, Triangulation):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import io
-import operator
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,7 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
-from liftmesh.errors import FormatError, InputError
+from liftmesh.choices import as_count
+from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
@@ -166,7 +166,7 @@ def read_chunks(
     >>> [len(chunk) for chunk in read_chunks(table, rows=2, format="xyz")]
     [2, 1]
     """
-    rows = _positive(rows, "rows")
+    rows = as_count("rows", rows, 1)
     name = _name(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
@@ -278,16 +278,6 @@ def write(
     return Written(Path(target), found.name, size, origin, lost)
 
 
-def _positive(value: Any, what: str) -> int:
-    try:
-        count = 0 if isinstance(value, bool) else operator.index(value)
-    except TypeError:
-        count = 0
-    if count < 1:
-        raise InputError(f"{what} is {value!r}: give a whole number from 1")
-    return count
-
-
 def _chunks(
     source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
 ) -> Iterator[Cloud]:
@@ -340,7 +330,7 @@ def _limited(
     reader: Callable[..., Read], found: Format, max_bytes: int | None
 ) -> Callable[..., Read]:
     """Set the limit of a reader, if its format expands; others take none."""
-    limit = None if max_bytes is None else _positive(max_bytes, "max_bytes")
+    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
     return partial(reader, max_bytes=limit) if found.expands else reader
 
 

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 import numpy as np
 
+from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.interruption import deferred, kept
@@ -151,13 +152,15 @@ def find_format(wanted: str, name: str) -> Format:
     Raises
     ------
     FormatError
-        No format has this name or suffix, or its plugin cannot be loaded.
+        No format has this name or suffix, it is no string, or its plugin cannot be loaded.
 
     Examples
     --------
     >>> find_format(".CSV", "points.csv").name
     'text'
     """
+    if not isinstance(wanted, str):
+        raise FormatError(f"format is {shown(wanted)}: give a name or suffix, such as 'ply'")
     key = wanted.lower().removeprefix(".")
     for each in FORMATS:
         if key == each.name or f".{key}" in each.suffixes:
@@ -229,6 +232,8 @@ def _unsupported(source: object) -> UnsupportedTypeError:
         f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
         "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
+    if isinstance(source, Iterator):
+        message += "; what has no length becomes a list first: list(rows)"
     broken = _installed_adapters()[1]
     if broken:
         message += f"; adapters that cannot be loaded: {'; '.join(broken)}"

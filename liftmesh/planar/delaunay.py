@@ -13,16 +13,18 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import Method, NonFinite, RowOrder, check_option
+from liftmesh.choices import Method, NonFinite, RowOrder, as_switch, check_option, check_progress
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.shapes import of_one_array
 from liftmesh.threads import as_threads
 
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
 
 
+@of_one_array
 def delaunay(
     points: ArrayLike,
     *,
@@ -150,7 +152,7 @@ class Delaunay(Triangulation):
         copy: bool = False,
     ) -> None:
         for option, asked in {"furthest_site": furthest_site, "incremental": incremental}.items():
-            if asked:
+            if as_switch(option, asked):
                 raise InputError(f"{option}=True is not available: use scipy.spatial.Delaunay")
         rows = as_coordinates(points)
         if rows.shape[1] == 3:
@@ -174,8 +176,10 @@ def _solve(
     check_option("method", method, Method)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("order", order, RowOrder)
+    check_progress(progress)
+    is_copied = as_switch("copy", copy)
     rows = as_coordinates(points)
-    planar = rows[:, :2].copy() if copy else rows[:, :2]
+    planar = rows[:, :2].copy() if is_copied else rows[:, :2]
     run = (planar, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
     outcome, counters = _run(run, method, q, planar)
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
@@ -211,8 +215,9 @@ def _run(
 def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> DegenerateInputError:
     held = f"{len(rows)} rows" + (f", {skipped} of them skipped as not finite," if skipped else "")
     if distinct < 3:
+        columns = "; if these are columns, give points.T" if rows.shape == (2, 3) else ""
         return DegenerateInputError(
-            f"{held} hold {distinct} distinct planar points: a triangle needs three"
+            f"{held} hold {distinct} distinct planar points: a triangle needs three{columns}"
         )
     first, last = int(hull[0]), int(hull[len(hull) // 2])
     return DegenerateInputError(

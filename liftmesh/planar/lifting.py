@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_coordinates, as_rows3
+from liftmesh.arrays import as_coordinates, as_reals, as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
 
@@ -85,7 +85,7 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
     try:
         with np.errstate(all="ignore"):
-            pair = np.asarray(q, dtype=np.float64)
+            pair = as_reals(q)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)") from error
     if pair.shape != (2,) or not np.isfinite(pair).all():

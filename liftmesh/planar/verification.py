@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import NonFinite, check_option
+from liftmesh.choices import NonFinite, check_option, check_progress
 from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, Offender
 from liftmesh.predicates import incircle, orient2d
@@ -129,6 +129,7 @@ def verify(
     not valid: 1 row has no vertex; first: row 4 (0.5, 0.25) is not a vertex, and no vertex is ...
     """
     check_option("nonfinite", nonfinite, NonFinite)
+    check_progress(progress)
     rows = as_coordinates(points)
     given = _as_triples(simplices)
     corners = _as_int32(given)
@@ -153,9 +154,10 @@ def _as_triples(simplices: ArrayLike) -> Array:
         return array
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int32)
+    remedy = "give simplices.T" if array.ndim == 2 and len(array) == 3 else _REMEDY
     raise InputError(
         f"simplices need the shape (m, 3) and 64-bit integers, not {array.shape} of "
-        f"{array.dtype}: {_REMEDY}"
+        f"{array.dtype}: {remedy}"
     )
 
 

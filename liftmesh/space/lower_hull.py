@@ -17,12 +17,14 @@ from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import LowerHull
+from liftmesh.shapes import of_one_array
 
 # Salts the order in which points are inserted: nobody can make an input that is slow in every
 # process. No result depends on it.
 _SECRET = int.from_bytes(os.urandom(8), "little")
 
 
+@of_one_array
 def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     """Compute the lower convex hull of points in space, exact for every finite double.
 
@@ -92,7 +94,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
 
 def _check_hull_method(method: str) -> None:
     known = get_args(HullMethod)
-    if method in get_args(Method) and method not in known:
+    if isinstance(method, str) and method in get_args(Method) and method not in known:
         raise InputError(
             f"method {method!r} is for planar points only, which it lifts itself: use "
             f"liftmesh.delaunay(points, method={method!r}), or one of "

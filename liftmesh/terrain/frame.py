@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
+from liftmesh.arrays import as_coordinates, as_reals
 from liftmesh.errors import DegenerateInputError, InputError
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
@@ -80,11 +81,17 @@ class Frame:
         (n, 2) ndarray of float64
             For ``"xy"`` a view of the first two columns; rounded products otherwise.
 
+        Raises
+        ------
+        InputError
+            The rows are not in space.
+
         Examples
         --------
         >>> resolve_plane("xy", np.zeros((0, 3))).planar(np.array([[1.0, 2.0, 3.0]]))
         array([[1., 2.]])
         """
+        points = _rows(points)
         if self.name == "xy":
             return points[:, :2]
         planar = np.empty((len(points), 2))
@@ -105,11 +112,17 @@ class Frame:
         (n,) ndarray of float64
             For ``"xy"`` a view of the third column; rounded products otherwise.
 
+        Raises
+        ------
+        InputError
+            The rows are not in space.
+
         Examples
         --------
         >>> resolve_plane("xy", np.zeros((0, 3))).heights(np.array([[1.0, 2.0, 3.0]]))
         array([3.])
         """
+        points = _rows(points)
         if self.name == "xy":
             return points[:, 2]
         heights = np.empty(len(points))
@@ -131,12 +144,21 @@ class Frame:
         (n, 3) ndarray of float64
             New rows. For ``"xy"`` z is ``new``, and x and y are the same bit for bit.
 
+        Raises
+        ------
+        InputError
+            The rows are not in space, or there is not one height of each kind for each.
+
         Examples
         --------
         >>> frame = resolve_plane("xy", np.zeros((0, 3)))
         >>> frame.raised(np.array([[1.0, 2.0, 3.0]]), np.array([3.0]), np.array([9.0]))
         array([[1., 2., 9.]])
         """
+        points = _rows(points)
+        shapes = [getattr(heights, "shape", None) for heights in (old, new)]
+        if shapes != [(len(points),)] * 2:
+            raise InputError(f"{len(points)} rows need arrays of as many heights, not {shapes}")
         if self.name == "xy":
             return np.column_stack([points[:, :2], new])
         return points + (new - old)[:, None] * self.normal
@@ -155,6 +177,14 @@ class Frame:
             total = part if total is None else total + part
         result: Floats = total
         return result
+
+
+def _rows(points: Floats) -> Floats:
+    """Check rows in space; an array of float64 is returned itself."""
+    rows = as_coordinates(points)
+    if rows.shape[1] != 3:
+        raise InputError("points have two columns: a projection needs x, y and z")
+    return rows.astype(np.float64, copy=False)
 
 
 def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
@@ -216,7 +246,7 @@ def _numbers(plane: ArrayLike) -> Floats:
     remedy = "give 'xy', 'fit', a normal of three numbers or a rigid 4x4 matrix"
     try:
         with np.errstate(all="ignore"):
-            values = np.asarray(plane, dtype=np.float64)
+            values = as_reals(plane)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"plane cannot be read as numbers ({error}): {remedy}") from error
     if values.shape not in ((3,), (4, 4)):

@@ -16,10 +16,11 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.arrays import check_finite, non_finite, read_only
-from liftmesh.choices import Duplicates, Method, NonFinite, check_option
+from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.shapes import of_one_array
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.surface import Report, Surface
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
 
 
+@of_one_array
 def triangulate(
     cloud: object,
     *,
@@ -113,6 +115,7 @@ def triangulate(
     check_option("duplicates", duplicates, Duplicates)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("method", method, Method)
+    check_progress(progress)
     stages = _Stages(progress)
     source = read_cloud(cloud)
     stages.finish("read")
