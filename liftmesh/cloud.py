@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from types import MappingProxyType
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
+from liftmesh.frozen import FrozenDict, constructed_from
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,8 +76,8 @@ class Cloud:
                 )
         if self.crs is not None and not is_crs(self.crs):
             raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
-        object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
-        object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
+        object.__setattr__(self, "attributes", FrozenDict(self.attributes))
+        object.__setattr__(self, "metadata", FrozenDict(self.metadata))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
@@ -154,29 +154,3 @@ def is_crs(value: object) -> bool:
     (True, False)
     """
     return isinstance(value, str) and bool(value) and "\0" not in value
-
-
-def constructed_from(result: Any) -> tuple[Any, ...]:
-    """Pickle a frozen dataclass by its class and fields, read-only mappings as dictionaries.
-
-    Parameters
-    ----------
-    result : dataclass instance
-        All its fields are arguments of its constructor.
-
-    Returns
-    -------
-    tuple
-        The value for ``__reduce__`` to return.
-
-    Examples
-    --------
-    >>> import copy
-    >>> import numpy as np
-    >>> copy.deepcopy(Cloud(np.zeros((1, 3)), metadata={"epsg": 25832})).metadata["epsg"]
-    25832
-    """
-    values = (getattr(result, each.name) for each in fields(result))
-    return type(result), tuple(
-        dict(value) if isinstance(value, MappingProxyType) else value for value in values
-    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from time import perf_counter
-from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -102,7 +101,7 @@ def compare(
         coincident=hull.coincident,
         violations=len(cells.violations),
         proofs=() if hull.error else tuple(evidence.proofs(most)),
-        seconds=MappingProxyType({"liftmesh": seconds, "trimesh": hull.seconds}),
+        seconds={"liftmesh": seconds, "trimesh": hull.seconds},
         error=hull.error,
     )
 

@@ -25,6 +25,7 @@ import numpy as np
 from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
+from liftmesh.frozen import freeze
 from liftmesh.interruption import deferred, kept
 from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
 from liftmesh.io.format import ChunkReader, Format
@@ -187,7 +188,8 @@ def as_cloud(source: Any) -> Cloud:
     -------
     Cloud
         One row per point, in the order of ``source``; rows of two coordinates get z = 0. Float64
-        coordinates are shared with ``source`` where that is safe.
+        coordinates are shared with ``source`` where that is safe; the arrays are read-only, unless
+        ``source`` is a `Cloud`, which is returned itself.
 
     Raises
     ------
@@ -214,6 +216,9 @@ def as_cloud(source: Any) -> Cloud:
 
 def _checked(cloud: object, adapter: Adapter, source: object) -> Cloud:
     if isinstance(cloud, Cloud):
+        if cloud is not source:
+            cloud = replace(cloud)
+            freeze(cloud)  # its arrays may be those of the source
         return cloud
     raise UnsupportedTypeError(
         f"the adapter {adapter.name!r} makes a {qualified_name(cloud)} of a "

@@ -17,6 +17,7 @@ from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_coordinates, as_reals, as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
+from liftmesh.frozen import constructed_from, freeze
 
 if TYPE_CHECKING:
     import trimesh
@@ -166,7 +167,7 @@ def project(points: ArrayLike) -> Floats:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LowerHull:
-    """The lower convex hull of points in space, as a mesh.
+    """The lower convex hull of points in space, as a mesh. Its arrays are read-only.
 
     Parameters
     ----------
@@ -195,6 +196,12 @@ class LowerHull:
     q: tuple[float, float] | None = None
     neighbors: Rows | None = None
     counters: Counters | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
 
     @property
     def above(self) -> Rows:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
-from liftmesh.arrays import as_coordinates, as_rows3, check_finite, read_only
+from liftmesh.arrays import as_coordinates, as_rows3, check_finite
 from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
@@ -89,7 +89,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     if status != "ok":
         raise _degenerate(distinct, boundary)
     counters = Counters.from_kernel(counts) if method == "lf" else None
-    return LowerHull(read_only(as_rows3(rows)), faces, neighbors=neighbors, counters=counters)
+    return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
 
 
 def _check_hull_method(method: str) -> None:

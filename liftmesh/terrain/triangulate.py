@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import check_finite, non_finite, read_only
+from liftmesh.arrays import check_finite, non_finite
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
@@ -85,7 +85,7 @@ def triangulate(
         All rows as vertices, in their order; faces, counter-clockwise seen from above; colours,
         normals and named values; and a report on the use of every row. If the cloud's points are
         float64, the surface shares their memory: do not write to them while it is in use, or give
-        a copy.
+        a copy. The surface's own arrays are read-only.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def triangulate(
     vertices = _vertices(source.points, heights, frame, choice)
     stages.finish("heights")
     surface = Surface(
-        vertices=read_only(vertices),  # they may be the caller's
+        vertices=vertices,
         faces=faces,
         triangulation=solution,
         frame=frame,

@@ -296,6 +296,10 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Surface.{name}", SPATIAL, on_surface(call), TERRAIN
     for name in ("to_open3d", "to_open3d_t"):  # Open3D takes minutes to import under callgrind
         yield f"Surface.{name}", SPATIAL, on_surface(getattr(liftmesh.Surface, name)), ()
+    halved = on_surface(lambda surface: surface.replace(vertices=surface.vertices / 2))
+    yield "Surface.replace", SPATIAL, halved, TERRAIN
+    named = on_surface(lambda surface: surface.with_attributes(z=surface.vertices[:, 2]))
+    yield "Surface.with_attributes", SPATIAL, named, TERRAIN
     yield "Surface.save", SPATIAL, on_surface(saved), TERRAIN
     yield "Cloud", SPATIAL, on_points(Cloud), TERRAIN
     yield "Cloud.select", SPATIAL, halves, TERRAIN
