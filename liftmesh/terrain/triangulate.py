@@ -9,6 +9,7 @@ order: the selection concerns the faces only.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
@@ -23,6 +24,7 @@ from liftmesh.planar.delaunay import delaunay
 from liftmesh.shapes import of_one_array
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane
+from liftmesh.terrain.parts import with_parts
 from liftmesh.terrain.surface import Report, Surface
 
 if TYPE_CHECKING:
@@ -34,9 +36,13 @@ DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.9
 
 
 @of_one_array
-def triangulate(
+def triangulate(  # noqa: PLR0913 - options are keywords
     cloud: object,
     *,
+    colors: ArrayLike | None = None,
+    normals: ArrayLike | None = None,
+    attributes: Mapping[str, ArrayLike] | None = None,
+    crs: str | None = None,
     plane: Literal["xy", "fit"] | ArrayLike = "xy",
     duplicates: Duplicates = "first",
     nonfinite: NonFinite = "error",
@@ -53,6 +59,15 @@ def triangulate(
         An array-like of shape (n, 3), or (n, 2) for z = 0; a ``trimesh.PointCloud`` or
         ``trimesh.Trimesh`` (its vertices); an Open3D point cloud, legacy or tensor; a path; a
         `Cloud`; or an object that an installed adapter accepts. Never modified.
+    colors : (n, 3) or (n, 4) array_like, optional
+        Colours of the rows, in place of those of the cloud: unsigned integers over their full
+        range, integers from 0 to 255, or floats from 0 to 1.
+    normals : (n, 3) array_like, optional
+        Normals of the rows, in place of those of the cloud.
+    attributes : mapping of str to (n, ...) array_like, optional
+        Further named values of the rows, in place of those of the same name.
+    crs : str, optional
+        The coordinate reference system, in place of that of the cloud: WKT or ``EPSG:n``.
     plane : "xy", "fit", (3,) or (4, 4) array-like
         Projection plane: the xy plane; the least squares plane (its normal has n_z > 0; if zero,
         n_y > 0, then n_x > 0); a normal; or the rigid transformation from space to plane
@@ -90,7 +105,8 @@ def triangulate(
     Raises
     ------
     InputError
-        An option is unknown, or the cloud has the wrong shape or type.
+        An option is unknown, or the cloud, colours, normals or named values have the wrong shape or
+        type.
     NonFiniteError
         A row is not finite and ``nonfinite`` is ``"error"``.
     DuplicateHeightError
@@ -111,13 +127,17 @@ def triangulate(
     (2, 3)
     >>> surface.report.overhangs, surface.report.left_out
     (1, array([4], dtype=int32))
+    >>> corners = [[0, 0, 5], [4, 0, 6], [0, 3, 7]]
+    >>> triangulate(corners, attributes={"class": [2, 2, 6]}).attributes["class"]
+    array([2, 2, 6])
     """
     check_option("duplicates", duplicates, Duplicates)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("method", method, Method)
     check_progress(progress)
     stages = _Stages(progress)
-    source = read_cloud(cloud)
+    given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
+    source = with_parts(read_cloud(cloud), given)
     stages.finish("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit ignores such rows, and its errors would hide them

@@ -230,6 +230,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT)
     for way in (shuffled, unshared, wrong):
         yield f"verify {way.__name__}", PLANAR, verified(way), (*PLAIN, "polar scan")
+    yield "verify a mesh", PLANAR, on_triangulation(lambda t: liftmesh.verify(t, threads=1)), PLAIN
     yield "Certificate.to_json", PLANAR, certificate, ("uniform",)
     yield "Certificate.as_dict", PLANAR, certificate, ()
     for place in (near_the_middle, around_the_last_row, centroids):
