@@ -78,7 +78,10 @@ def test_without_a_command_comes_the_help():
         (["triangulate", "a.ply"], ["OUT"]),
         (["info", "a.ply", "--colour"], ["--colour"]),
         (["triangulate", "a.ply", "b.ply", "--duplicates", "some"], ["some", "first", "mean"]),
-        (["triangulate", "a.ply", "b.ply", "--plane", "up"], ["'up'", "xy, fit, NX,NY,NZ"]),
+        (
+            ["triangulate", "a.ply", "b.ply", "--plane", "up"],
+            ["'up'", "fit, NX,NY,NZ, A,B,C,D"],
+        ),
         (["triangulate", "a.ply", "b.ply", "--threads", "0"], ["--threads is 0", "from 1 to 1024"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "9999"], ["--threads is 9999"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "two"], ["--threads", "integer"]),

@@ -23,8 +23,9 @@ Plane: TypeAlias = Annotated[
     str,
     typer.Option(
         metavar="PLANE",
-        help="Projection plane: xy, fit (least squares), a normal NX,NY,NZ, or a file (text or "
-        ".npy) with the rigid 4x4 matrix from space to plane coordinates.",
+        help="Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
+        "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
+        "to plane coordinates.",
     ),
 ]
 SkipNonFinite: TypeAlias = Annotated[
@@ -56,7 +57,7 @@ def parse_plane(text: str) -> Any:
     Parameters
     ----------
     text : str
-        A name, three numbers separated by commas, or a path.
+        A name, three or four numbers separated by commas, or a path.
 
     Returns
     -------
@@ -73,9 +74,9 @@ def parse_plane(text: str) -> Any:
     >>> parse_plane("0,0,1")
     (0.0, 0.0, 1.0)
     """
-    if text in {"xy", "fit"}:
+    if text in {"xy", "xz", "yz", "fit"}:
         return text
-    numbers = _numbers(text, 3)
+    numbers = _numbers(text, 3) or _numbers(text, 4)
     return _matrix(Path(text)) if numbers is None else numbers
 
 
@@ -189,7 +190,7 @@ def _matrix(path: Path) -> Any:
     if not path.is_file():
         raise typer.BadParameter(
             f"--plane {str(path)!r} is neither a known name nor a file: "
-            "give xy, fit, NX,NY,NZ or a file with a 4x4 matrix"
+            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
         )
     try:
         matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)

@@ -21,7 +21,7 @@ from liftmesh.io.files import read_cloud
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import resolve_q
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.surface import Surface
 
 
@@ -29,7 +29,7 @@ def compare(
     source: object,
     *,
     q: ParaboloidVertex = "median",
-    plane: Literal["xy", "fit"] | ArrayLike = "xy",
+    plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     nonfinite: NonFinite = "error",
     max_proofs: int = 10,
 ) -> Comparison:

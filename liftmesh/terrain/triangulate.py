@@ -23,12 +23,13 @@ from liftmesh.io.files import read_cloud
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.shapes import of_one_array
 from liftmesh.terrain.equal_positions import Choice, choose_rows
-from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.parts import with_parts
+from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.surface import Report, Surface
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.terrain.frame import Frame
 
 
 # Fraction of the whole work that is done at the end of each stage.
@@ -43,7 +44,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     normals: ArrayLike | None = None,
     attributes: Mapping[str, ArrayLike] | None = None,
     crs: str | None = None,
-    plane: Literal["xy", "fit"] | ArrayLike = "xy",
+    plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     duplicates: Duplicates = "first",
     nonfinite: NonFinite = "error",
     method: Method = "auto",
@@ -68,11 +69,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         Further named values of the rows, in place of those of the same name.
     crs : str, optional
         The coordinate reference system, in place of that of the cloud: WKT or ``EPSG:n``.
-    plane : "xy", "fit", (3,) or (4, 4) array-like
-        Projection plane: the xy plane; the least squares plane (its normal has n_z > 0; if zero,
-        n_y > 0, then n_x > 0); a normal; or the rigid transformation from space to plane
-        coordinates, as ``trimesh.geometry.plane_transform`` returns it. Except for ``"xy"`` the
-        planar coordinates are rounded, and the result is exact for the rounded coordinates.
+    plane : "xy", "xz", "yz", "fit", (3,), (4,), (2, 3) or (4, 4) array-like
+        Projection plane: two of the axes (``"xz"`` is seen against y, with the height -y; ``"yz"``
+        has the height x); the least squares plane (its normal has n_z > 0; if zero, n_y > 0, then
+        n_x > 0); a normal; (a, b, c, d) of the plane ax + by + cz + d = 0; a point and a normal, as
+        ``trimesh.points.plane_fit`` returns them; or the rigid transformation from space to plane
+        coordinates, as ``trimesh.geometry.plane_transform`` returns it. Unless it is of two axes,
+        the planar coordinates are rounded, and the result is exact for the rounded coordinates.
     duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
         Policy for rows at one planar position with different heights: use the first or last row as
         the vertex; the lowest or highest one; the first one, moved to the mean of the different
