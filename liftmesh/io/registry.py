@@ -214,6 +214,37 @@ def as_cloud(source: Any) -> Cloud:
     return _checked(cloud, adapter, source)
 
 
+def rows_of(source: Any) -> Any:
+    """Return the points of a cloud or mesh; what NumPy makes an array of is returned as it is.
+
+    Parameters
+    ----------
+    source : object
+        Anything.
+
+    Returns
+    -------
+    (n, 3) ndarray of float64, or object
+        The points as `as_cloud` finds them, or the source itself.
+
+    Raises
+    ------
+    UnsupportedTypeError
+        It is a path.
+    InputError
+        As for `as_cloud`.
+
+    Examples
+    --------
+    >>> rows_of([[0, 0]]), rows_of(Cloud(np.zeros((1, 3))))
+    ([[0, 0]], array([[0., 0., 0.]]))
+    """
+    with kept():
+        adapter = next((each for each in _adapters() if each.accepts(source)), None)
+    is_plain = adapter is None or adapter.to_cloud is plain.from_array
+    return source if is_plain else as_cloud(source).points
+
+
 def _checked(cloud: object, adapter: Adapter, source: object) -> Cloud:
     if isinstance(cloud, Cloud):
         if cloud is not source:

@@ -17,6 +17,7 @@ from liftmesh.choices import Method, NonFinite, RowOrder, as_switch, check_optio
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
+from liftmesh.planar.meshes import rows_of
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.shapes import of_one_array
 from liftmesh.threads import as_threads
@@ -47,7 +48,8 @@ def delaunay(
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, n at most 357,913,941; a third column is ignored. float64 and float32 arrays
         of any strides are read in place; integers must be exactly representable as float64. Masked
-        entries count as not finite.
+        entries count as not finite. Of clouds and meshes of trimesh and Open3D, also as tensors,
+        and of a `Cloud`, x and y are taken.
     method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
         The algorithm. All give the same triangles; "auto" is divide and conquer. The others
         construct the lower hull of the lifted points facet by facet (gift wrapping): "lf" and
@@ -89,6 +91,8 @@ def delaunay(
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
+    UnsupportedTypeError
+        `points` is a path, or a column for each axis was given.
 
     Notes
     -----
@@ -106,7 +110,8 @@ def delaunay(
     array([[0, 1, 3],
            [3, 1, 2]], dtype=int32)
     """
-    return Triangulation(**_solve(points, method, q, nonfinite, order, threads, progress, copy))
+    rows = rows_of(points)
+    return Triangulation(**_solve(rows, method, q, nonfinite, order, threads, progress, copy))
 
 
 class Delaunay(Triangulation):

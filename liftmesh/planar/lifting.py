@@ -18,6 +18,7 @@ from liftmesh.arrays import as_coordinates, as_reals, as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
+from liftmesh.planar.meshes import rows_of
 
 if TYPE_CHECKING:
     import trimesh
@@ -110,7 +111,7 @@ def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
-        Planar points; a third coordinate is ignored.
+        Planar points, or a cloud or mesh as for `delaunay`; a third coordinate is ignored.
     q : {"origin", "median"} or (2,) array_like, default "origin"
         The vertex of the paraboloid.
 
@@ -130,7 +131,7 @@ def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
     array([[ 3.,  4., 25.],
            [ 1.,  0.,  1.]])
     """
-    rows = as_coordinates(points)[:, :2]
+    rows = as_coordinates(rows_of(points))[:, :2]
     qx, qy = resolve_q(q, rows)
     lifted = np.empty((len(rows), 3))
     lifted[:, :2] = rows
@@ -145,7 +146,7 @@ def project(points: ArrayLike) -> Floats:
     Parameters
     ----------
     points : array_like of shape (n, 3)
-        Points in space.
+        Points in space, or a cloud or mesh as for `delaunay`.
 
     Returns
     -------
@@ -162,7 +163,7 @@ def project(points: ArrayLike) -> Floats:
     >>> project(lift([[3, 4]], q=(1, 1)))
     array([[3., 4.]])
     """
-    return as_rows3(points)[:, :2]
+    return as_rows3(rows_of(points))[:, :2]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Meshes as planar points and triangles: what `verify` checks when it is given a mesh."""
+"""Clouds and meshes of other libraries as arrays: their points, and what `verify` checks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,37 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import InputError
+
+
+def rows_of(points: Any) -> Any:
+    """Return the points of a cloud or mesh, and anything else as it is, for arrays to be made of.
+
+    Parameters
+    ----------
+    points : object
+        As for `delaunay`.
+
+    Returns
+    -------
+    array_like
+        For arrays and lists, the same object.
+
+    Raises
+    ------
+    UnsupportedTypeError
+        It is a path.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> rows_of(liftmesh.Cloud(np.zeros((1, 3))))
+    array([[0., 0., 0.]])
+    """
+    if isinstance(points, np.ndarray | list | tuple):
+        return points
+    from liftmesh.io import registry  # noqa: PLC0415 - arrays do without
+
+    return registry.rows_of(points)
 
 
 def points_and_triangles(mesh: Any) -> tuple[Array, Array, bool]:

@@ -17,6 +17,7 @@ from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import LowerHull
+from liftmesh.planar.meshes import rows_of
 from liftmesh.shapes import of_one_array
 
 # Salts the order in which points are inserted: nobody can make an input that is slow in every
@@ -36,8 +37,8 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     Parameters
     ----------
     points : array_like of shape (n, 3)
-        Points in space; z may be any height. Of points at one planar position only the lowest can
-        be on the lower hull, and of equal points the first row.
+        Points in space, or a cloud or mesh as for `delaunay`; z may be any height. Of points at one
+        planar position only the lowest can be on the lower hull, and of equal points the first row.
     method : {"auto", "lf"}, default "auto"
         The algorithm; both find the same facets. "auto" is randomised incremental construction, in
         O(n log n) expected time on every input, as each process draws its random numbers anew;
@@ -77,7 +78,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     (4, array([4], dtype=int32))
     """
     _check_hull_method(method)
-    rows = as_coordinates(points)
+    rows = as_coordinates(rows_of(points))
     if rows.shape[1] != 3:
         raise InputError(
             "points have two columns: a lower hull needs z; for planar points use "

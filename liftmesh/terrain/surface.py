@@ -326,19 +326,30 @@ class Surface:
         """
         return open3d.to_legacy(self.to_cloud())
 
-    def to_open3d_t(self) -> o3d.t.geometry.TriangleMesh:
+    def to_open3d_t(
+        self, *, dtype: object = "float64", origin: ArrayLike | None = None
+    ) -> o3d.t.geometry.TriangleMesh:
         """Convert the surface to a tensor Open3D mesh.
+
+        Parameters
+        ----------
+        dtype : {"float64", "float32"}, or a type of NumPy or Open3D
+            Of positions and normals. ``RaycastingScene`` needs Float32.
+        origin : (3,) array_like, optional
+            Subtracted from the positions before they are rounded; add it to what Open3D returns.
 
         Returns
         -------
         open3d.t.geometry.TriangleMesh
-            Every vertex in its place, positions Float64, indices Int64, with RGB colours from 0 to
-            1, normals and named values as vertex attributes.
+            Every vertex in its place, indices Int64, with RGB colours from 0 to 1, normals and
+            named values as vertex attributes.
 
         Raises
         ------
         InputError
-            A colour is outside its range, or an attribute has a type that tensors do not support.
+            A colour is outside its range, an attribute has a type that tensors do not support, or
+            Float32 would move a vertex by more than a millionth of the surface's size: the message
+            gives the origin to subtract.
         MissingDependencyError
             Open3D, or a system library it needs, is not installed.
 
@@ -349,7 +360,7 @@ class Surface:
         >>> mesh.triangle["indices"].shape
         SizeVector[1, 3]
         """
-        return open3d.to_tensor(self.to_cloud())
+        return open3d.to_tensor(self.to_cloud(), dtype, origin)
 
     def to_matplotlib(self) -> matplotlib_tri.Triangulation:
         """Convert the planar triangles to a matplotlib triangulation.
