@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.choices import NonFinite
+from liftmesh.choices import NonFinite, as_count
 from liftmesh.errors import InputError
 
 Source: TypeAlias = Annotated[
@@ -32,7 +32,7 @@ SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
 ]
 Threads: TypeAlias = Annotated[
-    int | None,
+    str | None,
     typer.Option(
         "--threads",
         metavar="N",
@@ -144,19 +144,68 @@ def parse_size(text: str | None) -> int | None:
     return size
 
 
-def check_threads(threads: int | None) -> None:
-    """Raise before the work starts if the number of threads is invalid.
+def parse_count(option: str, text: str, least: int) -> int:
+    """Parse the value of an option that is a whole number.
 
     Parameters
     ----------
-    threads : int, optional
+    option : str
+        The option, for the message.
+    text : str
+        The number.
+    least : int
+        The least number allowed.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    typer.BadParameter
+        The text is no whole number, or the number is too small.
+
+    Examples
+    --------
+    >>> parse_count("--proofs", "4", 0)
+    4
+    """
+    try:
+        return as_count(option, _whole(text), least)
+    except InputError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+def _whole(text: str) -> int | str:
+    """Convert digits, and leave other text."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", text) else text
+
+
+def parse_threads(text: str | None) -> int | None:
+    """Parse the value of ``--threads``, before the work starts.
+
+    Parameters
+    ----------
+    text : str, optional
         The number; by default that of the environment or of the cores.
+
+    Returns
+    -------
+    int, optional
+        The number.
 
     Raises
     ------
     typer.BadParameter
         The number, or that of the environment, is not between 1 and 1024.
+
+    Examples
+    --------
+    >>> parse_threads("2")
+    2
     """
+    threads: Any = None if text is None else _whole(text)
     from liftmesh.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
     from liftmesh.threads import as_threads  # noqa: PLC0415 - as above
 
@@ -165,6 +214,7 @@ def check_threads(threads: int | None) -> None:
     except InputError as error:
         option = "--" if threads is not None else ""
         raise typer.BadParameter(f"{option}{error}") from error
+    return None if text is None else int(text)
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...] | None:
