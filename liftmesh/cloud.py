@@ -13,8 +13,10 @@ from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict, constructed_from
 
+_MOST_NAMED = 8  # in a short form
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Cloud:
     """Points in space with values per row; with ``faces``, a mesh.
 
@@ -45,8 +47,8 @@ class Cloud:
     --------
     >>> import numpy as np
     >>> cloud = Cloud(np.zeros((4, 3)), attributes={"intensity": np.arange(4)})
-    >>> len(cloud), sorted(cloud.attributes)
-    (4, ['intensity'])
+    >>> cloud
+    <Cloud of 4 points, intensity>
     """
 
     points: Floats
@@ -81,6 +83,21 @@ class Cloud:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
+
+    def __repr__(self) -> str:
+        return f"<Cloud of {', '.join(self._contents())}>"
+
+    def _contents(self) -> list[str]:
+        """Say in words what there is, of many named values the first."""
+        count = len(self)
+        words = [f"{count:,} point" if count == 1 else f"{count:,} points"]
+        if self.faces is not None:
+            words.append(f"{len(self.faces):,} face" + ("s" if len(self.faces) != 1 else ""))
+        names = [name for name, _ in self._per_row()]
+        words += names[:_MOST_NAMED]
+        if len(names) > _MOST_NAMED:
+            words.append(f"{len(names) - _MOST_NAMED} more named values")
+        return words if self.crs is None else [*words, f"crs {shown(self.crs)}"]
 
     def __len__(self) -> int:
         return len(self.points)

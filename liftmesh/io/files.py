@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
 from liftmesh.choices import as_count
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
@@ -78,7 +78,8 @@ def read(
     Parameters
     ----------
     source : str, path, or binary stream
-        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin.
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin;
+        ``~`` at the beginning of a path is the home folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -112,6 +113,7 @@ def read(
     >>> cloud.points.tolist(), cloud.attributes["class"].tolist()
     ([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0]], [2.0, 2.0])
     """
+    source = _place(source)
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name, max_bytes)
@@ -167,6 +169,7 @@ def read_chunks(
     [2, 1]
     """
     rows = as_count("rows", rows, 1)
+    source = _place(source)
     name = _name(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
@@ -222,8 +225,9 @@ def write(
     Parameters
     ----------
     target : str, path, or binary stream
-        Where to write. A file is written under a temporary name in the same folder and then
-        renamed, so that an error leaves an existing file as it was.
+        Where to write; ``~`` at the beginning of a path is the home folder. A file is written under
+        a temporary name in the same folder and then renamed, so that an error leaves an existing
+        file as it was.
     mesh : object
         Anything that `as_cloud` accepts, except a path. Colours, normals, attributes and the
         coordinate system are written if the format supports them.
@@ -261,6 +265,7 @@ def write(
     >>> stream.getvalue()
     b'# liftmesh\nv 0.1 2.0 1e+300\n'
     """
+    target = _place(target)
     name = _name(target)
     found = _find(target, format, name)
     writer = _writer(found, name, options)
@@ -299,6 +304,16 @@ def _split(reader: Reader) -> ChunkReader:
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
     return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
+
+
+def _place(place: PathOrStream) -> PathOrStream:
+    """Replace ``~`` at the beginning of a path by the home folder; streams stay."""
+    if not isinstance(place, str | os.PathLike):
+        return place
+    path = os.path.expanduser(os.fsdecode(place))  # noqa: PTH111 - Path raises if there is no home
+    if "\0" in path:
+        raise InputError(f"the path {path!r} holds NUL, which no path can")
+    return path
 
 
 def _name(place: object) -> str:

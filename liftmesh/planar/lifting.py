@@ -166,7 +166,7 @@ def project(points: ArrayLike) -> Floats:
     return as_rows3(rows_of(points))[:, :2]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LowerHull:
     """The lower convex hull of points in space, as a mesh. Its arrays are read-only.
 
@@ -203,6 +203,9 @@ class LowerHull:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
+
+    def __repr__(self) -> str:
+        return f"<LowerHull of {len(self.faces):,} facets over {len(self.vertices):,} points>"
 
     @property
     def above(self) -> Rows:

@@ -32,7 +32,7 @@ TERRAIN = ("random heights", "towers")
 POLICIES = ("first", "last", "lowest", "highest", "mean", "error")
 PROPERTIES = (
     "points", "convex_hull", "coplanar", "good", "min_bound", "max_bound", "vertex_to_simplex",
-    "vertex_neighbor_vertices", "transform", "equations",
+    "vertex_neighbor_vertices", "transform", "equations", "edges",
 )  # fmt: skip
 
 
