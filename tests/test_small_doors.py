@@ -1,7 +1,11 @@
-"""Edges of a triangulation, short forms of results, ``~`` in paths."""
+"""Edges of a triangulation, short forms of results, ``~`` in paths, what `help` shows."""
 
 from __future__ import annotations
 
+import inspect
+import pydoc
+import re
+import typing
 from pathlib import Path
 
 import numpy as np
@@ -74,3 +78,34 @@ def test_a_path_with_nul_is_refused() -> None:
     for call in (liftmesh.read, lambda path: liftmesh.write(path, ROWS)):
         with pytest.raises(InputError, match=r"holds NUL, which no path can"):
             call("a\0b.ply")
+
+
+def help_of(name: str) -> list[str]:
+    return pydoc.plain(pydoc.render_doc(getattr(liftmesh, name))).splitlines()
+
+
+@pytest.mark.parametrize("name", sorted(set(liftmesh.__all__) - {"__version__"}))
+def test_help_fits_a_terminal_and_shows_types_as_they_are(name: str) -> None:
+    shown = help_of(name)
+    if inspect.isfunction(getattr(liftmesh, name)):
+        assert max(map(len, shown)) <= 104  # lines of a docstring, indented
+        assert not any(re.search(r": '|-> '", line) for line in shown)
+    assert len(shown) < 400
+
+
+def test_help_shows_one_parameter_in_a_line() -> None:
+    begin = ["delaunay(", "    points: ArrayLike,", "    *,", "    method: Method = 'auto',"]
+    assert help_of("delaunay")[2:6] == begin
+    assert ") -> Surface" in help_of("triangulate")
+    assert "lift(points: ArrayLike, q: ParaboloidVertex = 'origin') -> Floats" in help_of("lift")
+    methods = [line.removeprefix(" |  ") for line in help_of("Surface")]
+    at = methods.index("replace(")
+    assert methods[at + 1 : at + 3] == ["    self,", "    *,"]
+
+
+def test_signatures_mean_what_they_did() -> None:
+    text = str(inspect.signature(liftmesh.Surface.with_attributes))
+    assert " ".join(text.split()).endswith("= None, /, **named: ArrayLike, ) -> Surface")
+    bound = inspect.signature(liftmesh.delaunay).bind(ROWS, threads=2)
+    assert bound.arguments["threads"] == 2
+    assert typing.get_type_hints(liftmesh.lower_hull)["return"] is liftmesh.LowerHull
