@@ -14,6 +14,7 @@ from typing import Any
 import lazy_loader
 
 from liftmesh.interruption import deferred
+from liftmesh.signatures import make_readable
 
 _load, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
@@ -25,7 +26,9 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name != "__version__":
         with deferred():  # NumPy cannot be imported again where Ctrl-C broke its import off
-            return _load(name)
+            value = _load(name)
+            make_readable(value)
+            return value
     from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
 
     globals()[name] = version("liftmesh")
@@ -33,4 +36,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Reals, Rows
 from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.shapes import no_array, wrong_shape
 
 MOST_ROWS: int = _kernel.MOST_ROWS
 
@@ -116,7 +117,9 @@ def as_pairs(points: ArrayLike) -> Floats:
     """
     array = _plain(_as_array(points))
     if array.ndim == 0 or array.shape[-1] != 2:
-        raise InputError(f"planar points need the shape (..., 2), not {array.shape}")
+        transposed = array.ndim == 2 and array.shape[0] == 2 and array.size > 0
+        hint = ": these are columns; give the transpose" if transposed else ""
+        raise InputError(f"planar points need the shape (..., 2), not {array.shape}{hint}")
     flat = _as_floating(array.reshape(-1, 2))
     return np.ascontiguousarray(widened(flat)).reshape(array.shape)
 
@@ -141,6 +144,34 @@ def widened(array: Array) -> Floats:
     """
     with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs, which files may hold
         return array.astype(np.float64, copy=False)
+
+
+def as_reals(values: ArrayLike) -> Floats:
+    """Convert the numbers of an option to float64.
+
+    Parameters
+    ----------
+    values : array_like
+        Real numbers of any shape.
+
+    Returns
+    -------
+    ndarray of float64
+        The numbers, rounded if necessary.
+
+    Raises
+    ------
+    TypeError, ValueError, OverflowError
+        They are no real numbers: `numpy.asarray` alone drops the imaginary part of complex ones.
+
+    Examples
+    --------
+    >>> as_reals((1, 2))
+    array([1., 2.])
+    """
+    if np.iscomplexobj(values):
+        raise TypeError("complex numbers")
+    return np.asarray(values, dtype=np.float64)
 
 
 def read_only(array: Array) -> Array:
@@ -255,9 +286,12 @@ def used_rows(length: int, triangles: Rows) -> Rows:
 def _as_array(points: ArrayLike) -> Array:
     """Convert anything to an array; arrays, masked ones included, stay as they are."""
     try:
-        return np.asanyarray(points)
+        array = np.asanyarray(points)
     except ValueError as error:
         raise InputError(_describe_ragged(points, error)) from error
+    if array.ndim == 0 and array.dtype.kind in "OSU":
+        raise no_array(points)
+    return array
 
 
 def _plain(array: Array) -> Array:
@@ -299,10 +333,7 @@ def _describe_ragged(points: Any, error: ValueError) -> str:
 
 def _check_shape(shape: tuple[int, ...]) -> None:
     if len(shape) != 2 or shape[1] not in (2, 3):
-        raise InputError(
-            f"points need the shape (n, 2) or (n, 3), not {shape}: give one row per point, "
-            "with x, y and optionally z"
-        )
+        raise wrong_shape(shape)
     if shape[0] > MOST_ROWS:
         raise InputError(
             f"{shape[0]:,} rows are more than the {MOST_ROWS:,} that 32-bit edge numbers "

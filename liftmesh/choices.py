@@ -1,10 +1,17 @@
-"""Options with a fixed set of values: the values of each, and their check."""
+"""Options and their checks: the values of those with a fixed set, switches, and callbacks."""
 
 from __future__ import annotations
 
+import operator
+from contextlib import suppress
+from reprlib import Repr
 from typing import Any, Literal, TypeAlias
 
 from liftmesh.errors import InputError
+
+_LONGEST = 64  # characters of a value in a message
+_REPR = Repr()  # of a list it shows the first few, and looks at no others
+_REPR.maxstring = _REPR.maxother = _LONGEST
 
 Method: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
 HullMethod: TypeAlias = Literal["auto", "lf"]
@@ -40,4 +47,107 @@ def check_option(name: str, value: object, words: Any) -> None:
     """
     known = words.__args__  # what get_args returns, without its checks
     if not isinstance(value, str) or value not in known:
-        raise InputError(f"{name} is {value!r}: give one of {', '.join(map(repr, known))}")
+        raise InputError(f"{name} is {shown(value)}: give one of {', '.join(map(repr, known))}")
+
+
+def as_switch(name: str, value: object) -> bool:
+    """Convert an option that is true or false.
+
+    Parameters
+    ----------
+    name : str
+        The option's name, for the message.
+    value : object
+        The value given: a bool, also NumPy's, or 0 or 1.
+
+    Returns
+    -------
+    bool
+        The value.
+
+    Raises
+    ------
+    InputError
+        The value is anything else.
+
+    Examples
+    --------
+    >>> as_switch("copy", 1)
+    True
+    >>> as_switch("copy", "no")
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: copy is 'no': give True or False
+    """
+    try:
+        return {True: True, False: False}[value]  # type: ignore[index]
+    except (KeyError, TypeError) as error:  # arrays cannot be looked up
+        raise InputError(f"{name} is {shown(value)}: give True or False") from error
+
+
+def as_count(name: str, value: object, least: int) -> int:
+    """Convert an option that is a whole number; True does not count as 1.
+
+    Parameters
+    ----------
+    name : str
+        The option's name, for the message.
+    value : object
+        The value given.
+    least : int
+        The least number allowed.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    InputError
+        The value is no whole number, or too small.
+
+    Examples
+    --------
+    >>> as_count("rows", 1.5, 1)
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: rows is 1.5: give a whole number from 1
+    """
+    with suppress(TypeError):
+        if not isinstance(value, bool) and (count := operator.index(value)) >= least:  # type: ignore[arg-type]
+            return count
+    raise InputError(f"{name} is {shown(value)}: give a whole number from {least}")
+
+
+def check_progress(progress: object) -> None:
+    """Raise unless the option ``progress`` is a function or None.
+
+    Parameters
+    ----------
+    progress : object
+        The value given.
+
+    Raises
+    ------
+    InputError
+        It cannot be called.
+
+    Examples
+    --------
+    >>> check_progress(True)
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: progress is True: give a function of the fraction done, ...
+    """
+    if progress is not None and not callable(progress):
+        raise InputError(
+            f"progress is {shown(progress)}: give a function of the fraction done, such as print"
+        )
+
+
+def shown(value: object) -> str:
+    """Show a value in a message, in one line that is not too long.
+
+    >>> shown("ab" * 100)[-4:], shown([1, 2] * 100)
+    ("bab'", '[1, 2, 1, 2, 1, 2, ...]')
+    """
+    text = " ".join(_REPR.repr(value).split())
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."

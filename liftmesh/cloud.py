@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from types import MappingProxyType
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
+from liftmesh.frozen import FrozenDict, constructed_from
+
+_MOST_NAMED = 8  # in a short form
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Cloud:
     """Points in space with values per row; with ``faces``, a mesh.
 
@@ -36,14 +41,14 @@ class Cloud:
     Raises
     ------
     InputError
-        An array does not have one row per point, or ``crs`` is not a string.
+        An array does not have one row per point, or a part has another type.
 
     Examples
     --------
     >>> import numpy as np
     >>> cloud = Cloud(np.zeros((4, 3)), attributes={"intensity": np.arange(4)})
-    >>> len(cloud), sorted(cloud.attributes)
-    (4, ['intensity'])
+    >>> cloud
+    <Cloud of 4 points, intensity>
     """
 
     points: Floats
@@ -55,9 +60,17 @@ class Cloud:
     crs: str | None = None
 
     def __post_init__(self) -> None:
+        _check_array("points", self.points)
         if self.points.ndim != 2 or self.points.shape[1] != 3:
             raise InputError(f"a cloud needs points of shape (n, 3), not {self.points.shape}")
+        if self.points.dtype.kind not in "fiu":
+            raise InputError(f"a cloud needs points of float64, not of {self.points.dtype}")
+        for name in ("attributes", "metadata"):
+            _check_mapping(name, getattr(self, name))
+        if self.faces is not None:
+            _check_array("faces", self.faces)
         for name, values in self._per_row():
+            _check_array(name, values)
             if len(values) != len(self.points):
                 raise InputError(
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
@@ -65,11 +78,26 @@ class Cloud:
                 )
         if self.crs is not None and not is_crs(self.crs):
             raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
-        object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
-        object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
+        object.__setattr__(self, "attributes", FrozenDict(self.attributes))
+        object.__setattr__(self, "metadata", FrozenDict(self.metadata))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
+
+    def __repr__(self) -> str:
+        return f"<Cloud of {', '.join(self._contents())}>"
+
+    def _contents(self) -> list[str]:
+        """Say in words what there is, of many named values the first."""
+        count = len(self)
+        words = [f"{count:,} point" if count == 1 else f"{count:,} points"]
+        if self.faces is not None:
+            words.append(f"{len(self.faces):,} face" + ("s" if len(self.faces) != 1 else ""))
+        names = [name for name, _ in self._per_row()]
+        words += names[:_MOST_NAMED]
+        if len(names) > _MOST_NAMED:
+            words.append(f"{len(names) - _MOST_NAMED} more named values")
+        return words if self.crs is None else [*words, f"crs {shown(self.crs)}"]
 
     def __len__(self) -> int:
         return len(self.points)
@@ -87,6 +115,11 @@ class Cloud:
         Cloud
             The selected rows in the given order; slices share memory with this cloud.
 
+        Raises
+        ------
+        InputError
+            There are no such rows.
+
         Examples
         --------
         >>> import numpy as np
@@ -94,9 +127,15 @@ class Cloud:
         array([[0., 1., 0.],
                [0., 0., 1.]])
         """
+        try:
+            points = self.points[which]
+        except (IndexError, TypeError, ValueError) as error:
+            raise InputError(
+                f"rows {shown(which)} cannot be selected of {len(self)}: {error}"
+            ) from error
         return replace(
             self,
-            points=self.points[which],
+            points=points,
             colors=None if self.colors is None else self.colors[which],
             normals=None if self.normals is None else self.normals[which],
             attributes={name: values[which] for name, values in self.attributes.items()},
@@ -108,6 +147,23 @@ class Cloud:
         return [(name, values) for name, values in named if values is not None]
 
 
+def _check_array(name: str, values: object) -> None:
+    if not isinstance(values, np.ndarray):
+        raise InputError(
+            f"{name} of a cloud are a {type(values).__name__}: give a NumPy array; "
+            "liftmesh.as_cloud takes lists and other objects of points"
+        )
+    if values.ndim == 0:
+        raise InputError(f"{name} of a cloud are one value: give an array of one row per point")
+
+
+def _check_mapping(name: str, values: object) -> None:
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"{name} of a cloud are a {type(values).__name__}: give a dict of names and values"
+        )
+
+
 def is_crs(value: object) -> bool:
     """Whether a value can be a `Cloud.crs`: a text that is not empty and holds no NUL.
 
@@ -115,29 +171,3 @@ def is_crs(value: object) -> bool:
     (True, False)
     """
     return isinstance(value, str) and bool(value) and "\0" not in value
-
-
-def constructed_from(result: Any) -> tuple[Any, ...]:
-    """Pickle a frozen dataclass by its class and fields, read-only mappings as dictionaries.
-
-    Parameters
-    ----------
-    result : dataclass instance
-        All its fields are arguments of its constructor.
-
-    Returns
-    -------
-    tuple
-        The value for ``__reduce__`` to return.
-
-    Examples
-    --------
-    >>> import copy
-    >>> import numpy as np
-    >>> copy.deepcopy(Cloud(np.zeros((1, 3)), metadata={"epsg": 25832})).metadata["epsg"]
-    25832
-    """
-    values = (getattr(result, each.name) for each in fields(result))
-    return type(result), tuple(
-        dict(value) if isinstance(value, MappingProxyType) else value for value in values
-    )

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_pairs, check_finite
+from liftmesh.choices import as_switch
 
 
 def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
@@ -75,7 +76,7 @@ def incircle(
     Raises
     ------
     InputError
-        The last axis is not of length two, or a value is not finite.
+        The last axis is not of length two, a value is not finite, or `canonical` is not a bool.
 
     Examples
     --------
@@ -85,8 +86,9 @@ def incircle(
     >>> incircle(*square, (0, 1), canonical=True)
     array(1, dtype=int8)
     """
+    ties = as_switch("canonical", canonical)
     (a, b, c, d), signs = _prepare(a, b, c, d)
-    _kernel.incircle(a, b, c, d, signs.reshape(-1), canonical)
+    _kernel.incircle(a, b, c, d, signs.reshape(-1), ties)
     return signs
 
 

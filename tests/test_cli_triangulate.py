@@ -87,7 +87,9 @@ def test_rows_that_are_not_finite_can_be_skipped(tmp_path):
     assert lm.read(tmp_path / "mesh.ply").faces.tolist() == [[0, 1, 3]]
 
 
-@pytest.mark.parametrize("plane", ["0,-1,0", "fit", "frame.txt", "frame.npy", "-0.1,-1,0"])
+@pytest.mark.parametrize(
+    "plane", ["0,-1,0", "xz", "0,-2,0,1", "fit", "frame.txt", "frame.npy", "-0.1,-1,0"]
+)
 def test_planes(plane, tmp_path):
     rng = np.random.default_rng(0)
     wall = np.column_stack([rng.random(60), rng.random(60) * 0.01, rng.random(60)])

@@ -7,8 +7,9 @@ import pytest
 import trimesh
 from hypothesis import given, settings, strategies as st
 
+import liftmesh
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.plane import resolve_plane
 
 NONE = np.zeros((0, 3))
 
@@ -282,10 +283,91 @@ class TestMatrix:
             resolve_plane(matrix, NONE)
 
 
+class TestNamedPlanes:
+    @pytest.mark.parametrize(
+        ("plane", "columns", "normal"), [("xz", [0, 2], (0, -1, 0)), ("yz", [1, 2], (1, 0, 0))]
+    )
+    def test_two_columns_are_the_coordinates(self, plane, columns, normal):
+        points = rows(50)
+        points[3] = 0.0, -0.0, 5e-324
+        frame = resolve_plane(plane, points)
+        assert np.shares_memory(frame.planar(points), points)
+        assert frame.planar(points).tobytes() == points[:, columns].tobytes()
+        assert np.array_equal(frame.heights(points), points @ normal)
+        assert frame.normal.tolist() == [*normal]
+        assert np.linalg.det(frame.axes) == 1
+        same = resolve_plane(normal, points)
+        assert np.array_equal(np.abs(same.heights(points)), np.abs(frame.heights(points)))
+
+    @pytest.mark.parametrize("plane", ["xy", "xz", "yz", (0, 0, -1), (1, 0, 0)])
+    def test_rows_are_raised_to_the_height_itself(self, plane):
+        points = rows(5)
+        frame = resolve_plane(plane, points)
+        new = np.array([0.1, 1e17, -3.0, 5e-324, 0.0])
+        moved = frame.raised(points, frame.heights(points), new)
+        assert np.array_equal(frame.heights(moved), new)
+        assert np.array_equal(frame.planar(moved), frame.planar(points))
+
+    def test_they_are_triangulated_without_a_copy(self):
+        points = rows(500)
+        surface = liftmesh.triangulate(points, plane="xz")
+        alone = liftmesh.delaunay(points[:, [0, 2]])
+        assert np.array_equal(surface.triangulation.simplices, alone.simplices)
+        assert np.shares_memory(surface.triangulation.points, points)
+
+
+class TestEquations:
+    def test_what_plane_fit_returns_is_a_plane(self):
+        points = tilted((1, 2, 3))
+        point, normal = trimesh.points.plane_fit(points)
+        for plane in ((point, normal), [list(point), list(normal)], np.array([point, normal])):
+            frame = resolve_plane(plane, points)
+            assert np.allclose(frame.normal, normal, atol=1e-15)
+            assert frame.origin.tolist() == point.tolist()
+        fitted = resolve_plane("fit", points)
+        assert np.allclose(np.abs(frame.heights(points)), np.abs(fitted.heights(points)), atol=1e-7)
+        assert liftmesh.triangulate(points, plane=(point, normal)).triangulation.verify().canonical
+
+    @pytest.mark.parametrize("scale", [1, -2.5, 1e200, 1e-200])
+    @pytest.mark.parametrize("normal", [(1, 2, 3), (0, 0, 1), (0, -4, 0), (1e-3, 5, 2)])
+    def test_heights_are_distances_from_the_plane_of_an_equation(self, normal, scale):
+        points = rows(20)
+        a, b, c = np.array(normal) * scale
+        d = -7.0 * scale
+        frame = resolve_plane((a, b, c, d), points)
+        expected = (points @ normal - 7) / np.linalg.norm(normal) * np.sign(scale)
+        assert np.allclose(frame.heights(points), expected, rtol=1e-12, atol=1e-9)
+
+    def test_an_equation_along_an_axis_keeps_the_other_coordinates(self):
+        points = rows(20) + 5e6
+        frame = resolve_plane((0, 0, 2, -10), points)
+        assert frame.planar(points).tolist() == points[:, :2].tolist()
+        assert frame.heights(points).tolist() == (points[:, 2] - 5).tolist()
+        frame = resolve_plane(((1, 2, 3), (0, 0, 1)), points)
+        assert frame.planar(points).tolist() == points[:, :2].tolist()
+
+    def test_far_from_zero_the_origin_is_near_the_rows(self):
+        points = rows(20) + 5e6
+        frame = resolve_plane((1, 2, 3, -4), points)
+        assert np.abs(frame.planar(points)).max() < np.ptp(points, axis=0).max() * 2
+
+    @pytest.mark.parametrize(
+        ("plane", "message"),
+        [
+            ((0, 0, 0, 1), r"normal is \(0, 0, 0\)"),
+            (((1, 2, 3), (0, 0, 0)), r"normal is \(0, 0, 0\)"),
+            ((1e-300, 0, 0, 1e300), "overflows"),
+        ],
+    )
+    def test_equations_of_no_plane_are_refused(self, plane, message):
+        with pytest.raises(InputError, match=message):
+            resolve_plane(plane, rows(5))
+
+
 @pytest.mark.parametrize(
     ("plane", "message"),
     [
-        ("xz", "plane 'xz' is unknown: give 'xy', 'fit'"),
+        ("zx", "plane 'zx' is unknown: give 'xy', 'xz'"),
         ((0, 0, 0), r"normal is \(0, 0, 0\)"),
         ((0, np.nan, 1), "not finite"),
         ((1, 2), r"shape \(2,\)"),

@@ -120,7 +120,7 @@ def test_the_stub_names_what_is_there() -> None:
 
 
 def test_public_names_are_listed_and_unique() -> None:
-    assert set(liftmesh.__all__) <= set(dir(liftmesh))
+    assert dir(liftmesh) == sorted(liftmesh.__all__)
     assert len(set(liftmesh.__all__)) == len(liftmesh.__all__)
 
 

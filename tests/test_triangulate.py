@@ -253,7 +253,7 @@ class TestInput:
         [
             ({"duplicates": "median"}, "duplicates is 'median': give one of 'first', 'last'"),
             ({"nonfinite": "drop"}, "nonfinite is 'drop': give one of 'error', 'skip'"),
-            ({"plane": "yz"}, "plane 'yz' is unknown"),
+            ({"plane": "zy"}, "plane 'zy' is unknown"),
             ({"method": "magic"}, "method is 'magic': give one of 'auto'"),
             ({"threads": 0}, "threads is 0: give a whole number from 1 to 1024"),
             ({"duplicates": np.array("first")}, "duplicates is array"),

@@ -6,6 +6,7 @@ the commands themselves only raise. typer and rich are imported in this room onl
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Callable, Sequence
@@ -70,7 +71,7 @@ def _run(
     arguments: Sequence[str], ending: Ending, prepare: Callable[[], None] = lambda: None
 ) -> int:
     """Run a command; a signal decides the exit code, even if the command caught its exception."""
-    words = list(arguments)
+    words = [_expanded(word) for word in arguments]
     debug = _pop_flag(words, "--debug")
     code = int(exit_codes.BUG)
     # A handler raises once: wherever that is, the outer clause gets it.
@@ -94,15 +95,18 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     """Run a command; convert an exception to its exit code and one line, unless a signal came."""
     try:
         app = import_module("liftmesh.cli.application").app
-        code = app(words, prog_name="liftmesh", standalone_mode=False) or exit_codes.DONE
+        code = app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
         sys.stdout.flush()
-    except (BrokenPipeError, SystemExit):  # typer and rich exit when a pipe closes
-        discard_stdout()  # without a message
+    except (BrokenPipeError, SystemExit) as error:
+        if isinstance(error, SystemExit) and not error.code:  # after shell completion
+            return exit_codes.DONE
+        discard_stdout()  # without a message: typer and rich exit when a pipe closes
         return exit_codes.PIPE_CLOSED
     except (KeyboardInterrupt, Exception) as error:
         if ending.number is not None:
             raise
         return _fail(error, debug=debug)
+    code = code or (exit_codes.DONE if words else exit_codes.USAGE)
     if code == exit_codes.INTERRUPTED and ending.number is None:  # typer's, of another handler
         _print_error("interrupted")
     return int(code)
@@ -129,12 +133,20 @@ def _pop_flag(words: list[str], flag: str) -> bool:
     return found
 
 
+def _expanded(word: str) -> str:
+    """Replace ``~`` at the beginning of a value: shells leave it in ``--lower=~/mesh.ply``."""
+    option, equals, value = word.partition("=")
+    if equals and option.startswith("--") and value.startswith("~"):
+        return f"{option}={os.path.expanduser(value)}"  # noqa: PTH111 - no path if not found
+    return os.path.expanduser(word) if word.startswith("~") else word  # noqa: PTH111
+
+
 def _explain(error: BaseException) -> tuple[int, str]:
     """Return the exit code for an exception, and the message."""
     if _is_ctrl_c(error):
         return exit_codes.INTERRUPTED, "interrupted"
     if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
-        return exit_codes.USAGE, f"{error.format_message()}{_help_hint(error)}"
+        return exit_codes.USAGE, import_module("liftmesh.cli.wording").usage_message(error)
     if isinstance(error, LiftmeshError):
         return exit_codes.BAD_INPUT, _with_command_options(str(error))
     if out_of_memory(error):  # before OSError, which some of these are
@@ -159,12 +171,6 @@ def _with_command_options(message: str) -> str:
     message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
     message = message.replace("with format=", "with --from FORMAT")
     return message.replace("with max_bytes=", "with --max-bytes SIZE")
-
-
-def _help_hint(error: BaseException) -> str:
-    """Refer to the help of the command that was used wrongly."""
-    context = getattr(error, "ctx", None)
-    return f" (see {context.command_path} --help)" if context else ""
 
 
 def _print_error(message: str) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from liftmesh.cli import compare, exit_codes, info, paper, triangulate, verify
+from liftmesh.cli.wording import Command, Group
 
 HELP = (
     "Exact Delaunay meshes of point clouds: planar points are lifted to a paraboloid, and the "
@@ -26,10 +27,9 @@ DEBUG = "[cyan]--debug[/cyan] with any command prints the traceback of an error.
 
 app = typer.Typer(
     name="liftmesh",
+    cls=Group,
     help=HELP,
     epilog=f"{EXIT_CODES}\n\n{DEBUG}",
-    no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -56,6 +56,7 @@ def liftmesh(
 
 for module in (triangulate, verify, compare, info, paper):
     app.command(
+        cls=Command,
         name=module.__name__.rpartition(".")[2],
         help=f"{module.SHORT_HELP} {module.HELP}",
         short_help=module.SHORT_HELP,

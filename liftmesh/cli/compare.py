@@ -43,7 +43,9 @@ def run(
     hull: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write trimesh's convex hull of them.")
     ] = None,
-    proofs: Annotated[int, typer.Option(min=0, help="Maximum number of proofs to print.")] = 4,
+    proofs: Annotated[
+        str, typer.Option(metavar="N", help="Maximum number of proofs to print.")
+    ] = "4",
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
@@ -60,7 +62,7 @@ def run(
         As in `liftmesh.compare`.
     lower, hull : Path, optional
         Files to write.
-    proofs : int
+    proofs : str
         Maximum number of proofs.
     source_format : str, optional
         Format of IN, instead of its suffix.
@@ -71,13 +73,13 @@ def run(
     """
     standard_streams.check_stdout()
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
-    limit = options.parse_size(max_bytes)
+    limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)
     files.check_target(lower)
     files.check_target(hull)
     files.check_apart(source, lower, hull)
     cloud = files.read(source, source_format, limit)
     with files.about(source):
-        result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=proofs)
+        result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)
     if lower is not None:
         files.write(lower, result.lower_hull())
     if hull is not None and result.error is None:

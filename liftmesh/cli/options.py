@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.choices import NonFinite
+from liftmesh.choices import NonFinite, as_count
 from liftmesh.errors import InputError
 
 Source: TypeAlias = Annotated[
@@ -23,15 +23,16 @@ Plane: TypeAlias = Annotated[
     str,
     typer.Option(
         metavar="PLANE",
-        help="Projection plane: xy, fit (least squares), a normal NX,NY,NZ, or a file (text or "
-        ".npy) with the rigid 4x4 matrix from space to plane coordinates.",
+        help="Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
+        "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
+        "to plane coordinates.",
     ),
 ]
 SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
 ]
 Threads: TypeAlias = Annotated[
-    int | None,
+    str | None,
     typer.Option(
         "--threads",
         metavar="N",
@@ -56,7 +57,7 @@ def parse_plane(text: str) -> Any:
     Parameters
     ----------
     text : str
-        A name, three numbers separated by commas, or a path.
+        A name, three or four numbers separated by commas, or a path.
 
     Returns
     -------
@@ -73,9 +74,9 @@ def parse_plane(text: str) -> Any:
     >>> parse_plane("0,0,1")
     (0.0, 0.0, 1.0)
     """
-    if text in {"xy", "fit"}:
+    if text in {"xy", "xz", "yz", "fit"}:
         return text
-    numbers = _numbers(text, 3)
+    numbers = _numbers(text, 3) or _numbers(text, 4)
     return _matrix(Path(text)) if numbers is None else numbers
 
 
@@ -143,19 +144,68 @@ def parse_size(text: str | None) -> int | None:
     return size
 
 
-def check_threads(threads: int | None) -> None:
-    """Raise before the work starts if the number of threads is invalid.
+def parse_count(option: str, text: str, least: int) -> int:
+    """Parse the value of an option that is a whole number.
 
     Parameters
     ----------
-    threads : int, optional
+    option : str
+        The option, for the message.
+    text : str
+        The number.
+    least : int
+        The least number allowed.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    typer.BadParameter
+        The text is no whole number, or the number is too small.
+
+    Examples
+    --------
+    >>> parse_count("--proofs", "4", 0)
+    4
+    """
+    try:
+        return as_count(option, _whole(text), least)
+    except InputError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+def _whole(text: str) -> int | str:
+    """Convert digits, and leave other text."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", text) else text
+
+
+def parse_threads(text: str | None) -> int | None:
+    """Parse the value of ``--threads``, before the work starts.
+
+    Parameters
+    ----------
+    text : str, optional
         The number; by default that of the environment or of the cores.
+
+    Returns
+    -------
+    int, optional
+        The number.
 
     Raises
     ------
     typer.BadParameter
         The number, or that of the environment, is not between 1 and 1024.
+
+    Examples
+    --------
+    >>> parse_threads("2")
+    2
     """
+    threads: Any = None if text is None else _whole(text)
     from liftmesh.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
     from liftmesh.threads import as_threads  # noqa: PLC0415 - as above
 
@@ -164,6 +214,7 @@ def check_threads(threads: int | None) -> None:
     except InputError as error:
         option = "--" if threads is not None else ""
         raise typer.BadParameter(f"{option}{error}") from error
+    return None if text is None else int(text)
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...] | None:
@@ -189,7 +240,7 @@ def _matrix(path: Path) -> Any:
     if not path.is_file():
         raise typer.BadParameter(
             f"--plane {str(path)!r} is neither a known name nor a file: "
-            "give xy, fit, NX,NY,NZ or a file with a 4x4 matrix"
+            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
         )
     try:
         matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)

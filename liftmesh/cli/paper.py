@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import standard_streams, terminal
+from liftmesh.cli import options, standard_streams, terminal
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -87,9 +87,9 @@ def run(
         bool, typer.Option("--quick", help="1,000 to 3,000 points, one seed: under a minute.")
     ] = False,
     seeds: Annotated[
-        int | None,
+        str | None,
         typer.Option(
-            min=1, help="Number of random sets of each size; by default 3, or 1 with --quick."
+            metavar="N", help="Number of random sets of each size; by default 3, or 1 with --quick."
         ),
     ] = None,
     table: Annotated[
@@ -97,9 +97,9 @@ def run(
         typer.Option(help="5.1 has the paraboloid's vertex at the origin, 5.2 at the median."),
     ] = "both",
     sizes: Annotated[
-        list[int] | None,
+        list[str] | None,
         typer.Option(
-            "--n", min=3, metavar="N", help="Number of points, instead of the paper's; repeatable."
+            "--n", metavar="N", help="Number of points, instead of the paper's; repeatable."
         ),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
@@ -115,11 +115,11 @@ def run(
         DIR.
     quick : bool
         Small sizes, one seed.
-    seeds : int, optional
+    seeds : str, optional
         Number of random sets of each size.
     table : {"5.1", "5.2", "both"}
         The tables to measure.
-    sizes : list of int, optional
+    sizes : list of str, optional
         Numbers of points.
     figures : bool
         Whether to draw the figures.
@@ -131,7 +131,9 @@ def run(
     if figures:
         _check_drawing()
     out = out or Path("out/paper-quick" if quick else "out/paper")
-    choice = _Choice(quick, seeds, table, tuple(sizes or ()), machine)
+    counts = tuple(options.parse_count("--n", size, 3) for size in sizes or ())
+    sets = None if seeds is None else options.parse_count("--seeds", seeds, 1)
+    choice = _Choice(quick, sets, table, counts, machine)
     settings = choice.settings()
     out.mkdir(parents=True, exist_ok=True)
     results = Results(out, settings)

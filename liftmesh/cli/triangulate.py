@@ -69,7 +69,7 @@ def run(
         As in `liftmesh.triangulate`.
     source_format, target_format : str, optional
         Formats, instead of the suffixes.
-    threads : int, optional
+    threads : str, optional
         As in `liftmesh.triangulate`.
     max_bytes : str, optional
         Limit of what the file may expand to.
@@ -79,7 +79,7 @@ def run(
     frame, vertex = options.parse_plane(plane), options.parse_q(q)
     if json:
         standard_streams.check_stdout()
-    options.check_threads(threads)
+    count = options.parse_threads(threads)
     limit = options.parse_size(max_bytes)
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
@@ -95,7 +95,7 @@ def run(
             nonfinite=nonfinite,
             method=method,
             q=vertex,
-            threads=threads,
+            threads=count,
         )
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()

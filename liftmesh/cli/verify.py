@@ -59,7 +59,7 @@ def run(
         As in `liftmesh.triangulate`.
     nonfinite : str
         As in `liftmesh.verify`.
-    threads : int, optional
+    threads : str, optional
         As in `liftmesh.verify`.
     source_format : str, optional
         Format, in place of the suffix.
@@ -70,14 +70,14 @@ def run(
     """
     standard_streams.check_stdout()
     frame = options.parse_plane(plane)
-    options.check_threads(threads)
+    count = options.parse_threads(threads)
     limit = options.parse_size(max_bytes)
     files.check_place(certificate)
     files.check_apart(source, certificate)
     cloud = files.read(source, source_format, limit)
     _note_polygons(cloud)
     with files.about(source):
-        found = _verify(cloud, source, frame, nonfinite, threads)
+        found = _verify(cloud, source, frame, nonfinite, count)
     if certificate is not None:
         _write(certificate, found)
     # Where the certificate itself goes to stdout, what there is to say goes to stderr.
@@ -97,7 +97,7 @@ def _verify(
 ) -> Certificate:
     from liftmesh.errors import InputError  # noqa: PLC0415 - help and --version do without
     from liftmesh.planar.verification import verify  # noqa: PLC0415 - as above
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.terrain.plane import resolve_plane  # noqa: PLC0415 - as above
 
     if cloud.faces is None or not len(cloud.faces):
         raise InputError(

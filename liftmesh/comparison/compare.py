@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import sys
 from time import perf_counter
-from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex
 from liftmesh.arrays import used_rows
-from liftmesh.choices import NonFinite
+from liftmesh.choices import NonFinite, as_count, check_option
 from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.evidence import Evidence
@@ -21,7 +21,7 @@ from liftmesh.io.files import read_cloud
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import resolve_q
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.surface import Surface
 
 
@@ -29,7 +29,7 @@ def compare(
     source: object,
     *,
     q: ParaboloidVertex = "median",
-    plane: Literal["xy", "fit"] | ArrayLike = "xy",
+    plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     nonfinite: NonFinite = "error",
     max_proofs: int = 10,
 ) -> Comparison:
@@ -77,6 +77,7 @@ def compare(
     >>> result.verdict, result.identical
     ('identical', 4)
     """
+    most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
     triangulation, seconds = _triangulate(source, plane, nonfinite)
     triangles = triangulation.simplices
     rows = used_rows(triangulation.npoints, triangles)
@@ -99,8 +100,8 @@ def compare(
         lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
         coincident=hull.coincident,
         violations=len(cells.violations),
-        proofs=() if hull.error else tuple(evidence.proofs(max_proofs)),
-        seconds=MappingProxyType({"liftmesh": seconds, "trimesh": hull.seconds}),
+        proofs=() if hull.error else tuple(evidence.proofs(most)),
+        seconds={"liftmesh": seconds, "trimesh": hull.seconds},
         error=hull.error,
     )
 
@@ -112,6 +113,7 @@ def _triangulate(
 
     The new one is returned where the caller may have written to the triangles of the given one.
     """
+    check_option("nonfinite", nonfinite, NonFinite)
     if isinstance(source, Surface):
         source = source.triangulation
     if isinstance(source, Triangulation):

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from liftmesh._typing import Rows
 from liftmesh.arrays import used_rows
-from liftmesh.cloud import Cloud, constructed_from
+from liftmesh.cloud import Cloud
+from liftmesh.frozen import constructed_from, freeze
 from liftmesh.planar.lifting import LowerHull, lift
 
 if TYPE_CHECKING:
@@ -108,6 +109,9 @@ class Comparison:
     proofs: tuple[Proof, ...]
     seconds: Mapping[str, float]
     error: str | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)

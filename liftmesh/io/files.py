@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import io
-import operator
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
+from liftmesh.choices import as_count
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
@@ -80,7 +80,8 @@ def read(
     Parameters
     ----------
     source : str, path, or binary stream
-        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin.
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin;
+        ``~`` at the beginning of a path is the home folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -114,6 +115,7 @@ def read(
     >>> cloud.points.tolist(), cloud.attributes["class"].tolist()
     ([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0]], [2.0, 2.0])
     """
+    source = _place(source)
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name, max_bytes)
@@ -168,7 +170,8 @@ def read_chunks(
     >>> [len(chunk) for chunk in read_chunks(table, rows=2, format="xyz")]
     [2, 1]
     """
-    rows = _positive(rows, "rows")
+    rows = as_count("rows", rows, 1)
+    source = _place(source)
     name = _name(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
@@ -224,8 +227,9 @@ def write(
     Parameters
     ----------
     target : str, path, or binary stream
-        Where to write. A file is written under a temporary name in the same folder and then
-        renamed, so that an error leaves an existing file as it was.
+        Where to write; ``~`` at the beginning of a path is the home folder. A file is written under
+        a temporary name in the same folder and then renamed, so that an error leaves an existing
+        file as it was.
     mesh : object
         Anything that `as_cloud` accepts, except a path. Colours, normals, attributes and the
         coordinate system are written if the format supports them.
@@ -263,6 +267,7 @@ def write(
     >>> stream.getvalue()
     b'# liftmesh\nv 0.1 2.0 1e+300\n'
     """
+    target = _place(target)
     name = _name(target)
     found = _find(target, format, name)
     writer = _writer(found, name, options)
@@ -278,16 +283,6 @@ def write(
         origin, size = _write(stream, cloud, writer, options)
         lost = dropped(found, cloud, options, origin)
     return Written(Path(target), found.name, size, origin, lost)
-
-
-def _positive(value: Any, what: str) -> int:
-    try:
-        count = 0 if isinstance(value, bool) else operator.index(value)
-    except TypeError:
-        count = 0
-    if count < 1:
-        raise InputError(f"{what} is {value!r}: give a whole number from 1")
-    return count
 
 
 def _chunks(
@@ -316,6 +311,16 @@ def _split(reader: Reader) -> ChunkReader:
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
     return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
+
+
+def _place(place: PathOrStream) -> PathOrStream:
+    """Replace ``~`` at the beginning of a path by the home folder; streams stay."""
+    if not isinstance(place, str | os.PathLike):
+        return place
+    path = os.path.expanduser(os.fsdecode(place))  # noqa: PTH111 - Path raises if there is no home
+    if "\0" in path:
+        raise InputError(f"the path {path!r} holds NUL, which no path can")
+    return path
 
 
 def _name(place: object) -> str:
@@ -347,7 +352,7 @@ def _limited(
     reader: Callable[..., Read], found: Format, max_bytes: int | None
 ) -> Callable[..., Read]:
     """Set the limit of a reader, if its format expands; others take none."""
-    limit = None if max_bytes is None else _positive(max_bytes, "max_bytes")
+    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
     return partial(reader, max_bytes=limit) if found.expands else reader
 
 

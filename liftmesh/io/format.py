@@ -19,6 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.arrays import used_rows
+from liftmesh.choices import shown
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import fits_eight_bits, is_opaque
@@ -117,10 +118,11 @@ class Format:
             ("keeps", self.keeps, tuple(CONTENT)),
             ("needs", self.needs, NEEDS),
         ):
-            unknown = [word for word in words if word not in known]
+            is_listed = isinstance(words, tuple | list | set | frozenset)
+            unknown = [word for word in words if word not in known] if is_listed else [words]
             if unknown:
                 raise InputError(
-                    f"{name} of the format {self.name!r} holds {unknown[0]!r}: "
+                    f"{name} of the format {self.name!r} holds {shown(unknown[0])}: "
                     f"known are {', '.join(known)}"
                 )
 

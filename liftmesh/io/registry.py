@@ -15,12 +15,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
+from liftmesh.frozen import freeze
 from liftmesh.interruption import deferred, kept
 from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
 from liftmesh.io.format import Format
@@ -148,13 +150,15 @@ def find_format(wanted: str, name: str) -> Format:
     Raises
     ------
     FormatError
-        No format has this name or suffix, or its plugin cannot be loaded.
+        No format has this name or suffix, it is no string, or its plugin cannot be loaded.
 
     Examples
     --------
     >>> find_format(".CSV", "points.csv").name
     'text'
     """
+    if not isinstance(wanted, str):
+        raise FormatError(f"format is {shown(wanted)}: give a name or suffix, such as 'ply'")
     key = wanted.lower().removeprefix(".")
     for each in FORMATS:
         if key == each.name or f".{key}" in each.suffixes:
@@ -181,7 +185,8 @@ def as_cloud(source: Any) -> Cloud:
     -------
     Cloud
         One row per point, in the order of ``source``; rows of two coordinates get z = 0. Float64
-        coordinates are shared with ``source`` where that is safe.
+        coordinates are shared with ``source`` where that is safe; the arrays are read-only, unless
+        ``source`` is a `Cloud`, which is returned itself.
 
     Raises
     ------
@@ -205,8 +210,42 @@ def as_cloud(source: Any) -> Cloud:
     return _checked(cloud, adapter, source)
 
 
+def rows_of(source: Any) -> Any:
+    """Return the points of a cloud or mesh; what NumPy makes an array of is returned as it is.
+
+    Parameters
+    ----------
+    source : object
+        Anything.
+
+    Returns
+    -------
+    (n, 3) ndarray of float64, or object
+        The points as `as_cloud` finds them, or the source itself.
+
+    Raises
+    ------
+    UnsupportedTypeError
+        It is a path.
+    InputError
+        As for `as_cloud`.
+
+    Examples
+    --------
+    >>> rows_of([[0, 0]]), rows_of(Cloud(np.zeros((1, 3))))
+    ([[0, 0]], array([[0., 0., 0.]]))
+    """
+    with kept():
+        adapter = next((each for each in _adapters() if each.accepts(source)), None)
+    is_plain = adapter is None or adapter.to_cloud is plain.from_array
+    return source if is_plain else as_cloud(source).points
+
+
 def _checked(cloud: object, adapter: Adapter, source: object) -> Cloud:
     if isinstance(cloud, Cloud):
+        if cloud is not source:
+            cloud = replace(cloud)
+            freeze(cloud)  # its arrays may be those of the source
         return cloud
     raise UnsupportedTypeError(
         f"the adapter {adapter.name!r} makes a {qualified_name(cloud)} of a "
@@ -225,6 +264,8 @@ def _unsupported(source: object) -> UnsupportedTypeError:
         f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
         "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
+    if isinstance(source, Iterator):
+        message += "; what has no length becomes a list first: list(rows)"
     broken = _installed_adapters()[1]
     if broken:
         message += f"; adapters that cannot be loaded: {'; '.join(broken)}"

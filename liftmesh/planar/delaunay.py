@@ -13,16 +13,19 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import Method, NonFinite, RowOrder, check_option
+from liftmesh.choices import Method, NonFinite, RowOrder, as_switch, check_option, check_progress
 from liftmesh.errors import DegenerateInputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
+from liftmesh.planar.meshes import rows_of
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.shapes import of_one_array
 from liftmesh.threads import as_threads
 
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
 
 
+@of_one_array
 def delaunay(
     points: ArrayLike,
     *,
@@ -45,7 +48,8 @@ def delaunay(
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, n at most 357,913,941; a third column is ignored. float64 and float32 arrays
         of any strides are read in place; integers must be exactly representable as float64. Masked
-        entries count as not finite.
+        entries count as not finite. Of clouds and meshes of trimesh and Open3D, also as tensors,
+        and of a `Cloud`, x and y are taken.
     method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
         The algorithm. All give the same triangles; "auto" is divide and conquer. The others
         construct the lower hull of the lifted points facet by facet (gift wrapping): "lf" and
@@ -87,6 +91,8 @@ def delaunay(
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
+    UnsupportedTypeError
+        `points` is a path, or a column for each axis was given.
 
     Notes
     -----
@@ -104,7 +110,8 @@ def delaunay(
     array([[0, 1, 3],
            [3, 1, 2]], dtype=int32)
     """
-    return Triangulation(**solve(points, method, q, nonfinite, order, threads, progress, copy))
+    rows = rows_of(points)
+    return Triangulation(**solve(rows, method, q, nonfinite, order, threads, progress, copy))
 
 
 def solve(
@@ -142,8 +149,10 @@ def solve(
     check_option("method", method, Method)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("order", order, RowOrder)
+    check_progress(progress)
+    is_copied = as_switch("copy", copy)
     rows = as_coordinates(points)
-    planar = rows[:, :2].copy() if copy else rows[:, :2]
+    planar = rows[:, :2].copy() if is_copied else rows[:, :2]
     run = (planar, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
     outcome, counters = _run(run, method, q, planar)
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
@@ -179,8 +188,9 @@ def _run(
 def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> DegenerateInputError:
     held = f"{len(rows)} rows" + (f", {skipped} of them skipped as not finite," if skipped else "")
     if distinct < 3:
+        columns = "; if these are columns, give points.T" if rows.shape == (2, 3) else ""
         return DegenerateInputError(
-            f"{held} hold {distinct} distinct planar points: a triangle needs three"
+            f"{held} hold {distinct} distinct planar points: a triangle needs three{columns}"
         )
     first, last = int(hull[0]), int(hull[len(hull) // 2])
     return DegenerateInputError(

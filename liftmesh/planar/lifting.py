@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_coordinates, as_rows3
+from liftmesh.arrays import as_coordinates, as_reals, as_rows3
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
+from liftmesh.frozen import constructed_from, freeze
+from liftmesh.planar.meshes import rows_of
 
 if TYPE_CHECKING:
     import trimesh
@@ -85,7 +87,7 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
     try:
         with np.errstate(all="ignore"):
-            pair = np.asarray(q, dtype=np.float64)
+            pair = as_reals(q)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)") from error
     if pair.shape != (2,) or not np.isfinite(pair).all():
@@ -109,7 +111,7 @@ def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
-        Planar points; a third coordinate is ignored.
+        Planar points, or a cloud or mesh as for `delaunay`; a third coordinate is ignored.
     q : {"origin", "median"} or (2,) array_like, default "origin"
         The vertex of the paraboloid.
 
@@ -129,7 +131,7 @@ def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
     array([[ 3.,  4., 25.],
            [ 1.,  0.,  1.]])
     """
-    rows = as_coordinates(points)[:, :2]
+    rows = as_coordinates(rows_of(points))[:, :2]
     qx, qy = resolve_q(q, rows)
     lifted = np.empty((len(rows), 3))
     lifted[:, :2] = rows
@@ -144,7 +146,7 @@ def project(points: ArrayLike) -> Floats:
     Parameters
     ----------
     points : array_like of shape (n, 3)
-        Points in space.
+        Points in space, or a cloud or mesh as for `delaunay`.
 
     Returns
     -------
@@ -161,12 +163,12 @@ def project(points: ArrayLike) -> Floats:
     >>> project(lift([[3, 4]], q=(1, 1)))
     array([[3., 4.]])
     """
-    return as_rows3(points)[:, :2]
+    return as_rows3(rows_of(points))[:, :2]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LowerHull:
-    """The lower convex hull of points in space, as a mesh.
+    """The lower convex hull of points in space, as a mesh. Its arrays are read-only.
 
     Parameters
     ----------
@@ -195,6 +197,15 @@ class LowerHull:
     q: tuple[float, float] | None = None
     neighbors: Rows | None = None
     counters: Counters | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
+
+    def __repr__(self) -> str:
+        return f"<LowerHull of {len(self.faces):,} facets over {len(self.vertices):,} points>"
 
     @property
     def above(self) -> Rows:

@@ -99,11 +99,12 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         *,
         copy: bool = False,
     ) -> None:
-        if furthest_site:
+        if as_switch("furthest_site", furthest_site):
             raise InputError("furthest_site=True is not available: use scipy.spatial.Delaunay")
         check_qhull_options(qhull_options)
-        self._triangulate(_planar(points), copy=copy or incremental)
-        self._can_grow = bool(incremental)
+        is_growing = as_switch("incremental", incremental)
+        self._triangulate(_planar(points), copy=as_switch("copy", copy) or is_growing)
+        self._can_grow = is_growing
 
     def _triangulate(self, rows: Floats, *, copy: bool) -> None:
         try:

@@ -148,6 +148,17 @@ class Triangulation:
         """
         return np.stack([self._hull, np.roll(self._hull, -1)], axis=1)
 
+    @cached_property
+    def edges(self) -> Rows:
+        """The edges, (e, 2) int32: each once, with its lesser row first, in order of the triangles.
+
+        For arrays of the two ends, as for plotting: ``points[edges]`` has the shape (e, 2, 2).
+        """
+        ends = np.stack([np.roll(self.simplices, -1, axis=1), np.roll(self.simplices, 1, axis=1)])
+        # Of the two triangles at an edge the later one counts it; outside, the number is -1.
+        counted = self.neighbors < np.arange(self.nsimplex, dtype=np.int32)[:, None]
+        return read_only(np.sort(ends[:, counted].T, axis=1))
+
     @property
     def coplanar(self) -> Rows:
         """The duplicates in SciPy's form, (k, 3) int32: row, a triangle at the row, row kept.

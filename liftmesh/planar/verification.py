@@ -18,9 +18,10 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import NonFinite, check_option
+from liftmesh.choices import NonFinite, check_option, check_progress
 from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, Offender
+from liftmesh.planar.meshes import points_and_triangles
 from liftmesh.predicates import incircle, orient2d
 from liftmesh.threads import as_threads
 
@@ -67,8 +68,8 @@ _PREMATURE = {"invalid_index", "non_finite"}  # with these, neither edges nor ro
 
 
 def verify(
-    points: ArrayLike,
-    simplices: ArrayLike,
+    points: Any,
+    simplices: ArrayLike | None = None,
     *,
     nonfinite: NonFinite = "error",
     threads: int | None = None,
@@ -85,13 +86,16 @@ def verify(
 
     Parameters
     ----------
-    points : array_like of shape (n, 2) or (n, 3)
-        The points; z is ignored.
-    simplices : array_like of int, of shape (m, 3)
+    points : array_like of shape (n, 2) or (n, 3), or a mesh
+        The points; z is ignored. Without `simplices`, a mesh: a `Surface`, which is checked in its
+        own plane; a `Triangulation`, or one of SciPy or matplotlib; a mesh of trimesh or Open3D, a
+        `Cloud` with faces, or the path of a file, which are seen from above.
+    simplices : array_like of int, of shape (m, 3), optional
         The corners of each triangle as rows of `points`. Triangles may be in any order, and any
         corner may be first.
     nonfinite : {"error", "skip"}, default "error"
-        Rows with NaN or infinity raise, or are skipped and must not be corners.
+        Rows with NaN or infinity raise, or are skipped and must not be corners. Those that a
+        `Surface` or a `Triangulation` skipped are always skipped.
     threads : int, optional
         As for `delaunay`. The certificate is the same for any number.
     progress : callable, optional
@@ -106,10 +110,14 @@ def verify(
     Raises
     ------
     InputError
-        `points` or `simplices` have another shape or other values, `simplices` are masked, or an
-        option is unknown.
+        `points` or `simplices` have another shape or other values, `simplices` are masked, a mesh
+        has no triangles, or an option is unknown.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
+    UnsupportedTypeError
+        The object is no mesh.
+    FormatError
+        The file cannot be read.
 
     Notes
     -----
@@ -125,10 +133,16 @@ def verify(
     >>> square = [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.25]]
     >>> bool(verify(square, liftmesh.delaunay(square).simplices))
     True
+    >>> bool(verify(liftmesh.triangulate(square)))
+    True
     >>> print(verify(square, [[0, 1, 2], [0, 2, 3]]))
     not valid: 1 row has no vertex; first: row 4 (0.5, 0.25) is not a vertex, and no vertex is ...
     """
     check_option("nonfinite", nonfinite, NonFinite)
+    check_progress(progress)
+    if simplices is None:
+        points, simplices, is_skipping = points_and_triangles(points)
+        nonfinite = "skip" if is_skipping else nonfinite
     rows = as_coordinates(points)
     given = _as_triples(simplices)
     corners = _as_int32(given)
@@ -153,9 +167,10 @@ def _as_triples(simplices: ArrayLike) -> Array:
         return array
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int32)
+    remedy = "give simplices.T" if array.ndim == 2 and len(array) == 3 else _REMEDY
     raise InputError(
         f"simplices need the shape (m, 3) and 64-bit integers, not {array.shape} of "
-        f"{array.dtype}: {_REMEDY}"
+        f"{array.dtype}: {remedy}"
     )
 
 

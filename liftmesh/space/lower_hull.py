@@ -12,17 +12,20 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
-from liftmesh.arrays import as_coordinates, as_rows3, check_finite, read_only
+from liftmesh.arrays import as_coordinates, as_rows3, check_finite
 from liftmesh.choices import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import LowerHull
+from liftmesh.planar.meshes import rows_of
+from liftmesh.shapes import of_one_array
 
 # Salts the order in which points are inserted: nobody can make an input that is slow in every
 # process. No result depends on it.
 _SECRET = int.from_bytes(os.urandom(8), "little")
 
 
+@of_one_array
 def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     """Compute the lower convex hull of points in space, exact for every finite double.
 
@@ -34,8 +37,8 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     Parameters
     ----------
     points : array_like of shape (n, 3)
-        Points in space; z may be any height. Of points at one planar position only the lowest can
-        be on the lower hull, and of equal points the first row.
+        Points in space, or a cloud or mesh as for `delaunay`; z may be any height. Of points at one
+        planar position only the lowest can be on the lower hull, and of equal points the first row.
     method : {"auto", "lf"}, default "auto"
         The algorithm; both find the same facets. "auto" is randomised incremental construction, in
         O(n log n) expected time on every input, as each process draws its random numbers anew;
@@ -75,7 +78,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     (4, array([4], dtype=int32))
     """
     _check_hull_method(method)
-    rows = as_coordinates(points)
+    rows = as_coordinates(rows_of(points))
     if rows.shape[1] != 3:
         raise InputError(
             "points have two columns: a lower hull needs z; for planar points use "
@@ -87,12 +90,12 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     if status != "ok":
         raise _degenerate(distinct, boundary)
     counters = Counters.from_kernel(counts) if method == "lf" else None
-    return LowerHull(read_only(as_rows3(rows)), faces, neighbors=neighbors, counters=counters)
+    return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
 
 
 def _check_hull_method(method: str) -> None:
     known = get_args(HullMethod)
-    if method in get_args(Method) and method not in known:
+    if isinstance(method, str) and method in get_args(Method) and method not in known:
         raise InputError(
             f"method {method!r} is for planar points only, which it lifts itself: use "
             f"liftmesh.delaunay(points, method={method!r}), or one of "

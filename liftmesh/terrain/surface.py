@@ -8,17 +8,22 @@ objects of other libraries and write it to files.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from numpy.typing import ArrayLike
+
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.cloud import Cloud, constructed_from
+from liftmesh.cloud import Cloud
+from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import files
 from liftmesh.io.objects import matplotlib, open3d, trimesh
+from liftmesh.terrain import changes
+from liftmesh.terrain.parts import as_parts
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
+    from types import EllipsisType
 
     import matplotlib.tri as matplotlib_tri
     import open3d as o3d
@@ -79,7 +84,7 @@ class Report:
     representatives: Rows = field(repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
+        freeze(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
@@ -105,13 +110,13 @@ class Report:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Surface:
-    """A triangulated cloud.
+    """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
 
     Parameters
     ----------
     vertices : (n, 3) ndarray of float64
-        All rows of the input in their order: a read-only view of the caller's array if that is
-        float64, which writes to that array change.
+        All rows of the input in their order: a view of the caller's array if that is float64, which
+        writes to that array change.
     faces : (m, 3) ndarray of int32
         Triangles as rows of ``vertices``, counter-clockwise seen from above the plane.
     triangulation : Triangulation
@@ -150,12 +155,105 @@ class Surface:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     crs: str | None = None
 
+    def __post_init__(self) -> None:
+        freeze(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
 
     def __repr__(self) -> str:
         triangles = _count(len(self.faces), "triangle")
         return f"<Surface of {triangles} over {len(self.vertices):,} vertices>"
+
+    def replace(
+        self,
+        *,
+        vertices: ArrayLike | EllipsisType = ...,
+        colors: ArrayLike | EllipsisType | None = ...,
+        normals: ArrayLike | EllipsisType | None = ...,
+        attributes: Mapping[str, ArrayLike] | EllipsisType = ...,
+        metadata: Mapping[str, Any] | EllipsisType = ...,
+        crs: str | EllipsisType | None = ...,
+    ) -> Surface:
+        """Make a changed copy; what is not given stays.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array_like, optional
+            Moved vertices, one for each row. Faces, frame and report stay; if the planar
+            coordinates change, as those of shifted or scaled points do, the triangles must be
+            the canonical ones of the new coordinates too, which is verified exactly.
+        colors : (n, 3) or (n, 4) array_like, or None, optional
+            New colours; None removes them.
+        normals : (n, 3) array_like or None, optional
+            New normals; None removes them.
+        attributes : mapping of str to (n, ...) array_like, optional
+            The named values, in place of the present ones; `with_attributes` adds to them.
+        metadata : mapping, optional
+            Information about the surface as a whole.
+        crs : str or None, optional
+            The coordinate reference system.
+
+        Returns
+        -------
+        Surface
+            Shares the arrays that stay with this surface, and those given with the caller.
+
+        Raises
+        ------
+        InputError
+            An array does not have one row per vertex, or the moved vertices have another
+            triangulation: triangulate them.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+        >>> raised = surface.vertices * (1, 1, 10)
+        >>> surface.replace(vertices=raised).vertices[:, 2], surface.vertices[:, 2]
+        (array([50., 60., 70.]), array([5., 6., 7.]))
+        """
+        given = {
+            "vertices": vertices,
+            "colors": colors,
+            "normals": normals,
+            "attributes": attributes,
+            "metadata": metadata,
+            "crs": crs,
+        }
+        return changes.replaced(self, {key: v for key, v in given.items() if v is not ...})
+
+    def with_attributes(
+        self, attributes: Mapping[str, ArrayLike] | None = None, /, **named: ArrayLike
+    ) -> Surface:
+        """Make a copy with further named values, or with others of the same names.
+
+        Parameters
+        ----------
+        attributes : mapping of str to (n, ...) array_like, optional
+            Values by name, for names that are no keywords.
+        **named : (n, ...) array_like
+            Values by name, one for each vertex.
+
+        Returns
+        -------
+        Surface
+            As from `replace`.
+
+        Raises
+        ------
+        InputError
+            An array does not have one row per vertex.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+        >>> surface.with_attributes(depth=-surface.vertices[:, 2]).attributes["depth"]
+        array([-5., -6., -7.])
+        """
+        added = as_parts({"attributes": {} if attributes is None else attributes})["attributes"]
+        return self.replace(attributes={**self.attributes, **added, **named})
 
     def to_cloud(self) -> Cloud:
         """Convert the surface to a cloud with faces.
@@ -228,19 +326,30 @@ class Surface:
         """
         return open3d.to_legacy(self.to_cloud())
 
-    def to_open3d_t(self) -> o3d.t.geometry.TriangleMesh:
+    def to_open3d_t(
+        self, *, dtype: object = "float64", origin: ArrayLike | None = None
+    ) -> o3d.t.geometry.TriangleMesh:
         """Convert the surface to a tensor Open3D mesh.
+
+        Parameters
+        ----------
+        dtype : {"float64", "float32"}, or a type of NumPy or Open3D
+            Of positions and normals. ``RaycastingScene`` needs Float32.
+        origin : (3,) array_like, optional
+            Subtracted from the positions before they are rounded; add it to what Open3D returns.
 
         Returns
         -------
         open3d.t.geometry.TriangleMesh
-            Every vertex in its place, positions Float64, indices Int64, with RGB colours from 0 to
-            1, normals and named values as vertex attributes.
+            Every vertex in its place, indices Int64, with RGB colours from 0 to 1, normals and
+            named values as vertex attributes.
 
         Raises
         ------
         InputError
-            A colour is outside its range, or an attribute has a type that tensors do not support.
+            A colour is outside its range, an attribute has a type that tensors do not support, or
+            Float32 would move a vertex by more than a millionth of the surface's size: the message
+            gives the origin to subtract.
         MissingDependencyError
             Open3D, or a system library it needs, is not installed.
 
@@ -251,7 +360,7 @@ class Surface:
         >>> mesh.triangle["indices"].shape
         SizeVector[1, 3]
         """
-        return open3d.to_tensor(self.to_cloud())
+        return open3d.to_tensor(self.to_cloud(), dtype, origin)
 
     def to_matplotlib(self) -> matplotlib_tri.Triangulation:
         """Convert the planar triangles to a matplotlib triangulation.

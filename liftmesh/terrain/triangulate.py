@@ -9,30 +9,42 @@ order: the selection concerns the faces only.
 from __future__ import annotations
 
 import time
-from typing import Any, Literal, TypedDict
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import check_finite, non_finite, read_only
-from liftmesh.choices import Duplicates, Method, NonFinite, check_option
+from liftmesh.arrays import check_finite, non_finite
+from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.shapes import of_one_array
 from liftmesh.terrain.equal_positions import Choice, choose_rows
-from liftmesh.terrain.frame import Frame, resolve_plane
+from liftmesh.terrain.parts import with_parts
+from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.surface import Report, Surface
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.frame import Frame
+
 
 # Fraction of the whole work that is done at the end of each stage.
 DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
 
 
-def triangulate(
+@of_one_array
+def triangulate(  # noqa: PLR0913 - options are keywords
     cloud: object,
     *,
-    plane: Literal["xy", "fit"] | ArrayLike = "xy",
+    colors: ArrayLike | None = None,
+    normals: ArrayLike | None = None,
+    attributes: Mapping[str, ArrayLike] | None = None,
+    crs: str | None = None,
+    plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     duplicates: Duplicates = "first",
     nonfinite: NonFinite = "error",
     method: Method = "auto",
@@ -48,11 +60,22 @@ def triangulate(
         An array-like of shape (n, 3), or (n, 2) for z = 0; a ``trimesh.PointCloud`` or
         ``trimesh.Trimesh`` (its vertices); an Open3D point cloud, legacy or tensor; a path; a
         `Cloud`; or an object that an installed adapter accepts. Never modified.
-    plane : "xy", "fit", (3,) or (4, 4) array-like
-        Projection plane: the xy plane; the least squares plane (its normal has n_z > 0; if zero,
-        n_y > 0, then n_x > 0); a normal; or the rigid transformation from space to plane
-        coordinates, as ``trimesh.geometry.plane_transform`` returns it. Except for ``"xy"`` the
-        planar coordinates are rounded, and the result is exact for the rounded coordinates.
+    colors : (n, 3) or (n, 4) array_like, optional
+        Colours of the rows, in place of those of the cloud: unsigned integers over their full
+        range, integers from 0 to 255, or floats from 0 to 1.
+    normals : (n, 3) array_like, optional
+        Normals of the rows, in place of those of the cloud.
+    attributes : mapping of str to (n, ...) array_like, optional
+        Further named values of the rows, in place of those of the same name.
+    crs : str, optional
+        The coordinate reference system, in place of that of the cloud: WKT or ``EPSG:n``.
+    plane : "xy", "xz", "yz", "fit", (3,), (4,), (2, 3) or (4, 4) array-like
+        Projection plane: two of the axes (``"xz"`` is seen against y, with the height -y; ``"yz"``
+        has the height x); the least squares plane (its normal has n_z > 0; if zero, n_y > 0, then
+        n_x > 0); a normal; (a, b, c, d) of the plane ax + by + cz + d = 0; a point and a normal, as
+        ``trimesh.points.plane_fit`` returns them; or the rigid transformation from space to plane
+        coordinates, as ``trimesh.geometry.plane_transform`` returns it. Unless it is of two axes,
+        the planar coordinates are rounded, and the result is exact for the rounded coordinates.
     duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
         Policy for rows at one planar position with different heights: use the first or last row as
         the vertex; the lowest or highest one; the first one, moved to the mean of the different
@@ -80,12 +103,13 @@ def triangulate(
         All rows as vertices, in their order; faces, counter-clockwise seen from above; colours,
         normals and named values; and a report on the use of every row. If the cloud's points are
         float64, the surface shares their memory: do not write to them while it is in use, or give
-        a copy.
+        a copy. The surface's own arrays are read-only.
 
     Raises
     ------
     InputError
-        An option is unknown, or the cloud has the wrong shape or type.
+        An option is unknown, or the cloud, colours, normals or named values have the wrong shape or
+        type.
     NonFiniteError
         A row is not finite and ``nonfinite`` is ``"error"``.
     DuplicateHeightError
@@ -106,12 +130,17 @@ def triangulate(
     (2, 3)
     >>> surface.report.overhangs, surface.report.left_out
     (1, array([4], dtype=int32))
+    >>> corners = [[0, 0, 5], [4, 0, 6], [0, 3, 7]]
+    >>> triangulate(corners, attributes={"class": [2, 2, 6]}).attributes["class"]
+    array([2, 2, 6])
     """
     check_option("duplicates", duplicates, Duplicates)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("method", method, Method)
+    check_progress(progress)
     stages = _Stages(progress)
-    source = read_cloud(cloud)
+    given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
+    source = with_parts(read_cloud(cloud), given)
     stages.finish("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit ignores such rows, and its errors would hide them
@@ -126,7 +155,7 @@ def triangulate(
     vertices = _vertices(source.points, heights, frame, choice)
     stages.finish("heights")
     surface = Surface(
-        vertices=read_only(vertices),  # they may be the caller's
+        vertices=vertices,
         faces=triangulation.simplices,
         triangulation=triangulation,
         frame=frame,

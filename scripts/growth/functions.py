@@ -33,7 +33,7 @@ TERRAIN = ("random heights", "towers")
 POLICIES = ("first", "last", "lowest", "highest", "mean", "error")
 PROPERTIES = (
     "points", "convex_hull", "coplanar", "good", "min_bound", "max_bound", "vertex_to_simplex",
-    "vertex_neighbor_vertices", "transform", "equations",
+    "vertex_neighbor_vertices", "transform", "equations", "edges",
 )  # fmt: skip
 
 
@@ -264,6 +264,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT)
     for way in (shuffled, unshared, wrong):
         yield f"verify {way.__name__}", PLANAR, verified(way), (*PLAIN, "polar scan")
+    yield "verify a mesh", PLANAR, on_triangulation(lambda t: liftmesh.verify(t, threads=1)), PLAIN
     yield "Certificate.to_json", PLANAR, certificate, ("uniform",)
     yield "Certificate.as_dict", PLANAR, certificate, ()
     for place in (near_the_middle, around_the_last_row, centroids):
@@ -330,6 +331,10 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Surface.{name}", SPATIAL, on_surface(call), TERRAIN
     for name in ("to_open3d", "to_open3d_t"):  # Open3D takes minutes to import under callgrind
         yield f"Surface.{name}", SPATIAL, on_surface(getattr(liftmesh.Surface, name)), ()
+    halved = on_surface(lambda surface: surface.replace(vertices=surface.vertices / 2))
+    yield "Surface.replace", SPATIAL, halved, TERRAIN
+    named = on_surface(lambda surface: surface.with_attributes(z=surface.vertices[:, 2]))
+    yield "Surface.with_attributes", SPATIAL, named, TERRAIN
     yield "Surface.save", SPATIAL, on_surface(saved), TERRAIN
     yield "Cloud", SPATIAL, on_points(Cloud), TERRAIN
     yield "Cloud.select", SPATIAL, halves, TERRAIN

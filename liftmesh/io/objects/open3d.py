@@ -3,28 +3,36 @@
 The legacy classes hold float64 coordinates and colours from 0 to 1 in C++ vectors that are moved
 when they are reassigned, and accept only writable arrays: everything is copied both ways. The
 tensor classes hold any named array of one row per point: positions become Float64 (Open3D's own
-conversion would make them Float32) and indices Int64. A flat attribute of n values gets the shape
+conversion would make them Float32), unless Float32 is asked for, as ``RaycastingScene`` needs, and
+indices Int64. A flat attribute of n values gets the shape
 {n, 1}, which Open3D's writers require. Integer colours become Float32 from 0 to 1, because tensor
 meshes otherwise turn into legacy ones with colours up to 255.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from liftmesh import arrays
-from liftmesh._typing import Array, Rows
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
-from liftmesh.errors import InputError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import as_float, is_opaque
+from liftmesh.io.origin import needed_origin
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import open3d as o3d
+
+    from liftmesh.io.format import Origin
 
 
 def to_cloud(source: Any) -> Cloud:
@@ -103,7 +111,9 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
     return mesh
 
 
-def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
+def to_tensor(
+    cloud: Cloud, dtype: object = "float64", origin: ArrayLike | None = None
+) -> o3d.t.geometry.TriangleMesh:
     """Convert a cloud with faces to a tensor Open3D mesh.
 
     Parameters
@@ -111,16 +121,21 @@ def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
     cloud : Cloud
         Points, faces, RGB colours, normals and named values. An alpha that is not opaque
         everywhere becomes the vertex attribute ``alpha``.
+    dtype : {"float64", "float32"}, NumPy's or Open3D's type
+        Of positions and normals.
+    origin : (3,) array_like, optional
+        Subtracted from the positions.
 
     Returns
     -------
     open3d.t.geometry.TriangleMesh
-        Every row as a vertex, in the same order, on the CPU; positions Float64, indices Int64.
+        Every row as a vertex, in the same order, on the CPU; indices Int64.
 
     Raises
     ------
     InputError
-        A colour is outside its range, or an attribute has a type that tensors do not support.
+        A colour is outside its range, an attribute has a type that tensors do not support, or
+        float32 is too coarse for the positions.
     MissingDependencyError
         Open3D, or a system library it needs, is not installed.
 
@@ -130,9 +145,11 @@ def to_tensor(cloud: Cloud) -> o3d.t.geometry.TriangleMesh:
     >>> to_tensor(cloud).vertex["positions"].dtype
     Float64
     """
+    precision = _precision(dtype)
+    cloud = replace(cloud, points=_positions(cloud, precision, origin))
     library = load("open3d", extra="open3d")
     mesh: o3d.t.geometry.TriangleMesh = library.t.geometry.TriangleMesh()
-    for name, values in {**_named_columns(cloud), **_tensor_colors(cloud)}.items():
+    for name, values in {**_named_columns(cloud, precision), **_tensor_colors(cloud)}.items():
         mesh.vertex[name] = library.core.Tensor(values)
     mesh.triangle["indices"] = library.core.Tensor(_faces(cloud).astype(np.int64))
     return mesh
@@ -183,16 +200,60 @@ def _faces(cloud: Cloud) -> Rows:
     return np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
 
 
-def _named_columns(cloud: Cloud) -> dict[str, Array]:
+def _precision(dtype: object) -> np.dtype[Any]:
+    """The floating-point type of positions, given by its name, NumPy's or Open3D's."""
+    name = str(dtype).lower() if type(dtype).__name__ in {"str", "Dtype"} else dtype
+    with suppress(TypeError):
+        found: np.dtype[Any] = np.dtype(name)  # type: ignore[call-overload]
+        if found in (np.float32, np.float64):
+            return found
+    raise InputError(f"dtype is {shown(dtype)}: give 'float32' or 'float64'")
+
+
+def _positions(cloud: Cloud, precision: np.dtype[Any], origin: ArrayLike | None) -> Floats:
+    """Subtract an origin; raise if single precision is too coarse for what is left."""
+    points = cloud.points if origin is None else cloud.points - _origin(origin)
+    if precision == np.float32 and _needed(points) is not None:
+        needed = _needed(cloud.points) or _needed(points)
+        raise InputError(
+            f"Float32 is too coarse for these coordinates: give origin={needed}, which is "
+            "subtracted, or dtype='float64'"
+        )
+    return points
+
+
+def _needed(points: Floats) -> Origin | None:
+    finite = points[np.isfinite(points).all(axis=1)]
+    try:
+        return needed_origin(finite, "Float32")
+    except FormatError as error:
+        raise InputError(
+            "Float32 is too coarse for these coordinates, whatever their origin: "
+            "give dtype='float64'"
+        ) from error
+
+
+def _origin(origin: ArrayLike) -> Floats:
+    with suppress(TypeError, ValueError, OverflowError):
+        values = arrays.as_reals(origin)
+        if values.shape == (3,) and np.isfinite(values).all():
+            return values
+    raise InputError(f"origin is {shown(origin)}: give three finite numbers x, y, z")
+
+
+def _named_columns(cloud: Cloud, precision: np.dtype[Any]) -> dict[str, Array]:
     taken = {"positions", "normals", "colors", "alpha"} & cloud.attributes.keys()
     if taken:
         raise InputError(
             f"an attribute is named {min(taken)!r}, which is reserved in Open3D meshes: rename it"
         )
     named = {name: _column(name, values) for name, values in cloud.attributes.items()}
-    named["positions"] = cloud.points
-    if cloud.normals is not None:
-        named["normals"] = _column("normals", cloud.normals)
+    with np.errstate(under="ignore"):
+        named["positions"] = cloud.points.astype(precision, copy=False)
+        if cloud.normals is not None:
+            narrow = precision == np.float32
+            normals = cloud.normals.astype(precision) if narrow else cloud.normals
+            named["normals"] = _column("normals", normals)
     return named
 
 

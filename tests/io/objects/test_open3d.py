@@ -10,10 +10,12 @@ import hypothesis.extra.numpy as hnp
 import numpy as np
 import open3d as o3d
 import pytest
+import trimesh
 from hypothesis import given, settings, strategies as st
 
+import liftmesh
 from liftmesh.cloud import Cloud
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, UnsupportedTypeError
 from liftmesh.io.objects.open3d import to_legacy, to_tensor
 from liftmesh.io.registry import as_cloud
 
@@ -189,6 +191,92 @@ def test_tensor_colours_survive_the_way_to_a_legacy_mesh():
     assert mesh.vertex["colors"].dtype == o3d.core.float32
     legacy = np.asarray(mesh.to_legacy().vertex_colors)
     assert np.rint(legacy * 255).astype(np.uint8).tolist() == BYTES.tolist()
+
+
+FAR = POINTS + np.array([450_000, 5_200_000, 100])
+ORIGIN = (450_000, 5_200_000, 0)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "Float32", np.float32, o3d.core.float32])
+def test_single_precision_for_ray_casting(dtype):
+    surface = liftmesh.triangulate(FAR, normals=NORMALS)
+    mesh = surface.to_open3d_t(dtype=dtype, origin=ORIGIN)
+    assert mesh.vertex["positions"].dtype == o3d.core.float32
+    assert mesh.vertex["normals"].dtype == o3d.core.float32
+    assert np.array_equal(mesh.vertex["positions"].numpy() + np.array(ORIGIN), FAR)
+    scene = o3d.t.geometry.RaycastingScene()
+    scene.add_triangles(mesh)
+    rays = o3d.core.Tensor([[0.25, 0.5, 1000, 0, 0, -1]], dtype=o3d.core.float32)
+    met = int(scene.cast_rays(rays)["primitive_ids"].numpy()[0])
+    assert met == surface.triangulation.find_simplex([ORIGIN[0] + 0.25, ORIGIN[1] + 0.5])
+
+
+def test_single_precision_that_is_too_coarse_names_the_origin():
+    surface = liftmesh.triangulate(FAR + 0.1)
+    with pytest.raises(InputError, match=r"give origin=\(450000.0, 5200000.0, 0.0\), which is"):
+        surface.to_open3d_t(dtype="float32")
+    with pytest.raises(InputError, match=r"give origin=\(450000.0, 5200000.0, 0.0\), which is"):
+        surface.to_open3d_t(dtype="float32", origin=(1, 2, 3))
+    wide = liftmesh.triangulate(POINTS * 1e300)
+    with pytest.raises(InputError, match="whatever their origin: give dtype='float64'"):
+        wide.to_open3d_t(dtype="float32")
+
+
+@pytest.mark.parametrize("dtype", ["float64", None, float, o3d.core.Dtype.Float64])
+def test_double_precision_with_and_without_an_origin(dtype):
+    surface = liftmesh.triangulate(FAR)
+    mesh = surface.to_open3d_t(dtype=dtype)
+    assert mesh.vertex["positions"].numpy().tobytes() == FAR.tobytes()
+    moved = surface.to_open3d_t(dtype=dtype, origin=list(ORIGIN)).vertex["positions"].numpy()
+    assert np.array_equal(moved, FAR - np.array(ORIGIN))
+
+
+def test_rows_that_are_not_finite_go_out_in_single_precision():
+    surface = liftmesh.triangulate(np.vstack([POINTS, [[np.nan, np.inf, 0]]]), nonfinite="skip")
+    positions = surface.to_open3d_t(dtype="float32").vertex["positions"].numpy()
+    assert np.array_equal(positions[4], [np.nan, np.inf, 0], equal_nan=True)
+
+
+@pytest.mark.parametrize("dtype", ["float16", int, 5, "a word", object(), o3d.core.int32])
+def test_other_precisions_are_refused(dtype):
+    with pytest.raises(InputError, match=r"dtype is .*: give 'float32' or 'float64'"):
+        liftmesh.triangulate(POINTS).to_open3d_t(dtype=dtype)
+
+
+@pytest.mark.parametrize("origin", [5, (1, 2), (1, 2, np.nan), "abc", (1, 2, 3j), (1, 2, 10**400)])
+def test_origins_are_three_finite_numbers(origin):
+    with pytest.raises(InputError, match="give three finite numbers x, y, z"):
+        liftmesh.triangulate(POINTS).to_open3d_t(origin=origin)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        legacy_cloud(POINTS),
+        tensor_cloud(positions=POINTS),
+        to_legacy(Cloud(POINTS, faces=FACES)),
+        to_tensor(Cloud(POINTS, faces=FACES)),
+        o3d.core.Tensor(POINTS),
+        o3d.core.Tensor(POINTS[:, :2].copy()),
+        o3d.core.Tensor(POINTS.astype(np.float32)),
+        trimesh.PointCloud(POINTS),
+        Cloud(POINTS),
+    ],
+    ids=lambda source: type(source).__name__,
+)
+def test_planar_functions_take_clouds_meshes_and_tensors(source):
+    expected = liftmesh.delaunay(POINTS).simplices
+    assert np.array_equal(liftmesh.delaunay(source).simplices, expected)
+    assert np.array_equal(liftmesh.lift(source), liftmesh.lift(POINTS))
+    assert np.array_equal(liftmesh.project(source), POINTS[:, :2])
+    assert len(liftmesh.lower_hull(source).faces)
+
+
+def test_planar_functions_take_no_paths_and_name_what_is_no_cloud():
+    with pytest.raises(UnsupportedTypeError, match=r"is a path, not a cloud: liftmesh\.read it"):
+        liftmesh.delaunay("cloud.ply")
+    with pytest.raises(InputError, match="points are a LineSet: give an array with one row per"):
+        liftmesh.delaunay(o3d.geometry.LineSet())
 
 
 def test_alpha_that_says_something_becomes_an_attribute():

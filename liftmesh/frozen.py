@@ -1,0 +1,99 @@
+"""Results that stay as they are: read-only arrays and dictionaries, also in copies and pickles.
+
+`copy` and `pickle` make writable arrays of read-only ones. A result is therefore copied and pickled
+through its constructor, which makes them read-only again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, NoReturn, TypeVar
+
+import numpy as np
+
+from liftmesh.arrays import read_only
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+class FrozenDict(dict[Key, Value]):
+    """A dictionary that cannot be changed, which `dataclasses.asdict`, `json` and `pickle` take.
+
+    Examples
+    --------
+    >>> found = FrozenDict(a=1)
+    >>> found["a"]
+    1
+    >>> found["a"] = 2
+    Traceback (most recent call last):
+    TypeError: this dictionary is read-only: change a copy, dict(...)
+    """
+
+    __slots__ = ()
+
+    def _refuse(self, *_args: object, **_named: object) -> NoReturn:
+        raise TypeError("this dictionary is read-only: change a copy, dict(...)")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self),)
+
+
+def freeze(result: Any) -> None:
+    """Make all arrays and mappings of a frozen dataclass read-only; called when it is made.
+
+    Parameters
+    ----------
+    result : dataclass instance
+        Its arrays are replaced by read-only views, its mappings by read-only copies.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Result:
+    ...     rows: np.ndarray
+    ...     def __post_init__(self):
+    ...         freeze(self)
+    >>> Result(np.zeros(3)).rows.flags.writeable
+    False
+    """
+    for each in fields(result):
+        value = getattr(result, each.name)
+        if isinstance(value, np.ndarray | Mapping):
+            object.__setattr__(result, each.name, _frozen(value))
+
+
+def _frozen(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return read_only(value) if value.flags.writeable else value
+    return FrozenDict(
+        {key: read_only(v) if isinstance(v, np.ndarray) else v for key, v in value.items()}
+    )
+
+
+def constructed_from(result: Any) -> tuple[Any, ...]:
+    """Pickle and copy a frozen dataclass by its class and fields.
+
+    Parameters
+    ----------
+    result : dataclass instance
+        All its fields are arguments of its constructor.
+
+    Returns
+    -------
+    tuple
+        The value for ``__reduce__`` to return.
+
+    Examples
+    --------
+    >>> import copy
+    >>> from liftmesh import Cloud
+    >>> copy.deepcopy(Cloud(np.zeros((1, 3)), metadata={"epsg": 25832})).metadata["epsg"]
+    25832
+    """
+    return type(result), tuple(getattr(result, each.name) for each in fields(result))

@@ -1,0 +1,98 @@
+"""Clouds and meshes of other libraries as arrays: their points, and what `verify` checks."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.errors import InputError
+
+
+def rows_of(points: Any) -> Any:
+    """Return the points of a cloud or mesh, and anything else as it is, for arrays to be made of.
+
+    Parameters
+    ----------
+    points : object
+        As for `delaunay`.
+
+    Returns
+    -------
+    array_like
+        For arrays and lists, the same object.
+
+    Raises
+    ------
+    UnsupportedTypeError
+        It is a path.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> rows_of(liftmesh.Cloud(np.zeros((1, 3))))
+    array([[0., 0., 0.]])
+    """
+    if isinstance(points, np.ndarray | list | tuple):
+        return points
+    from liftmesh.io import registry  # noqa: PLC0415 - arrays do without
+
+    return registry.rows_of(points)
+
+
+def points_and_triangles(mesh: Any) -> tuple[Array, Array, bool]:
+    """Return the planar points and the triangles of a mesh.
+
+    Parameters
+    ----------
+    mesh : object
+        As for `verify`.
+
+    Returns
+    -------
+    points : (n, 2) or (n, 3) ndarray
+        Planar points; a third column is to be ignored.
+    triangles : (m, 3) ndarray
+        Rows of the points.
+    skipping : bool
+        Whether rows that are not finite were skipped when the mesh was made.
+
+    Raises
+    ------
+    InputError
+        There are no triangles.
+    UnsupportedTypeError
+        The object is no mesh.
+    FormatError
+        A file cannot be read.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> _, triangles, _ = points_and_triangles(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]))
+    >>> triangles
+    array([[0, 1, 2]], dtype=int32)
+    """
+    solved = getattr(mesh, "triangulation", None)  # of a `Surface`, whose plane may be any
+    if solved is not None and hasattr(mesh, "faces"):
+        return solved.points, mesh.faces, len(solved.skipped) > 0
+    if hasattr(mesh, "points") and hasattr(mesh, "simplices"):
+        return mesh.points, mesh.simplices, len(getattr(mesh, "skipped", ())) > 0
+    if hasattr(mesh, "get_masked_triangles"):  # of matplotlib
+        return np.column_stack([mesh.x, mesh.y]), mesh.get_masked_triangles(), False
+    return *_of_cloud(mesh), False
+
+
+def _of_cloud(mesh: Any) -> tuple[Array, Array]:
+    from liftmesh.io.files import read_cloud  # noqa: PLC0415 - arrays do without
+
+    cloud = read_cloud(mesh)
+    if cloud.faces is None or not len(cloud.faces):
+        what = repr(mesh) if isinstance(mesh, str | os.PathLike) else f"a {type(mesh).__name__}"
+        raise InputError(
+            f"{what} without triangles cannot be verified: give a mesh, or give simplices besides; "
+            "simplices need the shape (m, 3)"
+        )
+    return cloud.points, cloud.faces

@@ -1,0 +1,103 @@
+"""Changed copies of surfaces: other values for the same vertices, and vertices that were moved.
+
+A surface whose vertices move keeps its faces. If the planar coordinates stay bit for bit, as when
+heights are scaled, it keeps its triangulation too. If they change, the triangles must be those that
+`delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
+triangulation of the copy has the new coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats, Rows
+from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+from liftmesh.planar.triangulation import Triangulation
+from liftmesh.terrain.parts import as_parts
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface import Surface
+
+
+def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
+    """Make a copy of a surface with other values for some of its parts.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    given : mapping
+        New values by the names of `Surface.replace`.
+
+    Returns
+    -------
+    Surface
+        The copy.
+
+    Raises
+    ------
+    InputError
+        As `Surface.replace`.
+    """
+    parts = as_parts(given)
+    if "vertices" in parts:
+        parts["vertices"] = _vertices(parts["vertices"], surface)
+    changed = replace(surface, **parts)
+    Cloud(  # which checks that the parts belong together
+        changed.vertices,
+        colors=changed.colors,
+        normals=changed.normals,
+        attributes=changed.attributes,
+        metadata=changed.metadata,
+        crs=changed.crs,
+    )
+    if "vertices" not in parts:
+        return changed
+    return replace(changed, triangulation=_moved(surface, changed.vertices))
+
+
+def _vertices(given: ArrayLike, surface: Surface) -> Floats:
+    """Check moved vertices: one for each row, finite unless the row is in no face."""
+    rows = as_coordinates(given)
+    if rows.shape != surface.vertices.shape:
+        raise InputError(f"vertices need the shape {surface.vertices.shape}, not {rows.shape}")
+    broken = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    broken = np.setdiff1d(broken, surface.triangulation.skipped)
+    if len(broken):
+        row = int(broken[0])
+        raise non_finite(row, rows[row], skippable=False)
+    return rows.astype(np.float64, copy=False)
+
+
+def _moved(surface: Surface, vertices: Floats) -> Triangulation:
+    """Return the triangulation of moved vertices: the same triangles, if they are right."""
+    old = surface.triangulation
+    planar = surface.frame.planar(vertices)
+    used = np.setdiff1d(np.arange(len(vertices)), old.skipped)
+    if np.array_equal(planar[used], old.points[used]):
+        return old
+    if len(old.skipped):
+        planar = planar.copy()
+        planar[old.skipped] = np.nan
+    hull = _from_least(old.convex_hull[:, 0], planar)
+    found = Triangulation(planar, old.simplices, old.neighbors, hull, old.duplicates, old.skipped)
+    row, kept = old.duplicates.T
+    if not np.array_equal(planar[row], planar[kept]) or not found.verify().canonical:
+        raise InputError(
+            "the moved vertices have another triangulation than the surface: triangulate them, "
+            "or move them along the normal of the plane only"
+        )
+    return found
+
+
+def _from_least(hull: Rows, planar: Floats) -> Rows:
+    """Let the rows of a hull begin at the lexicographically least point."""
+    x, y = planar[hull].T
+    return np.roll(hull, -int(np.lexsort((y, x))[0]))

@@ -1,0 +1,112 @@
+"""Colours, normals and named values that a caller gives apart from the points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+
+_WIDTHS = {"colors": (3, 4), "normals": (3,)}
+
+
+def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
+    """Make a copy of a cloud with what a caller gave besides it.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        The points, with values of their own if any.
+    given : mapping
+        As for `as_parts`; None leaves those of the cloud, and named values are added to its own.
+
+    Returns
+    -------
+    Cloud
+        The copy, or the cloud itself if nothing is given.
+
+    Raises
+    ------
+    InputError
+        As for `as_parts`, or an array does not have one row per point.
+
+    Examples
+    --------
+    >>> from liftmesh import Cloud
+    >>> with_parts(Cloud(np.zeros((1, 3))), {"crs": "EPSG:25832"}).crs
+    'EPSG:25832'
+    """
+    parts = as_parts({name: value for name, value in given.items() if value is not None})
+    if "attributes" in parts:
+        parts["attributes"] = {**cloud.attributes, **parts["attributes"]}
+    return replace(cloud, **parts) if parts else cloud
+
+
+def as_parts(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert colours, normals and named values to arrays; `Cloud` checks their rows.
+
+    Parameters
+    ----------
+    given : mapping
+        Values by the names of `Cloud`'s fields; None stays.
+
+    Returns
+    -------
+    dict
+        The same names, with arrays.
+
+    Raises
+    ------
+    InputError
+        A value cannot be converted to an array, or the named values are no mapping.
+
+    Examples
+    --------
+    >>> as_parts({"normals": [[0, 0, 1]], "attributes": {"class": [2]}, "crs": None})
+    {'normals': array([[0, 0, 1]]), 'attributes': {'class': array([2])}, 'crs': None}
+    """
+    parts = dict(given)
+    for name, widths in _WIDTHS.items():
+        if parts.get(name) is not None:
+            parts[name] = _rows(name, parts[name], widths)
+    if parts.get("attributes") is not None:
+        parts["attributes"] = _arrays(parts["attributes"])
+    return parts
+
+
+def _rows(name: str, values: Any, widths: tuple[int, ...]) -> Array:
+    """Convert colours or normals: numbers in as many columns as they have."""
+    array = _array(name, values)
+    if array.ndim != 2 or array.shape[1] not in widths or array.dtype.kind not in "uif":
+        wanted = " or ".join(f"(n, {width})" for width in widths)
+        raise InputError(
+            f"{name} need the shape {wanted} and numbers, not {array.shape} of {array.dtype}"
+        )
+    return array
+
+
+def _arrays(attributes: object) -> dict[str, Array]:
+    if not isinstance(attributes, Mapping):
+        raise InputError(
+            f"attributes are a {type(attributes).__name__}: give a dict of names and arrays"
+        )
+    return {name: _array(name, values) for name, values in attributes.items()}
+
+
+def _array(name: str, values: Any) -> Array:
+    try:
+        array: Array = np.asanyarray(values)
+    except ValueError as error:
+        raise InputError(f"{name} cannot be converted to an array: {error}") from error
+    if array.ndim == 0:
+        raise InputError(
+            f"{name} is a {type(values).__name__}: give an array with one row per point"
+        )
+    return array

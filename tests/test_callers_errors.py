@@ -1,0 +1,215 @@
+"""What callers get wrong, in every public function: an error of liftmesh that says what to do."""
+
+from __future__ import annotations
+
+import inspect
+import io
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import liftmesh
+from liftmesh import Cloud, InputError, LiftmeshError, UnsupportedTypeError
+
+ROWS = np.random.default_rng(0).random((10, 3))
+PLANAR = ROWS[:, :2].copy()
+TRIANGULATION = liftmesh.delaunay(PLANAR)
+SURFACE = liftmesh.triangulate(ROWS)
+TEXT = b"0 0 1\n1 0 2\n0 1 3\n"
+
+
+def chunks(**options: Any) -> list[Cloud]:
+    return list(liftmesh.read_chunks(**options))
+
+
+CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] = {
+    "delaunay": (liftmesh.delaunay, liftmesh.delaunay, {"points": PLANAR}),
+    "triangulate": (liftmesh.triangulate, liftmesh.triangulate, {"cloud": ROWS}),
+    "verify": (
+        liftmesh.verify,
+        liftmesh.verify,
+        {"points": PLANAR, "simplices": TRIANGULATION.simplices},
+    ),
+    "lift": (liftmesh.lift, liftmesh.lift, {"points": PLANAR}),
+    "project": (liftmesh.project, liftmesh.project, {"points": ROWS}),
+    "lower_hull": (liftmesh.lower_hull, liftmesh.lower_hull, {"points": ROWS}),
+    "orient2d": (liftmesh.orient2d, liftmesh.orient2d, dict.fromkeys("abc", PLANAR)),
+    "incircle": (liftmesh.incircle, liftmesh.incircle, dict.fromkeys("abcd", PLANAR)),
+    "compare": (liftmesh.compare, liftmesh.compare, {"source": ROWS}),
+    "as_cloud": (liftmesh.as_cloud, liftmesh.as_cloud, {"source": ROWS}),
+    "read": (liftmesh.read, liftmesh.read, {"source": TEXT, "format": "xyz"}),
+    "read_chunks": (chunks, liftmesh.read_chunks, {"source": TEXT, "format": "xyz"}),
+    "write": (
+        liftmesh.write,
+        liftmesh.write,
+        {"target": b"", "mesh": SURFACE, "format": "ply"},
+    ),
+    "save": (
+        partial(SURFACE.save, format="ply"),
+        liftmesh.Surface.save,
+        {"path": b""},
+    ),
+    "Cloud": (Cloud, Cloud, {"points": ROWS}),
+    "select": (Cloud(ROWS).select, Cloud.select, {"which": slice(3)}),
+    "planar": (SURFACE.frame.planar, liftmesh.Frame.planar, {"points": ROWS}),
+    "heights": (SURFACE.frame.heights, liftmesh.Frame.heights, {"points": ROWS}),
+    "raised": (
+        SURFACE.frame.raised,
+        liftmesh.Frame.raised,
+        {"points": ROWS, "old": ROWS[:, 2], "new": ROWS[:, 2]},
+    ),
+    "find_simplex": (TRIANGULATION.find_simplex, TRIANGULATION.find_simplex, {"xi": PLANAR}),
+    "lift_points": (TRIANGULATION.lift_points, TRIANGULATION.lift_points, {"x": PLANAR}),
+    "plane_distance": (TRIANGULATION.plane_distance, TRIANGULATION.plane_distance, {"xi": PLANAR}),
+    "lifted": (TRIANGULATION.lifted, TRIANGULATION.lifted, {}),
+    "Triangulation.verify": (TRIANGULATION.verify, TRIANGULATION.verify, {}),
+    "Format": (
+        liftmesh.Format,
+        liftmesh.Format,
+        {"name": "a", "suffixes": (".a",), "read": None, "write": None, "description": ""},
+    ),
+}
+
+
+def rows_one_by_one() -> Iterator[list[float]]:
+    yield from ROWS.tolist()
+
+
+ODD: dict[str, Callable[[], Any]] = {
+    "None": lambda: None,
+    "a number": lambda: 1.5,
+    "a negative number": lambda: -1,
+    "a huge number": lambda: 10**30,
+    "NaN": lambda: float("nan"),
+    "a word": lambda: "a word",
+    "bytes": lambda: b"bytes",
+    "an object": object,
+    "a class": lambda: float,
+    "a dict": lambda: {"x": [0, 1, 0], "y": [0, 0, 1]},
+    "a generator": rows_one_by_one,
+    "a zip": lambda: zip(*PLANAR.T, strict=True),
+    "a set": lambda: {1, 2},
+    "a range": lambda: range(4),
+    "True": lambda: True,
+    "nothing": list,
+    "nested nothing": lambda: [[]],
+    "ragged": lambda: [[1, 2], [3]],
+    "words": lambda: [["a", "b"]],
+    "two rows": lambda: PLANAR.T,
+    "three rows": lambda: ROWS.T,
+    "a column": lambda: PLANAR[:, 0],
+    "four columns": lambda: np.zeros((10, 4)),
+    "complex": lambda: PLANAR + 1j,
+    "dates": lambda: np.array([["2020-01-01", "2020-01-02"]], dtype="M8[D]"),
+    "records": lambda: np.zeros(3, dtype=[("X", "f8"), ("Y", "f8")]),
+    "a scalar": lambda: np.array(3.0),
+}
+CASES = [
+    (name, parameter.name)
+    for name, (_, signature, _) in CALLS.items()
+    for parameter in inspect.signature(signature).parameters.values()
+    if parameter.name != "self" and parameter.kind is not parameter.VAR_KEYWORD
+]
+
+
+def test_every_public_function_is_called_wrongly() -> None:
+    functions = {n for n in liftmesh.__all__ if inspect.isfunction(getattr(liftmesh, n))}
+    assert functions <= CALLS.keys()
+
+
+@pytest.mark.parametrize(("name", "parameter"), CASES)
+def test_whatever_the_caller_gives_no_error_comes_from_inside(
+    name: str, parameter: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # words are names of files
+    call, _, given = CALLS[name]
+    for make in ODD.values():
+        streams = {key: io.BytesIO(v) if isinstance(v, bytes) else v for key, v in given.items()}
+        with suppress(LiftmeshError, FileNotFoundError):
+            call(**{**streams, parameter: make()})
+
+
+def message(call: Callable[[], object]) -> str:
+    with pytest.raises(LiftmeshError) as caught:
+        call()
+    return str(caught.value)
+
+
+TAKING_POINTS = [
+    liftmesh.delaunay,
+    liftmesh.triangulate,
+    liftmesh.as_cloud,
+    liftmesh.lift,
+    liftmesh.project,
+    liftmesh.lower_hull,
+]
+
+
+@pytest.mark.parametrize("function", TAKING_POINTS)
+@pytest.mark.parametrize("columns", [PLANAR.T, ROWS.T, PLANAR.T.tolist()])
+def test_columns_in_rows_suggest_the_transpose(function: Any, columns: Any) -> None:
+    assert message(lambda: function(columns)).endswith("these are columns; give points.T")
+
+
+def test_three_points_in_two_rows_suggest_the_transpose() -> None:
+    assert "give points.T" in message(lambda: liftmesh.delaunay([[0, 1, 0], [0, 0, 1]]))
+
+
+def test_queries_in_rows_suggest_the_transpose() -> None:
+    assert "give the transpose" in message(lambda: TRIANGULATION.find_simplex(PLANAR.T))
+    assert "give the transpose" in message(lambda: liftmesh.orient2d(PLANAR.T, (0, 0), (1, 1)))
+    corners = TRIANGULATION.simplices.T
+    assert message(lambda: liftmesh.verify(PLANAR, corners)).endswith("give simplices.T")
+
+
+@pytest.mark.parametrize("function", [liftmesh.delaunay, liftmesh.triangulate, liftmesh.lower_hull])
+def test_columns_as_arguments_get_a_sentence(function: Any) -> None:
+    x, y, z = ROWS.T
+    with pytest.raises(UnsupportedTypeError, match=r"not 2 columns: give np\.column_stack") as two:
+        function(x, y)
+    assert "np.column_stack([x, y])" in str(two.value)
+    assert "np.column_stack([x, y, z])" in message(lambda: function(list(x), y, z))
+
+
+def test_other_calls_with_too_many_arguments_keep_pythons_error() -> None:
+    with pytest.raises(TypeError, match="takes 1 positional argument but 2"):
+        liftmesh.delaunay(PLANAR, "auto")  # type: ignore[misc]
+    assert next(iter(inspect.signature(liftmesh.delaunay).parameters)) == "points"
+
+
+@pytest.mark.parametrize("function", TAKING_POINTS)
+def test_dicts_and_generators_get_a_sentence(function: Any) -> None:
+    named = {"Y": [0, 0, 1], "X": [0, 1, 0], "id": [1, 2, 3]}
+    assert "np.column_stack([points['X'], points['Y']])" in message(lambda: function(named))
+    assert "list(" in message(lambda: function(rows_one_by_one()))
+
+
+@pytest.mark.parametrize("function", [liftmesh.delaunay, liftmesh.triangulate])
+def test_progress_is_a_function(function: Any) -> None:
+    said = message(lambda: function(ROWS, progress=True))
+    assert said == "progress is True: give a function of the fraction done, such as print"
+    with pytest.raises(InputError, match="progress is 1"):
+        liftmesh.verify(PLANAR, TRIANGULATION.simplices, progress=1)  # type: ignore[arg-type]
+
+
+def test_imaginary_parts_are_not_dropped() -> None:
+    with pytest.raises(InputError, match="q is"):
+        liftmesh.lift(PLANAR, q=np.array([1, 2j]))
+    with pytest.raises(InputError, match="plane cannot be read as numbers"):
+        liftmesh.triangulate(ROWS, plane=np.array([0, 0, 1j]))
+
+
+def test_a_cloud_of_lists_says_what_takes_lists() -> None:
+    with pytest.raises(InputError, match="points of a cloud are a list: give a NumPy array; "):
+        Cloud(ROWS.tolist())  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="intensity of a cloud are a list"):
+        Cloud(ROWS, attributes={"intensity": [1] * 10})  # type: ignore[dict-item]
+
+
+def test_rows_that_are_not_there_cannot_be_selected() -> None:
+    with pytest.raises(InputError, match=r"rows \[10\] cannot be selected of 10: index 10 is out"):
+        Cloud(ROWS).select([10])  # type: ignore[arg-type]

@@ -1,0 +1,108 @@
+"""Wrong usage and help in words of our own; completion for shells; ``~`` in values."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import failed, liftmesh, process
+
+from liftmesh.cli import exit_codes
+
+COMMANDS = ["triangulate", "verify", "compare", "info", "paper"]
+FOREIGN = re.compile(
+    r"input should|valid integer|value error|invalid value|no such|missing argument|"
+    r"got unexpected|does not take|requires an argument|possible options|pydantic|click|typer",
+    re.IGNORECASE,
+)
+TRIANGULATE = ["triangulate", "a.ply", "b.ply"]
+WRONG = [
+    (["triangulate"], "IN is missing: give liftmesh triangulate IN OUT (see liftmesh triangulate"),
+    (["triangulate", "a.ply"], "OUT is missing: give liftmesh triangulate IN OUT"),
+    ([*TRIANGULATE, "c.ply", "d.ply"], "unexpected 'c.ply d.ply': give liftmesh triangulate IN"),
+    ([*TRIANGULATE, "--threads", "two"], "--threads is 'two': give a whole number from 1 to 1024"),
+    ([*TRIANGULATE, "--threads", "1.5"], "--threads is '1.5': give a whole number from 1"),
+    ([*TRIANGULATE, "--threads", "-1"], "--threads is -1: give a whole number from 1"),
+    ([*TRIANGULATE, "--duplicates"], "--duplicates needs a value"),
+    (
+        [*TRIANGULATE, "--duplicates", "some"],
+        "--duplicates 'some' is unknown: give first, last, lowest, highest, mean or error (see",
+    ),
+    ([*TRIANGULATE, "--nonfinite", "x"], "--nonfinite 'x' is unknown: give error or skip"),
+    ([*TRIANGULATE, "--plane", "up"], "--plane 'up' is neither a known name nor a file: give xy"),
+    (["info"], "FILE is missing: give liftmesh info FILE (see liftmesh info --help)"),
+    (["info", "a.ply", "--json=5"], "--json takes no value"),
+    (["info", "a.ply", "--js"], "there is no option --js: did you mean --json?"),
+    (["info", "a.ply", "--colour"], "there is no option --colour"),
+    (["info", "a.ply", "--max-bytes", "big"], "--max-bytes 'big' is not a size: give one as 500M"),
+    (["verify"], "FILE is missing: give liftmesh verify FILE"),
+    (["compare", "a.ply", "--proofs", "x"], "--proofs is 'x': give a whole number from 0"),
+    (["compare", "a.ply", "--proofs", "-1"], "--proofs is -1: give a whole number from 0"),
+    (["compare", "a.ply", "--q", "1,2,3"], "--q '1,2,3' is unknown: give median, origin or a"),
+    (["paper", "--n", "2"], "--n is 2: give a whole number from 3"),
+    (["paper", "--seeds", "some"], "--seeds is 'some': give a whole number from 1"),
+    (["paper", "--table", "6"], "--table '6' is unknown: give 5.1, 5.2 or both"),
+    (["paper", "all"], "unexpected 'all': give liftmesh paper (see"),
+    (["nonsense"], "there is no command 'nonsense': give one of triangulate, verify, compare, in"),
+    (["triangulat"], "there is no command 'triangulat': did you mean triangulate?"),
+    (["--nonsense"], "there is no option --nonsense"),
+]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"), WRONG, ids=lambda value: " ".join(value) if isinstance(value, list) else ""
+)
+def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
+    done = liftmesh(*words)
+    failed(done, exit_codes.USAGE, said)
+    assert not FOREIGN.search(done.stderr)
+
+
+@pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS)])
+def test_help_shows_no_type_for_flags(command: list[str]) -> None:
+    done = liftmesh(*command, "--help")
+    assert done.returncode == 0
+    assert "--help" in done.stdout
+    assert "bool" not in done.stdout.lower()
+
+
+def test_without_words_comes_the_help_alone() -> None:
+    bare, asked = liftmesh(), liftmesh("--help")
+    assert bare.stdout == asked.stdout
+    assert (bare.returncode, bare.stderr) == (exit_codes.USAGE, "")
+
+
+def completed(shell: str, words: str, **variables: str) -> list[str]:
+    env = {"_LIFTMESH_COMPLETE": f"complete_{shell}", "COMP_WORDS": words, **variables}
+    done = process(env=env | {"_TYPER_COMPLETE_ARGS": words})
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout.split()
+
+
+def test_shells_complete_commands_options_and_values() -> None:
+    assert completed("bash", "liftmesh tri", COMP_CWORD="1") == ["triangulate"]
+    options = completed("bash", "liftmesh triangulate --dup", COMP_CWORD="2")
+    assert options == ["--duplicates"]
+    values = completed("bash", "liftmesh triangulate a b --duplicates l", COMP_CWORD="5")
+    assert values == ["last", "lowest"]
+    assert '"triangulate":"Triangulate' in " ".join(completed("zsh", "liftmesh tri"))
+
+
+def test_the_script_for_a_shell_is_shown() -> None:
+    done = process(env={"_LIFTMESH_COMPLETE": "source_bash"})
+    assert done.returncode == 0
+    assert "complete -o default -F _liftmesh_completion liftmesh" in done.stdout
+    assert "--show-completion" in liftmesh("--help").stdout
+
+
+def test_a_tilde_in_words_is_the_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((20, 3)))
+    assert liftmesh("triangulate", "~/cloud.npy", "~/mesh.ply").returncode == 0
+    done = liftmesh("verify", "~/mesh.ply", "--certificate=~/mesh.json")
+    assert done.returncode == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"cloud.npy", "mesh.ply", "mesh.json"}
+    assert liftmesh("info", f"~{os.sep}nowhere.ply").returncode == exit_codes.BAD_INPUT
