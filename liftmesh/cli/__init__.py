@@ -7,6 +7,7 @@ the commands themselves only raise. typer and rich are imported in this room onl
 from __future__ import annotations
 
 import re
+import shlex
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -157,7 +158,15 @@ def _with_command_options(message: str) -> str:
     """Replace Python options in a message by options of the command line."""
     message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
     message = message.replace("with format=", "with --from FORMAT")
-    return message.replace("with max_bytes=", "with --max-bytes SIZE")
+    message = message.replace("with max_bytes=", "with --max-bytes SIZE")
+    message = re.sub(r"\b(columns|nodata|end|decimal|delimiter)='([^']*)'", _as_option, message)
+    message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
+    return message.replace("flat=True", "--flat")
+
+
+def _as_option(found: re.Match[str]) -> str:
+    """Write an option of tables as a shell takes it."""
+    return f"--{found[1]} {shlex.quote(found[2])}"
 
 
 def _help_hint(error: BaseException) -> str:

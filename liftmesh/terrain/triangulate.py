@@ -9,7 +9,7 @@ order: the selection concerns the faces only.
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,12 +19,15 @@ from liftmesh.arrays import check_finite, non_finite, read_only
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
+from liftmesh.io.table_columns import found_columns
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.surface import Report, Surface
 
 if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.io.table_options import ColumnChoice
     from liftmesh.planar.triangulation import Triangulation
 
 
@@ -32,7 +35,7 @@ if TYPE_CHECKING:
 DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
 
 
-def triangulate(
+def triangulate(  # noqa: PLR0913 - the options of one run
     cloud: object,
     *,
     plane: Literal["xy", "fit"] | ArrayLike = "xy",
@@ -42,6 +45,8 @@ def triangulate(
     q: ParaboloidVertex = "origin",
     threads: int | None = None,
     progress: Progress | None = None,
+    columns: ColumnChoice = None,
+    flat: bool = False,
 ) -> Surface:
     """Triangulate a point cloud over a plane.
 
@@ -76,6 +81,11 @@ def triangulate(
         each stage, at most about twenty times a second during divide and conquer, and with 1.0 at
         the end. It is called in the thread that called `triangulate`. An exception that it raises
         aborts the run and propagates unchanged; the cloud stays as it was, and no result remains.
+    columns : str, mapping or sequence, optional
+        Of a table, the names of its columns, as for `read`; of an array of more than three columns,
+        the name of each, as ``"x,y,z,red,green,blue"``.
+    flat : bool, default False
+        Whether the heights of a table do not matter, as for `read`.
 
     Returns
     -------
@@ -114,7 +124,7 @@ def triangulate(
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("method", method, Method)
     stages = _Stages(progress)
-    source = read_cloud(cloud)
+    source = read_cloud(cloud, **_table_options(columns, flat))
     stages.finish("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit ignores such rows, and its errors would hide them
@@ -133,7 +143,7 @@ def triangulate(
         faces=faces,
         triangulation=solution,
         frame=frame,
-        report=_report(solution, choice, duplicates, stages.seconds),
+        report=_report(solution, choice, duplicates, stages.seconds, source),
         colors=source.colors,
         normals=source.normals,
         attributes=source.attributes,
@@ -142,6 +152,12 @@ def triangulate(
     )
     stages.end()
     return surface
+
+
+def _table_options(columns: ColumnChoice, flat: bool) -> dict[str, Any]:
+    """The options of tables that were given: what is no table takes none."""
+    options: dict[str, Any] = {} if columns is None else {"columns": columns}
+    return options if flat is False else options | {"flat": flat}
 
 
 class _Options(TypedDict):
@@ -258,7 +274,7 @@ def _vertices(points: Floats, heights: Floats, frame: Frame, choice: Choice) -> 
 
 
 def _report(
-    solution: Triangulation, choice: Choice, policy: str, seconds: dict[str, float]
+    solution: Triangulation, choice: Choice, policy: str, seconds: dict[str, float], cloud: Cloud
 ) -> Report:
     overhangs = int(np.count_nonzero(choice.overhanging))
     left_out = np.concatenate([choice.left_out, solution.skipped])
@@ -275,4 +291,5 @@ def _report(
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
+        columns=found_columns(cloud),
     )
