@@ -137,8 +137,8 @@ class _Ids:
         if not self._grows or not len(table):
             return
         column = table[:, 0]
-        steps = np.diff(column, prepend=self.last if self._rows else column[0] - 1)
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):  # of what is no id anyway
+            steps = np.diff(column, prepend=self.last if self._rows else column[0] - 1)
             self._grows = bool(((column == np.rint(column)) & (steps > 0)).all())
         self._by_one = self._by_one and bool((steps == 1).all())
         self._whole &= (table[:, 1:3] == np.rint(table[:, 1:3])).all(axis=0)
