@@ -24,7 +24,7 @@ from liftmesh.io.limits import MOST_COLUMNS
 from liftmesh.io.lines import Block
 from liftmesh.io.table_doubts import named_points
 from liftmesh.io.table_words import may_be_grouped, split, with_point
-from liftmesh.io.text_tables import is_number, number_table, quoted
+from liftmesh.io.text_tables import is_number, number_table, quoted, values_at_most
 
 if TYPE_CHECKING:
     from liftmesh.io.table_columns import Columns
@@ -127,34 +127,32 @@ class TableValues:
             Block(lines, block.numbers), self._name, width=self._width, delimiter=","
         )
 
-    def _row(self, text: str, line: int) -> list[str]:
+    def _row(self, text: str, line: int) -> Sequence[str]:
+        """Split a line, but one of far too many values: these take more than their text."""
         where = f"{self._name}: line {line}"
-        found = 1 + (text.count(self._delimiter) if self._delimiter else 0)
+        values: Sequence[str] = ()
         if '"' not in text:
-            values = text.split(self._delimiter, self._width)  # no more than tell a line too long
-            if len(values) <= self._width:
-                found, values = len(values), [value.strip() for value in values]
-            elif self._delimiter is None:
-                found = sum(1 for _ in text.split())
-        elif found <= max(self._width, MOST_COLUMNS):
+            values = [value.strip() for value in text.split(self._delimiter, self._width)]
+        elif values_at_most(text) <= max(self._width, MOST_COLUMNS):
             values = split(text, self._delimiter, where)
-            found = len(values)
-        if found == self._width:
-            return values
-        if found == 1 and text.isalpha():
-            raise FormatError(
+        if len(values) != self._width:
+            raise self._broken(text, values, where)
+        return values
+
+    def _broken(self, text: str, values: Sequence[str], where: str) -> FormatError:
+        """Return the error for a row of another width, or of text in a table that had none."""
+        if [*values] == [text] and text.isalpha():
+            return FormatError(
                 f"{where}: {quoted(text)} is a broken row, expected {self._width} values, or marks "
                 f"the end of the table: read it with end={quoted(text)}"
             )
-        self._check_numbers(values, where)
-        raise FormatError(f"{where}: expected {self._width} values, found {found:,}")
-
-    def _check_numbers(self, values: Sequence[str], where: str) -> None:
-        """Raise for the first text of a row in a table that had none so far."""
         odd = (k for k, value in enumerate(values[: self._width]) if value and not is_number(value))
         k = next(odd, None)
         if k is not None and not self.text:
-            raise FormatError(f"{where}, value {k + 1}: {quoted(values[k])} is not a number")
+            return FormatError(f"{where}, value {k + 1}: {quoted(values[k])} is not a number")
+        marks = text.count(self._delimiter) + 1 if self._delimiter else values_at_most(text)
+        found = len(values) if '"' in text and values else marks
+        return FormatError(f"{where}: expected {self._width} values, found {found:,}")
 
     def _column(self, k: int, values: Sequence[str], block: Block) -> Sequence[str]:
         """Return plain numbers for the values of a column; NaN for all if it holds text."""
