@@ -160,16 +160,17 @@ class _Outliers:
         """Examine further rows."""
         column = table[:, self._column]
         self.rows += len(column)
-        far = (column <= _LOW) | (column >= _HIGH)
-        if far.any():
-            marks = np.isin(column, _SENTINELS)
-            values, counts = np.unique(column[marks], return_counts=True)
-            for value, count in zip(values.tolist(), counts.tolist(), strict=True):
-                self.counts[value] = self.counts.get(value, 0) + count
-            column = column[~marks]
-        column = column[np.isfinite(column)]
-        self._low = min(self._low, float(column.min(initial=np.inf)))
-        self._high = max(self._high, float(column.max(initial=-np.inf)))
+        low, high = column.min(initial=np.inf), column.max(initial=-np.inf)
+        if not (low > _LOW and high < _HIGH):  # as most are, and no NaN among them
+            self._count(column)
+            column = column[np.isfinite(column) & ~np.isin(column, _SENTINELS)]
+            low, high = column.min(initial=np.inf), column.max(initial=-np.inf)
+        self._low, self._high = min(self._low, float(low)), max(self._high, float(high))
+
+    def _count(self, column: Floats) -> None:
+        values, counts = np.unique(column[np.isin(column, _SENTINELS)], return_counts=True)
+        for value, count in zip(values.tolist(), counts.tolist(), strict=True):
+            self.counts[value] = self.counts.get(value, 0) + count
 
     def found(self) -> float | None:
         """Return the mark that is far from all other values; None if there is none."""

@@ -11,6 +11,7 @@ number has a point, and some comma cannot separate thousands.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from liftmesh.io.table_options import TableOptions
 
 _NAN = "nan"
+_ODD_COMMA = re.compile(r",(?![0-9])|,[0-9]+,")
 _MISSING = ("na", "n/a", "null", "none", "-", "--", "*", "?", "#n/a", "nodata", "no data")
 
 
@@ -76,7 +78,7 @@ class TableValues:
         self._decimal = options.decimal
         self._point: Found | None = None
         self._ungrouped = False
-        self._plain = options.decimal != ","
+        self._plain = True
 
     def parse(self, block: Block) -> Floats:
         """Parse the lines of a block; columns of text are NaN."""
@@ -97,24 +99,49 @@ class TableValues:
             )
 
     def _numbers(self, block: Block) -> Floats:
-        if self._plain and not any('"' in text for text in block.texts):
+        plain = self._with_points(block) if self._plain else None
+        if plain is not None:
             try:
                 table = number_table(
-                    block, self._name, width=self._width, delimiter=self._delimiter
+                    plain, self._name, width=self._width, delimiter=self._delimiter
                 )
             except FormatError:
                 self._plain = False  # most likely the next blocks hold the same
             else:
                 self.filled[:] = True
-                self._notice_points(block)
+                self._notice_marks(block)
                 return table
         return self._split(block)
 
-    def _notice_points(self, block: Block) -> None:
-        """Remember a number with a point, in tables where others could have commas."""
-        if self._delimiter != "," and self._point is None:
-            found = (Found(text, line) for text, line in block if "." in text)
-            self._point = next(found, None)
+    def _with_points(self, block: Block) -> Block | None:
+        """Return a block of numbers with points only; None if its values must be looked at."""
+        if any('"' in text for text in block.texts):
+            return None
+        if self._delimiter == ",":
+            return block
+        pointed = any("." in text for text in block.texts)
+        if not any("," in text for text in block.texts):
+            doubtful = self._decimal == "," or (self._decimal is None and self.commas is not None)
+            return None if pointed and doubtful else block
+        said = self._decimal or ("," if self._delimiter and self._point is None else None)
+        if said != "," or pointed or any(map(_ODD_COMMA.search, block.texts)):
+            return None
+        return Block([text.replace(",", ".") for text in block.texts], block.numbers, block.long)
+
+    def _notice_marks(self, block: Block) -> None:
+        """Remember the first number with a point, or with a comma and one for decimals only."""
+        if self._delimiter == "," or self._point is not None or self._ungrouped:
+            return
+        for text, line in block:
+            if "." in text:
+                self._point = Found(text, line)
+                return
+            for value in text.split(self._delimiter) if "," in text else ():
+                if "," in value:
+                    self.commas = self.commas or Found(value.strip(), line)
+                    self._ungrouped = not may_be_grouped(value.strip())
+                if self._ungrouped:
+                    return
 
     def _split(self, block: Block) -> Floats:
         """Parse a block whose values may be anything."""
@@ -160,11 +187,17 @@ class TableValues:
             return [_NAN] * len(values)
         held = bool(self.filled[k])
         self.filled[k] = held or any(values)
-        plain = [self._plain_number(value, at, block) for at, value in enumerate(values)]
-        bad = next((at for at, value in enumerate(plain) if not value), None)
-        if bad is None:
+        known = self._is_known
+        plain = [
+            value
+            if value and "," not in value and known(value)
+            else self._special(value, at, block)
+            for at, value in enumerate(values)
+        ]
+        if "" not in plain:
+            self._check_points(values, block)
             return plain
-        found = Found(values[bad], int(block.numbers[bad]))
+        found = Found(values[plain.index("")], int(block.numbers[plain.index("")]))
         if k in self._required:
             raise self._not_a_number(k, found)
         self.text[k] = found
@@ -172,43 +205,38 @@ class TableValues:
             self.mixed.add(k)
         return [_NAN] * len(values)
 
-    def _plain_number(self, value: str, at: int, block: Block) -> str:
-        """Return the text of a number, NaN for a missing one, "" for other text."""
+    def _is_known(self, value: str) -> bool:
+        """Whether a value is a number as it is."""
+        return is_number(value) and (self._decimal != "," or "." not in value)
+
+    def _special(self, value: str, at: int, block: Block) -> str:
+        """Return NaN for a missing value, a number for one with a comma, "" for other text."""
         if not value or value in self._missing:
             return _NAN
-        if "," in value:
-            number = with_point(value)
-            return self._with_comma(number, Found(value, int(block.numbers[at])))
-        if not is_number(value):
-            return ""
-        if "." in value and self._decimal != ".":
-            return self._with_point(value, int(block.numbers[at]))
-        return value
-
-    def _with_comma(self, number: str, found: Found) -> str:
-        """Accept a number with a decimal comma, or raise if that is not the only way to read it."""
+        number = with_point(value)
         if not number or self._decimal == ".":
             return ""
+        found = Found(value, int(block.numbers[at]))
         if self._decimal is None and self._delimiter is None:
             raise FormatError(
-                f"{self._name}: line {found.line}: {quoted(found.value)} is a number with a "
-                "decimal comma, or two numbers: read it with decimal=',', or with delimiter=','"
+                f"{self._name}: line {found.line}: {quoted(value)} is a number with a decimal "
+                "comma, or two numbers: read it with decimal=',', or with delimiter=','"
             )
         if self._decimal is None and self._point is not None:
             raise self._mixed(found, self._point)
         self.commas = self.commas or found
-        self._ungrouped = self._ungrouped or not may_be_grouped(found.value)
+        self._ungrouped = self._ungrouped or not may_be_grouped(value)
         return number
 
-    def _with_point(self, value: str, line: int) -> str:
-        """Accept a number with a decimal point, unless others have commas."""
-        if self._decimal == ",":
-            return ""
-        if self._delimiter != ",":
-            self._point = self._point or Found(value, line)
+    def _check_points(self, values: Sequence[str], block: Block) -> None:
+        """Raise if some numbers have points, and others commas."""
+        if self._decimal is not None or self._delimiter == "," or self._point is not None:
+            return
+        at = next((at for at, value in enumerate(values) if "." in value), None)
+        if at is not None:
+            self._point = Found(values[at], int(block.numbers[at]))
             if self.commas is not None:
                 raise self._mixed(self.commas, self._point)
-        return value
 
     def _mixed(self, comma: Found, point: Found) -> FormatError:
         return FormatError(
