@@ -159,7 +159,9 @@ def _with_command_options(message: str) -> str:
     message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
     message = message.replace("with format=", "with --from FORMAT")
     message = message.replace("with max_bytes=", "with --max-bytes SIZE")
-    message = re.sub(r"\b(columns|nodata|end|decimal|delimiter)='([^']*)'", _as_option, message)
+    message = re.sub(
+        r"\b(columns|nodata|end|decimal|delimiter|encoding)='([^']*)'", _as_option, message
+    )
     message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
     return message.replace("flat=True", "--flat")
 

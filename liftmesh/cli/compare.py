@@ -55,6 +55,7 @@ def run(
     no_header: options.NoHeader = False,
     nodata: options.NoData = None,
     end: options.End = None,
+    encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -72,7 +73,7 @@ def run(
         Maximum number of proofs.
     source_format : str, optional
         Format of IN, instead of its suffix.
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
         Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
@@ -83,7 +84,7 @@ def run(
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
     limit = options.parse_size(max_bytes)
     table = options.parse_table(
-        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
     )
     files.check_target(lower)
     files.check_target(hull)

@@ -35,6 +35,7 @@ def run(
     no_header: options.NoHeader = False,
     nodata: options.NoData = None,
     end: options.End = None,
+    encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -46,7 +47,7 @@ def run(
         FILE.
     source_format : str, optional
         Format of FILE, instead of its suffix.
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
         Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
@@ -55,7 +56,7 @@ def run(
     """
     standard_streams.check_stdout()
     table = options.parse_table(
-        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
     )
     cloud = files.read(source, source_format, options.parse_size(max_bytes), table)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without

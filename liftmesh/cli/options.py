@@ -81,6 +81,10 @@ NoData: TypeAlias = Annotated[
 End: TypeAlias = Annotated[
     str | None, typer.Option(metavar="LINE", help="Tables: the line that ends them, as END.")
 ]
+Encoding: TypeAlias = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Tables: the encoding of the text, as cp1252, if not UTF."),
+]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
@@ -186,12 +190,13 @@ def parse_table(
     no_header: bool,
     nodata: str | None,
     end: str | None,
+    encoding: str | None,
 ) -> dict[str, Any]:
     """Check the options of tables, and return those that were given.
 
     Parameters
     ----------
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
         The options of the command line.
 
     Returns
@@ -206,15 +211,14 @@ def parse_table(
 
     Examples
     --------
-    >>> parse_table("id,x,y,z", False, None, None, 2, False, None, None)
+    >>> parse_table("id,x,y,z", False, None, None, 2, False, None, None, None)
     {'columns': 'id,x,y,z', 'skip_rows': 2}
     """
     from liftmesh.io.table_options import checked  # noqa: PLC0415 - help and --version do without
 
     words = {"columns": columns, "delimiter": delimiter, "decimal": decimal, "nodata": nodata}
-    given: dict[str, Any] = {
-        k: word for k, word in (words | {"end": end}).items() if word is not None
-    }
+    words |= {"end": end, "encoding": encoding}
+    given: dict[str, Any] = {k: word for k, word in words.items() if word is not None}
     given |= {"flat": True} if flat else {}
     given |= {"header": False} if no_header else {}
     given |= {"skip_rows": skip_rows} if skip_rows else {}

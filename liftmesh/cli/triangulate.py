@@ -65,6 +65,7 @@ def run(
     no_header: options.NoHeader = False,
     nodata: options.NoData = None,
     end: options.End = None,
+    encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -80,7 +81,7 @@ def run(
         Formats, instead of the suffixes.
     threads : int, optional
         As in `liftmesh.triangulate`.
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
         Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
@@ -93,7 +94,7 @@ def run(
     options.check_threads(threads)
     limit = options.parse_size(max_bytes)
     table = options.parse_table(
-        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end
+        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
     )
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.

@@ -18,7 +18,7 @@ _WORDS = {
     "ascissa abscisa abszisse",
     "y": "y ycoord northing north northings hochwert nordwert nord norte noord ordinate ordonnee "
     "ordinata ordenada",
-    "z": "z zcoord elevation elevations elev height heights altitude alt hoehe hohe hoehenwert "
+    "z": "z zcoord elevation elevations elev ele height heights altitude alt hoehe hohe hoehenwert "
     "hauteur altura altitud altezza altitudine elevazione elevacion elevacao quota cota hoogte "
     "hoyde hojd hojde orthometricheight orthoheight ellipsoidalheight ellipsoidheight",
     "lon": "lon long lng longitude laengengrad longitud longitudine lengtegraad",

@@ -102,6 +102,7 @@ def read(
         - ``nodata``: the number or text that stands for a missing value, which becomes NaN;
           ``"none"`` if even -9999 is a value.
         - ``end``: the line that ends the table.
+        - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
 
     Returns
     -------

@@ -130,7 +130,8 @@ class Lines:
             line = self._read + 1 + data.count(b"\n", 0, error.start)
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
-                f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text"
+                f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text, or if it "
+                "is Windows-1252, read it with encoding='cp1252'"
             ) from error
 
     def _block(self, data: bytes) -> Block:

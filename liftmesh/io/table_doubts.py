@@ -11,6 +11,7 @@ all others than these are from each other.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,7 @@ _SENTINELS = (
     *(-3.4028234663852886e38, -3.40282346638529e38, -3.402823466e38, -3.4028235e38),
     *(-3.402823e38, -3.40282e38, 3.4028234663852886e38, 3.4028235e38, -1.7976931348623157e308),
 )
+_MOST_LISTED = 12  # columns
 _LEAST_ROWS = 3  # fewer make no triangle, and no series
 
 
@@ -39,11 +41,20 @@ def named_points(width: int) -> str:
     >>> named_points(4)
     "read it with columns='id,x,y,z' (or 'id,y,x,z' if northing comes first)"
     """
-    rest = [f"column_{k}" for k in range(5, width + 1)]
-    usual, swapped = (
-        ",".join(["id", *order, *rest][:width]) for order in (("x", "y", "z"), ("y", "x", "z"))
-    )
+    usual, swapped = (_names(("id", *order), width) for order in ("xyz", "yxz"))
     return f"read it with columns='{usual}' (or '{swapped}' if northing comes first)"
+
+
+def _names(first: Sequence[str], width: int) -> str:
+    """Return names of columns as an option: of all columns, or of the coordinates of a wide table.
+
+    >>> _names(["id", "x", "y", "z"], 5), _names(["id", "x", "y", "z"], 50)
+    ('id,x,y,z,column_5', 'x=2,y=3,z=4')
+    """
+    if width > _MOST_LISTED:
+        return ",".join(f"{part}={k}" for k, part in enumerate(first, 1) if part in POSITION)
+    rest = (f"column_{k}" for k in range(len(first) + 1, width + 1))
+    return ",".join([*first[:width], *rest])
 
 
 def check_count(first: str, second: str, where: str) -> None:
@@ -107,12 +118,8 @@ class Doubts:
                 f"{self._name}: there is no header, and the first column holds whole numbers that "
                 f"grow from {self._ids.first:.0f} to {self._ids.last:.0f}, x or an id: if an id, "
                 f"{named_points(self._width)}, if x, with "
-                f"columns='{','.join(_plain_names(self._width))}'"
+                f"columns='{_names(POSITION, self._width)}'"
             )
-
-
-def _plain_names(width: int) -> list[str]:
-    return ["x", "y", "z", *(f"column_{k}" for k in range(4, width + 1))][:width]
 
 
 class _Ids:

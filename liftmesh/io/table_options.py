@@ -8,6 +8,7 @@ in Python.
 
 from __future__ import annotations
 
+import codecs
 import math
 import operator
 from collections.abc import Mapping, Sequence
@@ -43,6 +44,7 @@ class TableOptions:
     header: bool = True
     missing: tuple[float | str, ...] | None = None
     end: str | None = None
+    encoding: str | None = None
 
     @property
     def names_all(self) -> bool:
@@ -50,7 +52,7 @@ class TableOptions:
         return self.flat or self.names is not None
 
 
-def checked(
+def checked(  # noqa: PLR0913 - one for each option
     *,
     columns: ColumnChoice = None,
     flat: bool = False,
@@ -60,12 +62,13 @@ def checked(
     header: bool = True,
     nodata: Missing = None,
     end: str | None = None,
+    encoding: str | None = None,
 ) -> TableOptions:
     """Check the options of a table.
 
     Parameters
     ----------
-    columns, flat, delimiter, decimal, skip_rows, header, nodata, end
+    columns, flat, delimiter, decimal, skip_rows, header, nodata, end, encoding
         As for `liftmesh.read`.
 
     Returns
@@ -98,6 +101,7 @@ def checked(
         header=header,
         missing=_missing(nodata),
         end=_text("end", end),
+        encoding=_encoding(encoding),
     )
     if options.decimal is not None and options.decimal == options.delimiter:
         raise InputError(f"delimiter and decimal are both {decimal!r}: give two different ones")
@@ -161,6 +165,19 @@ def _text(name: str, value: object) -> str | None:
     if value is not None and (not isinstance(value, str) or not value.strip()):
         raise InputError(f"{name} is {value!r}: give a text")
     return None if value is None else value.strip()
+
+
+def _encoding(value: object) -> str | None:
+    """Check the name of an encoding of text: Python has others, of bytes, too."""
+    if value is None:
+        return None
+    try:
+        name = value if isinstance(value, str) else ""
+        "0".encode(name)
+        codecs.getincrementaldecoder(name)
+    except (LookupError, UnicodeError, ValueError):
+        raise InputError(f"encoding is {value!r}: give a name, as 'cp1252' or 'latin-1'") from None
+    return name
 
 
 def _delimiter(value: object) -> str | None:

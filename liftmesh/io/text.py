@@ -69,7 +69,7 @@ def read_text(
         The file is invalid, can be read in two ways, or has more columns than the limit allows; the
         message gives the line.
     """
-    table = _Table(as_utf8(stream, name), name, max_bytes, options)
+    table = _Table(as_utf8(stream, name, options.encoding), name, max_bytes, options)
     rows = np.concatenate([*table.blocks()])
     meaning = _Meaning(table)
     meaning.examine(rows)
@@ -104,7 +104,7 @@ def read_text_chunks(
     FormatError
         As `read_text`.
     """
-    text = as_utf8(stream, name)
+    text = as_utf8(stream, name, options.encoding)
     begin = text.tell()
     meaning = _Meaning(_Table(text, name, max_bytes, options))
     meaning.examine_all()

@@ -15,8 +15,8 @@ _BYTES = 1 << 16
 _LINE_END = re.compile(rb"\r\n?|\n")
 
 
-def as_utf8(stream: BinaryIO, name: str) -> BinaryIO:
-    """Return a stream of UTF-8 without a mark: this one behind its mark, or UTF-16 converted.
+def as_utf8(stream: BinaryIO, name: str, encoding: str | None = None) -> BinaryIO:
+    """Return a stream of UTF-8 without a mark: this one behind its mark, or another converted.
 
     Parameters
     ----------
@@ -24,6 +24,8 @@ def as_utf8(stream: BinaryIO, name: str) -> BinaryIO:
         At the start of the text.
     name : str
         The file's name for messages.
+    encoding : str, optional
+        The encoding; by default UTF-8, or UTF-16 if the text has its mark.
 
     Returns
     -------
@@ -33,18 +35,20 @@ def as_utf8(stream: BinaryIO, name: str) -> BinaryIO:
     Raises
     ------
     FormatError
-        UTF-16 is damaged, or has no mark.
+        The text is damaged, or UTF-16 has no mark.
 
     Examples
     --------
     >>> as_utf8(io.BytesIO("x;y".encode("utf-16")), "points.csv").read()
     b'x;y'
     """
+    if encoding is not None:
+        return _converted(stream, name, encoding)
     begin = stream.tell()
     mark = stream.read(3)
     if mark.startswith(_UTF16_MARKS):
         stream.seek(begin)
-        return _converted(stream, name)
+        return _converted(stream, name, "UTF-16")
     if b"\0" in mark[:2] and mark[:2].strip(b"\0"):
         raise FormatError(
             f"{name}: byte {begin}: the text is UTF-16 without its mark, or no text: save it as "
@@ -54,20 +58,21 @@ def as_utf8(stream: BinaryIO, name: str) -> BinaryIO:
     return stream
 
 
-def _converted(stream: BinaryIO, name: str) -> BinaryIO:
-    """Convert UTF-16 to UTF-8 in memory, which is half as long for numbers."""
-    decoder = codecs.getincrementaldecoder("utf-16")()
+def _converted(stream: BinaryIO, name: str, encoding: str) -> BinaryIO:
+    """Convert text to UTF-8 in memory; of numbers in UTF-16 it takes half as much."""
+    decoder = codecs.getincrementaldecoder(encoding)()
     held = io.BytesIO()
     done = False
     while not done:
         data = stream.read(_BYTES)
         done = not data
         try:
-            held.write(decoder.decode(data, final=done).encode())
-        except UnicodeDecodeError as error:
+            text = decoder.decode(data, final=done)
+            held.write((text if held.tell() else text.removeprefix("\ufeff")).encode())
+        except UnicodeError as error:
             raise FormatError(
-                f"{name}: byte {stream.tell()} or before: the text is damaged UTF-16 "
-                f"({error.reason}): save it as UTF-8"
+                f"{name}: byte {stream.tell()} or before: the text is damaged {encoding} "
+                f"({error}): save it as UTF-8"
             ) from error
     held.seek(0)
     return held

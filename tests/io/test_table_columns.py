@@ -223,6 +223,9 @@ def test_a_column_whose_name_is_taken_is_left_out_and_named() -> None:
         {"nodata": " "},
         {"end": ""},
         {"end": 3},
+        {"encoding": "rot13"},
+        {"encoding": "no such"},
+        {"encoding": 8},
         {"flat": True, "columns": "z=Z"},
     ],
 )

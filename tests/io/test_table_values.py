@@ -71,6 +71,15 @@ def test_encodings(encoding: str, end: str) -> None:
     assert read(swapped).points.tolist() == POINTS
 
 
+def test_text_of_windows_is_read_by_its_encoding() -> None:
+    data = "Rechtswert;Hochwert;Höhe\n1,5;2,5;3,5\n".encode("cp1252")
+    assert "or if it is Windows-1252, read it with encoding='cp1252'" in refused(data)
+    assert read(data, encoding="cp1252").points.tolist() == POINTS[:1]
+    assert "damaged ascii" in refused(data, encoding="ascii")
+    marked = "\ufeffx;y;z\n1,5;2,5;3,5\n".encode()
+    assert read(marked, encoding="utf-8").points.tolist() == POINTS[:1]
+
+
 def test_blank_values_are_missing_ones() -> None:
     cloud = read("x,y,z,w\n1.5,2.5,3.5,1\n4,5,,\n7, ,9,3\n")
     assert np.array_equal(
