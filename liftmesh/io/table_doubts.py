@@ -32,6 +32,7 @@ _SENTINELS = (
     *(-3.402823e38, -3.40282e38, 3.4028234663852886e38, 3.4028235e38, -1.7976931348623157e308),
 )
 _MOST_LISTED = 12  # columns
+_PIECE = 1 << 10  # rows
 _LEAST_ROWS = 3  # fewer make no triangle, and no series
 
 
@@ -140,9 +141,13 @@ class _Ids:
         return self._rows >= _LEAST_ROWS and self._grows and enough
 
     def examine(self, table: Floats) -> None:
-        """Examine further rows; the first one that is no id ends it."""
-        if not self._grows or not len(table):
-            return
+        """Examine further rows; the first ones that hold no ids end it."""
+        for start in range(0, len(table), _PIECE):
+            if not self._grows:
+                return
+            self._examine(table[start : start + _PIECE])
+
+    def _examine(self, table: Floats) -> None:
         column = table[:, 0]
         with np.errstate(invalid="ignore", over="ignore"):  # of what is no id anyway
             steps = np.diff(column, prepend=self.last if self._rows else column[0] - 1)

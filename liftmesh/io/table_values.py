@@ -115,18 +115,19 @@ class TableValues:
 
     def _with_points(self, block: Block) -> Block | None:
         """Return a block of numbers with points only; None if its values must be looked at."""
-        if any('"' in text for text in block.texts):
+        text = "\n".join(block.texts)  # to look at once, not line by line
+        if '"' in text:
             return None
         if self._delimiter == ",":
             return block
-        pointed = any("." in text for text in block.texts)
-        if not any("," in text for text in block.texts):
+        pointed, commas = "." in text, "," in text
+        if not commas:
             doubtful = self._decimal == "," or (self._decimal is None and self.commas is not None)
             return None if pointed and doubtful else block
         said = self._decimal or ("," if self._delimiter and self._point is None else None)
-        if said != "," or pointed or any(map(_ODD_COMMA.search, block.texts)):
+        if said != "," or pointed or _ODD_COMMA.search(text):
             return None
-        return Block([text.replace(",", ".") for text in block.texts], block.numbers, block.long)
+        return Block(text.replace(",", ".").split("\n"), block.numbers, block.long)
 
     def _notice_marks(self, block: Block) -> None:
         """Remember the first number with a point, or with a comma and one for decimals only."""
@@ -135,13 +136,12 @@ class TableValues:
         for text, line in block:
             if "." in text:
                 self._point = Found(text, line)
+            if self._ungrouped or self._point is not None:
                 return
             for value in text.split(self._delimiter) if "," in text else ():
                 if "," in value:
                     self.commas = self.commas or Found(value.strip(), line)
-                    self._ungrouped = not may_be_grouped(value.strip())
-                if self._ungrouped:
-                    return
+                    self._ungrouped = self._ungrouped or not may_be_grouped(value.strip())
 
     def _split(self, block: Block) -> Floats:
         """Parse a block whose values may be anything."""

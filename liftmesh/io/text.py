@@ -182,9 +182,10 @@ class _Table:
 
     def _until_end(self, block: Block) -> Block:
         """Cut off the line that the caller calls the end, and what follows."""
-        if self.options.end not in block.texts:
+        end = self.options.end
+        if end is None or end not in block.texts:
             return block
-        at = block.texts.index(str(self.options.end))
+        at = block.texts.index(end)
         if len(block) > at + 1 or len(self._lines.take(1)):
             line = int(block.numbers[at])
             self.notes.append(f"line {line} ends the table: the lines that follow are not read")

@@ -53,7 +53,8 @@ def triangulate(  # noqa: PLR0913 - the options of one run
     Parameters
     ----------
     cloud : object
-        An array-like of shape (n, 3), or (n, 2) for z = 0; a ``trimesh.PointCloud`` or
+        An array-like of shape (n, 3), or (n, 2) for z = 0; a table whose columns have names, such
+        as a DataFrame; a ``trimesh.PointCloud`` or
         ``trimesh.Trimesh`` (its vertices); an Open3D point cloud, legacy or tensor; a path; a
         `Cloud`; or an object that an installed adapter accepts. Never modified.
     plane : "xy", "fit", (3,) or (4, 4) array-like
