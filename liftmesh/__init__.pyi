@@ -2,6 +2,7 @@ from .cloud import Cloud as Cloud
 from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
 from .errors import (
+    DataWarning as DataWarning,
     DegenerateInputError as DegenerateInputError,
     DuplicateHeightError as DuplicateHeightError,
     FormatError as FormatError,

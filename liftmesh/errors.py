@@ -53,6 +53,10 @@ class FormatError(LiftmeshError, ValueError):
     """A file cannot be read or written; the message gives file, line or byte, and cause."""
 
 
+class DataWarning(UserWarning):
+    """Points are usable, but hardly what their user wants: degrees, or units that differ."""
+
+
 class UnsupportedTypeError(LiftmeshError, TypeError):
     """No adapter can convert an object to a point cloud."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -170,7 +171,17 @@ def _with_command_options(message: str) -> str:
     """Replace Python options in a message by options of the command line."""
     message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
     message = message.replace("with format=", "with --from FORMAT")
-    return message.replace("with max_bytes=", "with --max-bytes SIZE")
+    message = message.replace("with max_bytes=", "with --max-bytes SIZE")
+    message = re.sub(
+        r"\b(columns|nodata|end|decimal|delimiter|encoding)='([^']*)'", _as_option, message
+    )
+    message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
+    return message.replace("flat=True", "--flat")
+
+
+def _as_option(found: re.Match[str]) -> str:
+    """Write an option of tables as a shell takes it."""
+    return f"--{found[1]} {shlex.quote(found[2])}"
 
 
 def _print_error(message: str) -> None:

@@ -49,6 +49,15 @@ def run(
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
+    columns: options.Columns = None,
+    flat: options.Flat = False,
+    delimiter: options.Delimiter = None,
+    decimal: options.Decimal = None,
+    skip_rows: options.SkipRows = 0,
+    no_header: options.NoHeader = False,
+    nodata: options.NoData = None,
+    end: options.End = None,
+    encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -66,6 +75,8 @@ def run(
         Maximum number of proofs.
     source_format : str, optional
         Format of IN, instead of its suffix.
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+        Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     json : bool
@@ -74,10 +85,13 @@ def run(
     standard_streams.check_stdout()
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
     limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)
+    table = options.parse_table(
+        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+    )
     files.check_target(lower)
     files.check_target(hull)
     files.check_apart(source, lower, hull)
-    cloud = files.read(source, source_format, limit)
+    cloud = files.read(source, source_format, limit, table)
     with files.about(source):
         result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)
     if lower is not None:

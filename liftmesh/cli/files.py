@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -15,6 +17,7 @@ import typer
 from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import (
+    DataWarning,
     DegenerateInputError,
     DuplicateHeightError,
     FormatError,
@@ -31,8 +34,13 @@ _MOST_LISTED = 8
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
 
-def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> Cloud:
-    """Read a cloud, or stdin if the path is ``-``; name on stderr what of it is not read.
+def read(
+    path: Path,
+    file_format: str | None,
+    max_bytes: int | None = None,
+    table: Mapping[str, Any] = MappingProxyType({}),
+) -> Cloud:
+    """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
 
     Parameters
     ----------
@@ -42,6 +50,8 @@ def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> C
         Its format; by default that of its suffix.
     max_bytes : int, optional
         As in `liftmesh.read`.
+    table : mapping
+        Options of tables, as in `liftmesh.read`.
 
     Returns
     -------
@@ -55,17 +65,46 @@ def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> C
     typer.BadParameter
         The path is stdin, and no format is given.
     """
-    from liftmesh.io import files as io_files  # noqa: PLC0415 - help and --version do without
-
     if is_stream(path) and file_format is None:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
-        cloud = io_files.read(source, format=file_format, max_bytes=max_bytes)
+        cloud = _read_quietly(source, format=file_format, max_bytes=max_bytes, **table)
+    for each in notes(cloud):
+        note(f"{name}: {each}")
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {_listed(not_read)}")
     return cloud
+
+
+def _read_quietly(source: Any, **choices: Any) -> Cloud:
+    """Read without warnings: they are among the notes."""
+    from liftmesh.io import files as io_files  # noqa: PLC0415 - help and --version do without
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)
+        return io_files.read(source, **choices)
+
+
+def notes(cloud: Cloud) -> tuple[str, ...]:
+    """Return what is worth knowing about how a table was read.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        What was read.
+
+    Returns
+    -------
+    tuple of str
+        Sentences, the first about the names of the columns.
+    """
+    from liftmesh.io.table_columns import described, found_columns  # noqa: PLC0415 - as above
+
+    names = found_columns(cloud)
+    said = described(names)
+    return (*([said] if said else []), *(cloud.metadata.get("notes", ()) if names else ()))
 
 
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:

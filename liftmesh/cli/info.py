@@ -27,6 +27,15 @@ def run(
         Path, typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --from).")
     ],
     source_format: options.SourceFormat = None,
+    columns: options.Columns = None,
+    flat: options.Flat = False,
+    delimiter: options.Delimiter = None,
+    decimal: options.Decimal = None,
+    skip_rows: options.SkipRows = 0,
+    no_header: options.NoHeader = False,
+    nodata: options.NoData = None,
+    end: options.End = None,
+    encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -38,13 +47,18 @@ def run(
         FILE.
     source_format : str, optional
         Format of FILE, instead of its suffix.
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+        Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
-    cloud = files.read(source, source_format, options.parse_size(max_bytes))
+    table = options.parse_table(
+        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+    )
+    cloud = files.read(source, source_format, options.parse_size(max_bytes), table)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"summarising {len(cloud):,} rows"):
@@ -61,6 +75,9 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
     if summary.faces:
         lines.append(("faces", f"{summary.faces:,}"))
     lines.append(("holds", ", ".join(("coordinates", *summary.holds))))
+    if summary.columns:
+        pairs = (f"{part} = {name}" for part, name in summary.columns.items())
+        lines.append(("columns", ", ".join(pairs)))
     if summary.crs is not None:
         lines.append(("crs", summary.crs))
     if summary.positions:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.cli.files import parts_not_read
+from liftmesh.cli.files import notes, parts_not_read
+from liftmesh.io.table_columns import found_columns
 from liftmesh.planar.positions import find_positions, pieces
 
 if TYPE_CHECKING:
@@ -33,6 +34,10 @@ class Summary:
         Names of the values of each row other than its coordinates.
     not_read : tuple of str
         Parts of the file that are not read, with their counts.
+    columns : dict of str to str
+        Of a table, which columns are the coordinates, colours and normals.
+    notes : tuple of str
+        What is worth knowing about how a table was read.
     crs : str or None
         Coordinate reference system, if the file states one.
     minimum, maximum : tuple of float
@@ -60,6 +65,8 @@ class Summary:
     not_finite: int
     holds: tuple[str, ...]
     not_read: tuple[str, ...]
+    columns: dict[str, str]
+    notes: tuple[str, ...]
     crs: str | None
     minimum: tuple[float, ...]
     maximum: tuple[float, ...]
@@ -119,6 +126,8 @@ def summarise(cloud: Cloud) -> Summary:
         crs=cloud.crs,
         holds=_holds(cloud),
         not_read=parts_not_read(cloud),
+        columns=found_columns(cloud),
+        notes=notes(cloud),
         minimum=minimum,
         maximum=maximum,
         positions=positions.count,

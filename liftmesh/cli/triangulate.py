@@ -24,6 +24,7 @@ HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise se
 EXAMPLES = [
     "liftmesh triangulate cloud.ply mesh.ply",
     "liftmesh triangulate lidar.csv mesh.obj --duplicates highest",
+    "liftmesh triangulate survey.csv mesh.ply --columns x=East,y=North,z=GroundZ",
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
     "liftmesh triangulate - - --from xyz --format ply < points.xyz > mesh.ply",
 ]
@@ -56,6 +57,15 @@ def run(
         typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
     ] = None,
     threads: options.Threads = None,
+    columns: options.Columns = None,
+    flat: options.Flat = False,
+    delimiter: options.Delimiter = None,
+    decimal: options.Decimal = None,
+    skip_rows: options.SkipRows = 0,
+    no_header: options.NoHeader = False,
+    nodata: options.NoData = None,
+    end: options.End = None,
+    encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -71,6 +81,8 @@ def run(
         Formats, instead of the suffixes.
     threads : str, optional
         As in `liftmesh.triangulate`.
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+        Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     json : bool
@@ -81,11 +93,14 @@ def run(
         standard_streams.check_stdout()
     count = options.parse_threads(threads)
     limit = options.parse_size(max_bytes)
+    table = options.parse_table(
+        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+    )
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     files.check_apart(source, target)
     start = perf_counter()
-    cloud = files.read(source, source_format, limit)
+    cloud = files.read(source, source_format, limit, table)
     seconds = {"read": perf_counter() - start}
     with files.about(source):
         surface = _triangulate(
@@ -105,7 +120,7 @@ def run(
     is_stdout = files.is_stream(target)
     place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
     with place, standard_streams.after_writing(written.path):
-        _print_report(written, surface.report, seconds, as_json=json)
+        _print_report(written, surface, seconds, as_json=json)
 
 
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
@@ -130,10 +145,13 @@ def _bar_steps(bar: Callable[[str, float], None], text: str) -> Callable[[float]
 
 
 def _print_report(
-    written: Written, report: Report, seconds: dict[str, float], *, as_json: bool
+    written: Written, surface: Surface, seconds: dict[str, float], *, as_json: bool
 ) -> None:
+    report = surface.report
     if as_json:
-        terminal.as_json(_values(written, report, seconds))
+        cloud = surface.to_cloud()
+        notes = {"notes": list(files.notes(cloud)), "not_read": list(files.parts_not_read(cloud))}
+        terminal.as_json(_values(written, report, seconds) | notes)
         return
     terminal.sentence(_headline(written, report), "good")
     counts = _counts(report)
@@ -176,5 +194,6 @@ def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),
+        "columns": dict(report.columns),
         "seconds": seconds,
     }

@@ -17,7 +17,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.format import check_needs, dropped
+from liftmesh.io.format import check_needs, configured, dropped
 from liftmesh.io.links import check_links
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.streams import add_name, remaining, seekable, written_whole
@@ -74,6 +74,7 @@ def read(
     *,
     format: str | None = None,  # noqa: A002
     max_bytes: int | None = None,
+    **options: Any,
 ) -> Cloud:
     r"""Read a point cloud or a mesh.
 
@@ -90,13 +91,28 @@ def read(
         NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
         bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
         by default 20,000,000, for 10,000 of them. Other formats do not expand.
+    **options
+        Options of the format. Tables as text take:
+
+        - ``columns``: what the columns are, as ``"x=East,y=North,z=H"`` or a mapping; or the names
+          of all columns in order, as ``"id,x,y,z"`` or a sequence, where ``-`` leaves one out.
+          ``z=-Depth`` turns depths into heights.
+        - ``flat=True``: heights do not matter; z is 0.
+        - ``delimiter``: a character, or ``"space"`` for blanks; by default it is detected.
+        - ``decimal``: ``"."`` or ``","``.
+        - ``skip_rows``: the number of lines to skip at the top.
+        - ``header=False``: the first line is a row, whatever it holds.
+        - ``nodata``: the number or text that stands for a missing value, which becomes NaN;
+          ``"none"`` if even -9999 is a value.
+        - ``end``: the line that ends the table.
+        - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
 
     Returns
     -------
     Cloud
         The rows in the file's order, with colours, normals, attributes, faces and coordinate system
         if the file has them. ``metadata["source"]`` is the file's name, ``metadata["format"]`` the
-        format's.
+        format's. Of a table, ``metadata["columns"]`` says which columns are what.
 
     Raises
     ------
@@ -104,9 +120,14 @@ def read(
         The format is unknown, the file is invalid, or it expands to more than the limit: the
         message gives the file, the line or byte, and the cause.
     InputError
-        `max_bytes` is not a positive whole number.
+        `max_bytes` is not a positive whole number, or an option is invalid.
     OSError
         The file does not exist or cannot be opened.
+
+    Warns
+    -----
+    DataWarning
+        Coordinates are degrees, or have different units.
 
     Examples
     --------
@@ -118,7 +139,7 @@ def read(
     source = _place(source)
     name = _name(source)
     found = _find(source, format, name)
-    read_whole = _reader(found, name, max_bytes)
+    read_whole = _reader(found, name, max_bytes, options)
     with _opened(source, name) as stream, kept():
         return _labelled(read_whole(stream, name), found, name)
 
@@ -129,6 +150,7 @@ def read_chunks(
     rows: int = CHUNK_ROWS,
     format: str | None = None,  # noqa: A002
     max_bytes: int | None = None,
+    **options: Any,
 ) -> Iterator[Cloud]:
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
@@ -147,6 +169,8 @@ def read_chunks(
         As for `read`.
     max_bytes : int, optional
         As for `read`; of the arrays of an NPZ file, only those in use count.
+    **options
+        As for `read`.
 
     Yields
     ------
@@ -175,13 +199,13 @@ def read_chunks(
     name = _name(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
-        chunks = _split(_reader(found, name, max_bytes))
+        chunks = _split(_reader(found, name, max_bytes, options))
     else:
-        chunks = _limited(found.read_chunks, found, max_bytes)
+        chunks = _limited(configured(found.read_chunks, found, name, options), found, max_bytes)
     return _chunks(source, found, chunks, name, rows)
 
 
-def read_cloud(source: object, *, max_bytes: int | None = None) -> Cloud:
+def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
     """Read a file, or convert any object that holds points to a cloud.
 
     Parameters
@@ -190,6 +214,8 @@ def read_cloud(source: object, *, max_bytes: int | None = None) -> Cloud:
         A path, as for `read`, or any object that `as_cloud` accepts.
     max_bytes : int, optional
         As for `read`.
+    **options
+        Options of tables, as for `read`.
 
     Returns
     -------
@@ -211,8 +237,8 @@ def read_cloud(source: object, *, max_bytes: int | None = None) -> Cloud:
     2
     """
     if isinstance(source, str | os.PathLike):
-        return read(source, max_bytes=max_bytes)
-    return as_cloud(source)
+        return read(source, max_bytes=max_bytes, **options)
+    return as_cloud(source, **options)
 
 
 def write(
@@ -342,10 +368,10 @@ def _folder(name: str) -> FormatError:
     return FormatError(f"{name}: this is a folder, not a file")
 
 
-def _reader(found: Format, name: str, max_bytes: int | None) -> Reader:
+def _reader(found: Format, name: str, max_bytes: int | None, options: dict[str, Any]) -> Reader:
     if found.read is None:
         raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
-    return _limited(found.read, found, max_bytes)
+    return _limited(configured(found.read, found, name, options), found, max_bytes)
 
 
 def _limited(

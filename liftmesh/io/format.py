@@ -10,10 +10,12 @@ string.
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from functools import partial
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -29,6 +31,8 @@ Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if th
 ChunkReader: TypeAlias = Callable[..., Iterator[Cloud]]  # (stream, name, rows), and the same
 Writer: TypeAlias = Callable[..., Origin | None]
 Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
+
+Read = TypeVar("Read")
 
 _CRS = "crs "  # begins the comment that states a coordinate system
 
@@ -86,6 +90,10 @@ class Format:
         Whether a file can take far more memory than its bytes: compressed, by repetition, or for
         many columns. Then ``read`` and ``read_chunks`` take ``max_bytes=``: the limit in bytes of
         what it may expand to, or None for the format's own.
+    options : callable, optional
+        Checks the options that callers give to :func:`liftmesh.read` besides: ``options(**given)``
+        returns what ``read`` and ``read_chunks`` then take as ``options=``. By default the format
+        has none.
 
     Raises
     ------
@@ -112,6 +120,7 @@ class Format:
     loses: Losses | None = None
     read_chunks: ChunkReader | None = None
     expands: bool = False
+    options: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
         for name, words, known in (
@@ -125,6 +134,31 @@ class Format:
                     f"{name} of the format {self.name!r} holds {shown(unknown[0])}: "
                     f"known are {', '.join(known)}"
                 )
+
+
+def configured(
+    reader: Callable[..., Read], found: Format, name: str, options: Mapping[str, Any]
+) -> Callable[..., Read]:
+    """Set the options of a reader, once they are checked.
+
+    Raises
+    ------
+    FormatError
+        The format does not have such an option.
+    """
+    if not options:
+        return reader
+    if found.options is None:
+        raise FormatError(
+            f"{name}: {', '.join(f'{each}=' for each in options)} cannot be given: "
+            f"{found.name} files are read without options"
+        )
+    try:
+        inspect.signature(found.options).bind(**options)
+    except TypeError as error:
+        taken = ", ".join(inspect.signature(found.options).parameters)
+        raise FormatError(f"{name}: {error}: {found.name} takes {taken}") from error
+    return partial(reader, options=found.options(**options))
 
 
 def check_needs(found: Format, cloud: Cloud) -> None:

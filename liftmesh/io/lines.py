@@ -54,7 +54,8 @@ class Lines:
 
     Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
     them, and a ``#`` and the text after it are removed. With ``continued``, a backslash at the end
-    of a line joins it to the next. ``number`` is that of the last line taken.
+    of a line joins it to the next. ``blanks`` are stripped from both ends of a line, by default all
+    white space. ``number`` is that of the last line taken.
     """
 
     def __init__(
@@ -66,8 +67,10 @@ class Lines:
         comments: tuple[str, ...] = (),
         continued: bool = False,
         before: int = 0,
+        blanks: str | None = None,
     ) -> None:
         self.number = before
+        self._blanks = blanks
         self._stream = stream
         self._name = name
         self._encoding = encoding
@@ -127,7 +130,8 @@ class Lines:
             line = self._read + 1 + data.count(b"\n", 0, error.start)
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
-                f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text"
+                f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text, or if it "
+                "is Windows-1252, read it with encoding='cp1252'"
             ) from error
 
     def _block(self, data: bytes) -> Block:
@@ -139,7 +143,7 @@ class Lines:
             last = _last_of_lines(data)
             data = data.replace(b"\\\n", b"  ")
         text = self._decoded(data)
-        texts = [line.strip() for line in text.split("\n")]
+        texts = [line.strip(self._blanks) for line in text.split("\n")]
         numbers = np.arange(self._read + 1, self._read + 1 + len(texts if last is None else last))
         self._read += len(numbers)
         if any(mark in text for mark in self._comments):
@@ -148,7 +152,9 @@ class Lines:
         return block if all(texts) else block[np.fromiter(map(bool, texts), bool, len(texts))]
 
     def _bare(self, text: str) -> str:
-        return "" if text.startswith(self._comments) else text.partition("#")[0].rstrip()
+        return (
+            "" if text.startswith(self._comments) else text.partition("#")[0].rstrip(self._blanks)
+        )
 
 
 def _continues(data: bytes) -> bool:

@@ -26,7 +26,7 @@ from liftmesh.frozen import freeze
 from liftmesh.interruption import deferred, kept
 from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
 from liftmesh.io.format import Format
-from liftmesh.io.objects import open3d, plain, trimesh
+from liftmesh.io.objects import open3d, plain, tables, trimesh
 from liftmesh.io.objects.plain import qualified_name
 
 if TYPE_CHECKING:
@@ -100,6 +100,7 @@ FORMATS: tuple[Format, ...] = (
 
 ADAPTERS = (
     Adapter("cloud", lambda source: isinstance(source, Cloud), lambda source: source),
+    Adapter("table", tables.is_table, tables.to_cloud),
     Adapter("array", plain.is_array, plain.from_array),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
     Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh", "Scene"}), trimesh.to_cloud),
@@ -110,6 +111,7 @@ ADAPTERS = (
 FALLBACKS = (
     Adapter("object with to_cloud()", plain.has_to_cloud, plain.converted),
     Adapter("object with vertices and faces", plain.is_mesh_like, plain.from_mesh_like),
+    Adapter("another table", tables.is_other_table, tables.refuse),
     Adapter("array-like", plain.is_array_like, plain.from_array),
 )
 
@@ -169,17 +171,21 @@ def find_format(wanted: str, name: str) -> Format:
     raise FormatError(f"{name}: {_unknown(key)}; known suffixes are {', '.join(_suffixes())}")
 
 
-def as_cloud(source: Any) -> Cloud:
+def as_cloud(source: Any, **options: Any) -> Cloud:
     """Convert any object that holds points to a cloud.
 
     Parameters
     ----------
     source : object
-        A `Cloud`; an array-like of shape (n, 2) or (n, 3); a ``trimesh.PointCloud``,
+        A `Cloud`; an array-like of shape (n, 2) or (n, 3), or of any width with ``columns``; a
+        pandas or polars DataFrame, a structured array or points of laspy, whose columns are known
+        by their names like those of a CSV file; a ``trimesh.PointCloud``,
         ``trimesh.Trimesh`` or ``trimesh.Scene``; an Open3D point cloud or mesh, legacy or tensor
         based, or a tensor; an object that an installed adapter accepts; an object with a method
         ``to_cloud()``, such as a `Surface`; or an object with ``vertices``, ``faces`` and
         optionally ``colors``, ``normals`` and ``attributes``.
+    **options
+        For tables and arrays: ``columns``, ``flat`` and ``nodata``, as for `read`.
 
     Returns
     -------
@@ -191,7 +197,8 @@ def as_cloud(source: Any) -> Cloud:
     Raises
     ------
     InputError
-        An array has the wrong shape or type, or colours or attributes do not fit the points.
+        An array has the wrong shape or type, colours or attributes do not fit the points, the
+        columns of a table cannot be told, or an option is invalid or for no such object.
     FormatError
         A face of a trimesh scene refers to a vertex that does not exist.
     UnsupportedTypeError
@@ -202,6 +209,8 @@ def as_cloud(source: Any) -> Cloud:
     >>> as_cloud([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]).points.shape
     (3, 3)
     """
+    if options:
+        return tables.with_options(source, options)
     with kept():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
         cloud = None if adapter is None else adapter.to_cloud(source)

@@ -1,17 +1,16 @@
 """Reader for points as text: XYZ, CSV, TSV, TXT and ASC, with or without a header.
 
-`text_tables` parses the numbers; this module detects the layout of a file (delimiter and header)
-and the meaning of its columns.
+`table_layout` detects the layout, `table_columns` what the columns are, `table_values` parses the
+values, and `table_doubts` looks for what only they suggest. Here it comes together: a table is read
+in blocks, and made a cloud once all its rows are known.
 """
 
 from __future__ import annotations
 
-import re
-from collections import Counter
+from collections import deque
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import chain
-from typing import BinaryIO
+from dataclasses import replace
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -21,131 +20,23 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
-from liftmesh.io.limits import check_columns, most_columns
-from liftmesh.io.lines import BLOCK, Lines, leading_comments
-from liftmesh.io.text_tables import fields, is_number, number_table, quoted, values_at_most
-
-# Column names in common use, in lower case.
-_ALIASES = {
-    "x": ("x", "easting", "east", "lon", "longitude", "x_coord", "xcoord", "coord_x"),
-    "y": ("y", "northing", "north", "lat", "latitude", "y_coord", "ycoord", "coord_y"),
-    "z": ("z", "elevation", "elev", "height", "altitude", "alt", "z_coord", "zcoord", "coord_z"),
-    "red": ("red", "r"),
-    "green": ("green", "g"),
-    "blue": ("blue", "b"),
-    "alpha": ("alpha", "a"),
-    "nx": ("nx", "normal_x", "normalx"),
-    "ny": ("ny", "normal_y", "normaly"),
-    "nz": ("nz", "normal_z", "normalz"),
-}
-_MEANING = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
-
-_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Delimiter, number of columns and their names in a text file.
-
-    The delimiter is None for white space, the header None if there is none; ``in_first_line`` is
-    False if the header is a comment before the first line.
-    """
-
-    delimiter: str | None
-    width: int
-    header: tuple[str, ...] | None
-    in_first_line: bool
-
-
-def sniff(first: str, remark: str, name: str, line: int, *, max_bytes: int | None = None) -> Layout:
-    """Detect the layout from the first line that is not a comment, and the comment before it.
-
-    Raises
-    ------
-    FormatError
-        The line is neither a header with x and y nor a row of numbers, or has more values than the
-        limit allows.
-    """
-    most = most_columns(max_bytes)
-    if len(first) >= most:  # a shorter line has no more values
-        found = values_at_most(first)
-        check_columns(found, max_bytes, f"{name}: line {line}", f"a row of {found:,} values")
-    delimiter = _delimiter(first)
-    values = fields(first, delimiter)
-    _check(values, name, line)
-    if not any(is_number(value) for value in values):
-        return Layout(delimiter, len(values), columns(values, name, line), in_first_line=True)
-    marked = "" if len(remark) >= most and values_at_most(remark) > most else remark
-    names = [value.lower() for value in fields(marked, _delimiter(marked))]
-    meanings = [_MEANING.get(value) for value in names]
-    is_header = len(names) == len(values) and {"x", "y"} <= set(meanings)
-    header = columns(names, name, line) if is_header else None
-    return Layout(delimiter, len(values), header, in_first_line=False)
-
-
-def columns(names: list[str], name: str, line: int) -> tuple[str, ...]:
-    """Replace the names of a header by standard ones; unknown names stay as they are.
-
-    Raises
-    ------
-    FormatError
-        x or y is missing, or a name occurs twice.
-    """
-    found = tuple(
-        _MEANING.get(each.lower(), each or f"column_{k}") for k, each in enumerate(names, 1)
-    )
-    missing = [each for each in ("x", "y") if each not in found]
-    if missing:
-        raise FormatError(
-            f"{name}: line {line}: the header {quoted(' '.join(names))} has no column "
-            f"{' or '.join(missing)}: name two of its columns x and y"
-        )
-    twice = next((each for each, count in Counter(found).items() if count > 1), None)
-    if twice is not None:
-        raise FormatError(f"{name}: line {line}: two columns of the header mean {twice!r}")
-    return found
-
-
-def unnamed(width: int, name: str, line: int) -> tuple[str, ...]:
-    """Name the columns of a file without a header: x, y, z, then column_4 and so on.
-
-    Raises
-    ------
-    FormatError
-        There is only one column.
-    """
-    if width < 2:
-        raise FormatError(f"{name}: line {line}: only one value: a point needs x and y at least")
-    return ("x", "y", "z", *(f"column_{k}" for k in range(4, width + 1)))[:width]
-
-
-def _delimiter(text: str) -> str | None:
-    if ";" in text:
-        return ";"
-    if "\t" in text and all(len(value.split()) == 1 for value in text.split("\t")):
-        return "\t"
-    words = text.split()
-    if len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(word) for word in words):
-        return None
-    return "," if "," in text else None
-
-
-def _check(values: list[str], name: str, line: int) -> None:
-    if values[0].lower() in ("ncols", "nrows"):
-        raise FormatError(f"{name}: this is an Arc/Info ASCII grid, not a list of points")
-    for value in values:
-        if _DECIMAL_COMMA.fullmatch(value):
-            raise FormatError(
-                f"{name}: line {line}: {quoted(value)} has a decimal comma: "
-                "save the file with decimal points"
-            )
-
+from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
+from liftmesh.io.table_columns import Columns, understood, unnamed
+from liftmesh.io.table_doubts import Doubts, check_count
+from liftmesh.io.table_layout import Layout, sniff, stated_separator
+from liftmesh.io.table_options import TableOptions, checked
+from liftmesh.io.table_values import TableValues
+from liftmesh.io.text_encoding import as_utf8, skip_lines
+from liftmesh.io.text_tables import quoted
 
 _COMMENTS = ("#", "//")
-_UTF8_MARK = b"\xef\xbb\xbf"
+_BLANKS = " \r\v\f"  # around lines whose values are separated by tabs
+_PLAIN = TableOptions()
 
 
-def read_text(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+def read_text(
+    stream: BinaryIO, name: str, *, max_bytes: int | None = None, options: TableOptions = _PLAIN
+) -> Cloud:
     """Read points from text, one per line.
 
     Values are separated by commas, semicolons, tabs or white space. Lines that begin with ``#`` or
@@ -157,31 +48,42 @@ def read_text(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> C
     max_bytes : int, optional
         Limit of what the columns take besides their values, 2,000 bytes each; by default what
         10,000 of them take.
+    options : TableOptions
+        What the caller says about the table, as in `liftmesh.read`.
 
     Returns
     -------
     Cloud
-        Columns x, y, z (also easting, northing, elevation and the like, in upper or lower case)
-        become coordinates, and a missing z is 0; red, green, blue (r, g, b) become colours: uint8
-        or uint16 if they are whole numbers, floats if none exceeds 1; nx, ny, nz become normals;
-        all others float64 attributes of that name. Without a header the columns are x, y, z, and
-        further ones attributes ``column_4`` and so on; of exactly six, the last three are colours
-        if all are whole numbers from 0 to 255.
+        Columns x, y, z (also easting, northing, elevation and the like, see `column_names`) become
+        coordinates; red, green, blue (r, g, b) become colours: uint8 or uint16 if they are whole
+        numbers, floats if none exceeds 1; nx, ny, nz become normals; all others float64 attributes
+        of that name. Columns of text, and empty ones, are named in ``metadata["skipped"]``.
+        ``metadata["columns"]`` says which columns are what, ``metadata["notes"]`` what else is
+        worth knowing. Without a header the columns are x, y, z, and further ones attributes
+        ``column_4`` and so on; of exactly six, the last three are colours if all are whole numbers
+        from 0 to 255.
 
     Raises
     ------
     FormatError
-        The file is invalid, or has more columns than the limit allows; the message gives the line.
+        The file is invalid, can be read in two ways, or has more columns than the limit allows; the
+        message gives the line.
     """
-    table = _Table(stream, name, max_bytes)
+    table = _Table(as_utf8(stream, name, options.encoding), name, max_bytes, options)
     rows = np.concatenate([*table.blocks()])
     meaning = _Meaning(table)
     meaning.examine(rows)
+    meaning.finish()
     return meaning.cloud(rows)
 
 
 def read_text_chunks(
-    stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
+    stream: BinaryIO,
+    name: str,
+    rows: int,
+    *,
+    max_bytes: int | None = None,
+    options: TableOptions = _PLAIN,
 ) -> Iterator[Cloud]:
     """Read points from text in chunks, otherwise like `read_text`.
 
@@ -189,7 +91,7 @@ def read_text_chunks(
 
     Parameters
     ----------
-    max_bytes : int, optional
+    max_bytes, options
         As for `read_text`.
 
     Yields
@@ -202,36 +104,92 @@ def read_text_chunks(
     FormatError
         As `read_text`.
     """
-    begin = stream.tell()
-    meaning = _Meaning.of(_Table(stream, name, max_bytes))
-    stream.seek(begin)
-    for part in _regrouped(_Table(stream, name, max_bytes).blocks(), rows):
+    text = as_utf8(stream, name, options.encoding)
+    begin = text.tell()
+    meaning = _Meaning(_Table(text, name, max_bytes, options))
+    meaning.examine_all()
+    text.seek(begin)
+    again = _Table(text, name, max_bytes, options)
+    for part in _regrouped(again.blocks(meaning.values), rows):
         yield meaning.cloud(part)
 
 
 class _Table:
     """The rows of a text file, parsed block by block."""
 
-    def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
-        remark = _first_remark(stream, name)
-        self._lines = Lines(stream, name, encoding="utf-8", comments=_COMMENTS)
-        self._first = self._lines.take(1)
-        if not len(self._first):
-            raise FormatError(f"{name}: the file has no points: no line holds numbers")
+    def __init__(
+        self, stream: BinaryIO, name: str, max_bytes: int | None, options: TableOptions
+    ) -> None:
+        skip_lines(stream, options.skip_rows, name)
         self.name = name
-        self.line = int(self._first.numbers[0])
-        self.layout = sniff(self._first.texts[0], remark, name, self.line, max_bytes=max_bytes)
+        self.options = options
+        self.notes: list[str] = []
+        self._stream = stream
+        self._begin = stream.tell()
+        self._max_bytes = max_bytes
+        self.layout = self._sniffed(options.delimiter, None)
+        if self.layout.delimiter == "\t":  # where the ends of a line may be empty values
+            self.layout = self._sniffed("\t", _BLANKS)
+        self.columns = self._named()
+        self.values = TableValues(name, self.layout, self.columns, options)
 
-    def blocks(self) -> Iterator[Floats]:
+    def blocks(self, values: TableValues | None = None) -> Iterator[Floats]:
         """Parse the rows, including the first line unless it is the header."""
+        parse = (values or self.values).parse
         block = self._lines.take(BLOCK) if self.layout.in_first_line else self._first
         if not len(block):
             raise FormatError(f"{self.name}: the file has a header but no points")
         while len(block):
-            yield number_table(
-                block, self.name, width=self.layout.width, delimiter=self.layout.delimiter
-            )
+            kept = self._until_end(block)
+            yield parse(kept)
+            if len(kept) < len(block):
+                return
             block = self._lines.take(BLOCK)
+
+    def _sniffed(self, delimiter: str | None, blanks: str | None) -> Layout:
+        """Take the first line that is no comment, and detect the layout."""
+        self._stream.seek(self._begin)
+        remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
+        remark = next(iter(deque(remarks, maxlen=1)), "")
+        self._lines = Lines(
+            self._stream,
+            self.name,
+            encoding="utf-8",
+            comments=_COMMENTS,
+            before=self.options.skip_rows,
+            blanks=blanks,
+        )
+        self._first = self._lines.take(1)
+        if len(self._first) and (stated := stated_separator(self._first.texts[0])):
+            delimiter, self._first = delimiter or stated, self._lines.take(1)
+        if not len(self._first):
+            raise FormatError(f"{self.name}: the file has no points: no line holds numbers")
+        said = replace(self.options, delimiter=delimiter)
+        return sniff(self._first.texts[0], remark, self._where(), said, max_bytes=self._max_bytes)
+
+    def _named(self) -> Columns:
+        header, width = self.layout.header, self.layout.width
+        if header is not None:
+            return understood(header, self.options, self._where())
+        if width == 1:
+            second = self._lines.take(1)
+            following = second.texts[0] if second.texts else ""
+            check_count(self._first.texts[0], following, self._where())
+        return unnamed(width, self.options, self._where())
+
+    def _where(self) -> str:
+        return f"{self.name}: line {int(self._first.numbers[0])}"
+
+    def _until_end(self, block: Block) -> Block:
+        """Cut off the line that the caller calls the end, and what follows."""
+        end = self.options.end
+        if end is None or end not in block.texts:
+            return block
+        at = block.texts.index(end)
+        if len(block) > at + 1 or len(self._lines.take(1)):
+            line = int(block.numbers[at])
+            self.notes.append(f"line {line} ends the table: the lines that follow are not read")
+        return block[:at]
 
 
 def _regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
@@ -252,55 +210,96 @@ def _regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
 
 
 class _Meaning:
-    """Names of the columns, and the type of colours, as determined from all rows."""
+    """What the columns become, and the type of colours, as determined from all rows."""
 
     def __init__(self, table: _Table) -> None:
-        self._header = table.layout.header
+        self.values = table.values
+        self._table = table
+        self._columns = table.columns
         width = table.layout.width
-        self._names = self._header or unnamed(width, table.name, table.line)
-        self._maybe_colors = not self._header and width == len(POSITION) + len(COLOR)
+        self._maybe_colors = not self._columns.said and width == len(POSITION) + len(COLOR)
+        self._maybe_colors &= not table.options.flat
         self._scale = ColorScale()
+        self._doubts = Doubts(table.name, self._columns, table.options)
 
-    @classmethod
-    def of(cls, table: _Table) -> _Meaning:
-        """Examine all rows of a file, one block in memory at a time."""
-        blocks = table.blocks()
-        first = next(blocks)  # what is wrong with it is told first
-        meaning = cls(table)
-        for block in chain([first], blocks):
-            meaning.examine(block)
-        return meaning
+    def examine_all(self) -> None:
+        """Examine all rows of the file, one block in memory at a time."""
+        for block in self._table.blocks():
+            self.examine(block)
+        self.finish()
 
     def examine(self, table: Floats) -> None:
         """Examine further rows."""
+        self._doubts.examine(table)
         if self._maybe_colors:
             rest = table[:, len(POSITION) :]
             whole = (rest >= 0) & (rest <= 255) & (rest == np.rint(rest))
             self._maybe_colors = bool(whole.all())
-        if all(each in self.names for each in COLOR):
-            self._scale.examine(table[:, [self.names.index(each) for each in self._color_names()]])
+        if all(each in self._names() for each in COLOR):
+            names = self._names()
+            self._scale.examine(table[:, [names.index(each) for each in self._color_names()]])
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the columns."""
-        return (*POSITION, *COLOR) if self._maybe_colors else self._names
+    def finish(self) -> None:
+        """Raise for what can be read in two ways, once all rows are examined."""
+        self.values.check()
+        self._doubts.check()
+        kept = [self._columns.names[k] for k in self._kept()]
+        mixed = [self._columns.names[k] for k in sorted(self.values.mixed)]
+        if not self._table.options.names_all:
+            self._columns.check_height([*kept, *mixed], self._table.name)
+        self._columns.warn()
 
     def cloud(self, table: Floats) -> Cloud:
         """Make a cloud of rows that were examined."""
-        columns = dict(zip(self.names, table.T, strict=True))
+        names = self._names()
+        columns = {names[k]: table[:, k] for k in self._kept()}
         points = np.zeros((len(table), 3))
         for position, each in enumerate(POSITION):
             if each in columns:
                 points[:, position] = columns.pop(each)
+        if self._columns.negated is not None:
+            points[:, 2] = 0.0 - points[:, 2]  # 0 stays 0
         return Cloud(
             points,
             colors=self._colors(columns),
             normals=_popped(columns, NORMAL),
             attributes={each: np.ascontiguousarray(values) for each, values in columns.items()},
+            metadata=self._metadata(),
         )
 
+    def _names(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return (*POSITION, *COLOR) if self._maybe_colors else self._columns.names
+
+    def _kept(self) -> list[int]:
+        """The columns that become something: not text, nor empty unless coordinates."""
+        left_out = {*self._columns.left_out, *self.values.text, *self._empty()}
+        return [k for k in range(len(self._columns.names)) if k not in left_out]
+
+    def _empty(self) -> list[int]:
+        names = self._columns.names
+        return [k for k in np.flatnonzero(~self.values.filled).tolist() if names[k] not in POSITION]
+
+    def _metadata(self) -> dict[str, Any]:
+        """What was found, and what of the table is not read."""
+        given = self._columns.given
+        unread = {k: f"column {given[k]}" for k in sorted(self._columns.left_out)}
+        unread |= {k: f"column {given[k]} (empty)" for k in self._empty()}
+        for k, text in self.values.text.items():
+            unread[k] = f"column {given[k]} (text, line {text.line}: {quoted(text.value)})"
+        mapping = replace(self._columns, names=self._names()).mapping()
+        notes = (*self._table.notes, *self._columns.notes, *self._remarks())
+        parts = {"columns": mapping, "notes": notes, "skipped": tuple(unread.values())}
+        return {name: part for name, part in parts.items() if part}
+
+    def _remarks(self) -> Iterator[str]:
+        if self._maybe_colors:
+            yield "columns 4, 5 and 6 are read as red, green and blue"
+        if self.values.commas is not None:
+            yield f"commas are decimal, as in {quoted(self.values.commas.value)}"
+
     def _color_names(self) -> tuple[str, ...]:
-        return (*COLOR, ALPHA) if ALPHA in self.names else COLOR
+        return (*COLOR, ALPHA) if ALPHA in self._names() else COLOR
 
     def _colors(self, columns: dict[str, Floats]) -> Array | None:
         """Remove and return the colours; columns that cannot be colours stay attributes."""
@@ -311,19 +310,6 @@ class _Meaning:
             for each in self._color_names():
                 del columns[each]
         return colors
-
-
-def _first_remark(stream: BinaryIO, name: str) -> str:
-    """Return the last comment before the first row; leave the stream at the start of the text."""
-    begin = stream.tell()
-    mark = stream.read(3)
-    if mark[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise FormatError(f"{name}: byte {begin}: the text is UTF-16: save it as UTF-8")
-    stream.seek(begin + 3 if mark == _UTF8_MARK else begin)
-    last = ""
-    for comment in leading_comments(stream, name, encoding="utf-8", marks=_COMMENTS):
-        last = comment
-    return last
 
 
 def _popped(columns: dict[str, Floats], names: tuple[str, ...]) -> Floats | None:
@@ -340,4 +326,5 @@ FORMAT = Format(
     description="points as text, one per line, with or without a header",
     read_chunks=read_text_chunks,
     expands=True,
+    options=checked,
 )

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.arrays import as_coordinates, check_finite
+from liftmesh.choices import as_switch
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import solve

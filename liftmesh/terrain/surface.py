@@ -17,6 +17,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import files
 from liftmesh.io.objects import matplotlib, open3d, trimesh
+from liftmesh.io.table_columns import described
 from liftmesh.terrain import changes
 from liftmesh.terrain.parts import as_parts
 
@@ -60,6 +61,8 @@ class Report:
         The rows in no face, increasing: duplicates, overhangs and skipped rows.
     representatives : (k,) ndarray of int32
         For each row in ``left_out``, the used row at the same planar position; -1 for skipped rows.
+    columns : mapping of str to str
+        Of a table, the names of the columns that are x, y and z, colours and normals; else empty.
 
     Examples
     --------
@@ -82,6 +85,7 @@ class Report:
     seconds: Mapping[str, float] = field(repr=False)
     left_out: Rows = field(repr=False)
     representatives: Rows = field(repr=False)
+    columns: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -94,8 +98,13 @@ class Report:
         return (
             f"{_count(self.rows, 'row')}, {self.used:,} of them used in "
             f"{_count(self.triangles, 'triangle')}. "
-            f"Left out: {self._omissions()}. {sum(self.seconds.values()):.3f} s: {stages}."
+            f"Left out: {self._omissions()}. {self._columns()}"
+            f"{sum(self.seconds.values()):.3f} s: {stages}."
         )
+
+    def _columns(self) -> str:
+        said = described(self.columns)
+        return f"Columns: {said}. " if said else ""
 
     def _omissions(self) -> str:
         parts = []

@@ -20,6 +20,7 @@ from liftmesh.arrays import check_finite, non_finite
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
+from liftmesh.io.table_columns import found_columns
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.shapes import of_one_array
@@ -29,6 +30,8 @@ from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.surface import Report, Surface
 
 if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.io.table_options import ColumnChoice
     from liftmesh.terrain.frame import Frame
 
 
@@ -51,13 +54,16 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     q: ParaboloidVertex = "origin",
     threads: int | None = None,
     progress: Progress | None = None,
+    columns: ColumnChoice = None,
+    flat: bool = False,
 ) -> Surface:
     """Triangulate a point cloud over a plane.
 
     Parameters
     ----------
     cloud : object
-        An array-like of shape (n, 3), or (n, 2) for z = 0; a ``trimesh.PointCloud`` or
+        An array-like of shape (n, 3), or (n, 2) for z = 0; a table whose columns have names, such
+        as a DataFrame; a ``trimesh.PointCloud`` or
         ``trimesh.Trimesh`` (its vertices); an Open3D point cloud, legacy or tensor; a path; a
         `Cloud`; or an object that an installed adapter accepts. Never modified.
     colors : (n, 3) or (n, 4) array_like, optional
@@ -96,6 +102,11 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         each stage, at most about twenty times a second during divide and conquer, and with 1.0 at
         the end. It is called in the thread that called `triangulate`. An exception that it raises
         aborts the run and propagates unchanged; the cloud stays as it was, and no result remains.
+    columns : str, mapping or sequence, optional
+        Of a table, the names of its columns, as for `read`; of an array of more than three columns,
+        the name of each, as ``"x,y,z,red,green,blue"``.
+    flat : bool, default False
+        Whether the heights of a table do not matter, as for `read`.
 
     Returns
     -------
@@ -140,7 +151,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
-    source = with_parts(read_cloud(cloud), given)
+    source = with_parts(read_cloud(cloud, **_table_options(columns, flat)), given)
     stages.finish("read")
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit ignores such rows, and its errors would hide them
@@ -159,7 +170,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         faces=triangulation.simplices,
         triangulation=triangulation,
         frame=frame,
-        report=_report(triangulation, choice, duplicates, stages.seconds),
+        report=_report(triangulation, choice, duplicates, stages.seconds, source),
         colors=source.colors,
         normals=source.normals,
         attributes=source.attributes,
@@ -168,6 +179,12 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     )
     stages.end()
     return surface
+
+
+def _table_options(columns: ColumnChoice, flat: bool) -> dict[str, Any]:
+    """The options of tables that were given: what is no table takes none."""
+    options: dict[str, Any] = {} if columns is None else {"columns": columns}
+    return options if flat is False else options | {"flat": flat}
 
 
 class _Options(TypedDict):
@@ -288,7 +305,11 @@ def _vertices(points: Floats, heights: Floats, frame: Frame, choice: Choice) -> 
 
 
 def _report(
-    triangulation: Triangulation, choice: Choice, policy: str, seconds: dict[str, float]
+    triangulation: Triangulation,
+    choice: Choice,
+    policy: str,
+    seconds: dict[str, float],
+    cloud: Cloud,
 ) -> Report:
     overhangs = int(np.count_nonzero(choice.overhanging))
     skipped = triangulation.skipped
@@ -306,4 +327,5 @@ def _report(
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
+        columns=found_columns(cloud),
     )

@@ -224,6 +224,19 @@ def adapted(convert: Callable[[Points], object]) -> Prepare:
     return prepare
 
 
+def structured(points: Points) -> object:
+    """Make an array whose columns have names."""
+    return np.rec.fromarrays([*points.T], names="Northing,Easting,Height")
+
+
+def data_frame(points: Points) -> object:
+    """Make a table of objects, one of which is missing."""
+    import pandas as pd  # noqa: PLC0415 - as below
+
+    columns = dict(zip("xyz", points.T, strict=True))
+    return pd.DataFrame({**columns, "some": [None, *points[1:, 0].tolist()]}, dtype=object)
+
+
 def trimesh_cloud(points: Points) -> object:
     """Make a point cloud of trimesh."""
     import trimesh  # noqa: PLC0415 - slow to import, and not needed by most subjects
@@ -340,6 +353,8 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "Cloud.select", SPATIAL, halves, TERRAIN
     yield "as_cloud of an array", SPATIAL, adapted(np.asfortranarray), TERRAIN
     yield "as_cloud of lists", SPATIAL, adapted(lambda points: points.tolist()), TERRAIN
+    yield "as_cloud of a structured array", SPATIAL, adapted(structured), TERRAIN
+    yield "as_cloud of a DataFrame", SPATIAL, adapted(data_frame), TERRAIN
     yield "as_cloud of trimesh", SPATIAL, adapted(trimesh_cloud), TERRAIN
 
 

@@ -62,7 +62,8 @@ IN_CHUNKS = {
     ),
     "npy": ("rows", "columns first", "fields"),
     "npz": ("stored", "deflated"),
-    "text": ("table", "table with header", "columns", "blank lines", "remarks", "long word"),
+    "text": ("table", "table with header", "columns", "blank lines", "remarks", "long word",
+        "words beside", "word at the end"),
 }  # fmt: skip
 """What is counted when read in chunks, where all else takes the same way as in a whole file."""
 

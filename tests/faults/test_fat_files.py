@@ -95,6 +95,10 @@ FAT = {
     "a long comment": ("xyz", "#", " a", N // 2, "\n1 1\n", [1, 0]),
     "a long line later": ("xyz", "1 1\n", "1 ", N // 2, "\n",
                           f"line 2: expected 2 values, found {N // 2:,}"),
+    "missing values": ("csv", "x,y,z\n", "1,,\n", N // 4, "", [N // 4, 0]),
+    "missing values between tabs": ("csv", "x\ty\tz\n", "\t\t\n", N // 3, "", [N // 3, 0]),
+    "a long quote": ("csv", "x,y,z\n1,2,3,\"", "a,", N // 2, "\n",
+                     f"line 2: expected 3 values, found {N // 2 + 4:,}"),
     "npy bytes": ("npy", (TWO_BYTES % (N // 2)).ljust(128), "\1", N, "", [N // 2, 0]),
 }  # fmt: skip
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
 import pytest
 from file_samples import assert_same_bits, assert_same_mesh, loaded, saved
 from hypothesis import given, strategies as st
 from hypothesis.extra import numpy as hnp
 
+import liftmesh
 from liftmesh import Cloud
 
 DOUBLES = st.floats(width=64, allow_nan=False)
@@ -69,7 +72,9 @@ def test_off(mesh: Cloud) -> None:
 @given(hnp.arrays(np.float64, st.tuples(st.integers(1, 9), st.just(3)), elements=DOUBLES))
 def test_text(points: np.ndarray) -> None:
     text = "".join(",".join(map(repr, row)) + "\n" for row in points.tolist())
-    assert_same_bits(loaded(text.encode(), "csv").points, points)
+    # Some doubles are marks of missing values, unless the caller says that there are none.
+    back = liftmesh.read(io.BytesIO(text.encode()), format="csv", columns="x,y,z", nodata="none")
+    assert_same_bits(back.points, points)
 
 
 @given(hnp.arrays(np.float64, (4, 3), elements=UNITS))

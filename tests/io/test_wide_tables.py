@@ -19,7 +19,7 @@ from liftmesh.cli import exit_codes, main
 from liftmesh.io.limits import COLUMN_BYTES, MOST_COLUMNS
 
 MANY = 20_000  # columns
-NAMES = [f"a{k}" for k in range(2, MANY)]
+NAMES = ["z", *(f"a{k}" for k in range(3, MANY))]
 ROWS = 4
 VALUES = np.arange(ROWS * MANY, dtype=float).reshape(ROWS, MANY) * (0.5 ** np.arange(ROWS)[:, None])
 
@@ -80,8 +80,7 @@ def test_wide_tables_are_refused_with_both_figures_and_the_option(
 def test_wide_tables_are_read_with_the_limit_that_they_need(name: str) -> None:
     kind, data, _ = WIDE[name]
     for cloud in both(data, kind, needed(name)):
-        columns = [*cloud.points[:, : 2 if "a2" in cloud.attributes else 3].T]
-        assert np.array_equal([*columns, *cloud.attributes.values()], VALUES.T)
+        assert np.array_equal([*cloud.points.T, *cloud.attributes.values()], VALUES.T)
 
 
 @pytest.mark.parametrize("name", ["ply in binary", "csv"])

@@ -9,6 +9,7 @@ import numpy as np
 from liftmesh import arrays
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
 
 _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "__len__")
 
@@ -25,6 +26,12 @@ def is_array_like(source: object) -> bool:
 
 def from_array(source: Any) -> Cloud:
     """Make a cloud of rows of two or three coordinates; a missing z is 0."""
+    shape: tuple[int, ...] = getattr(source, "shape", ())
+    if len(shape) == 2 and shape[1] > 3 and shape[0] > 3:  # else perhaps the transpose
+        raise InputError(
+            f"points of shape {shape} have more than three columns: name them, as "
+            "columns='x,y,z,red,green,blue', or give only those that are x, y and z"
+        )
     return Cloud(arrays.as_rows3(source))
 
 

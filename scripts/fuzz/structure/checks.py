@@ -19,7 +19,7 @@ import numpy as np
 
 from fuzz.round_trip import FindError, demand, outcome
 from fuzz.structure.case import Case, in_order
-from liftmesh import Cloud, FormatError, InputError, read, read_chunks, write
+from liftmesh import Cloud, DataWarning, FormatError, InputError, read, read_chunks, write
 from liftmesh.io.registry import find_format
 
 # CPU seconds of reading, and bytes of resident memory, for each byte and beside it.
@@ -42,6 +42,7 @@ def check(case: Case, printed: int) -> Measured:
     """Read a file twice: measured, and with all properties; ``printed`` is the file of stdout."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", DataWarning)  # of what a table says of its units
         seconds, memory, fault = _measured(case)
         fault = fault or _broken(case)
     if not fault and told:

@@ -12,6 +12,10 @@ from fuzz.structure.parts import Chance, Part
 
 OBJ_WORDS = vocabulary("obj")
 TABLE_WORDS = vocabulary("xyz")
+POSITION_NAMES = (
+    ("x", "y", "z"), ("X[m]", "Y[m]", "Z[m]"), ("POINT_X", "POINT_Y", "Elev."), ("E", "N", "Höhe"),
+)  # fmt: skip
+TEXTS = ("oak", "2019-05-01", "low", "a.b")
 OFF_WORDS = [b"OFF", b"COFF", b"NOFF", b"STOFF", b"4OFF", b"# a\n", b"OFF 1 1 1\n"]
 STL_WORDS = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"normal",
              b"vertex", b"solid a\n", b"endsolid\n", b"solid liftmesh origin 1 2 3\n", b"end ",
@@ -37,10 +41,15 @@ def table(chance: Chance) -> Case:
     if chance.one_in(3):
         parts += line("# a remark")
     names = {0: (), 1: ("class",), 3: ("red", "green", "blue"), 4: ("nx", "ny", "nz", "alpha")}
+    words: tuple[str, ...] = ()
     if chance.one_in(2):
-        parts += line("x", "y", "z", *names[more], between=between)
+        words = chance.choice(((), ("name",))) if between != b"  " else ()
+        parts += line(*chance.choice(POSITION_NAMES), *names[more], *words, between=between)
+    else:
+        points[0, 0] = np.floor(points[0, 0]) + 0.25  # else it might be an id
     for point, values in zip(points.tolist(), rest.tolist(), strict=True):
-        parts += line(*point, *values, between=between)
+        texts = [chance.choice(TEXTS) for _ in words]
+        parts += line(*point, *values, *texts, between=between)
     return told(chance.choice(("xyz", "csv")), parts, TABLE_WORDS, points, chance)
 
 

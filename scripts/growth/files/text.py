@@ -290,7 +290,62 @@ def empty_names(n: int) -> bytes:
     return b"x,y" + b"," * n + b"\n"
 
 
+def decimal_commas(n: int) -> bytes:
+    """Numbers with decimal commas: every value is looked at by itself."""
+    return positions(n, "{};{};{}\n").replace(".", ",").encode()
+
+
+def words_beside(n: int) -> bytes:
+    """A column of text, and one that is mostly empty."""
+    return ("x,y,z,name,w\n" + positions(n, "{},{},{},tree,\n")).encode()
+
+
+def word_at_the_end(n: int) -> bytes:
+    """A column that only the last row shows to be text."""
+    return ("x,y,z,w\n" + positions(n, "{},{},{},1\n") + "1,2,3,oak\n").encode()
+
+
+def words_in_columns(n: int) -> bytes:
+    """One row of very many words."""
+    return f"x,y,z{',c' * n}\n1,2,3{',word' * n}\n".encode()
+
+
+def ids(n: int) -> bytes:
+    """An id before the coordinates, which only the last row rules out."""
+    rows = "".join(f"{k},{k % 7}.5,{k % 5}.25,1\n" for k in range(n))
+    return f"{rows}0,1,2,3\n".encode()
+
+
+def marks(n: int) -> bytes:
+    """Heights of which every other one is the mark of a missing value."""
+    return ("x y z\n" + positions(n, "{} {} {}\n1 2 -9999\n")).encode()
+
+
+def sixteen_bits(n: int) -> bytes:
+    """A table in UTF-16."""
+    return positions(n).encode("utf-16")
+
+
+def tabs(n: int) -> bytes:
+    """Rows between tabs, without their last values."""
+    return ("x\ty\tz\tw\n" + positions(n, "{}\t{}\t{}\t\n")).encode()
+
+
+def long_quote(n: int) -> bytes:
+    """A quote that is not closed before the end of the file."""
+    return b'x,y,z,w\n1,2,3,"' + b"ab," * n + b"\n"
+
+
 TEXT = named(
+    decimal_commas,
+    words_beside,
+    word_at_the_end,
+    words_in_columns,
+    ids,
+    marks,
+    sixteen_bits,
+    tabs,
+    long_quote,
     table,
     table_with_header,
     one_digit_rows,

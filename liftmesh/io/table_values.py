@@ -1,0 +1,257 @@
+"""The values of a table as text: numbers, and what else may stand in a row.
+
+Blocks of plain numbers go to `text_tables` as they are. Where a block holds anything else, its
+lines are split, and each value is made a plain number: an empty one, and the caller's ``nodata``,
+become NaN, a decimal comma a point. A column with other text holds no numbers: it is remembered
+with its first text, and left out. Coordinates must be numbers, in every row.
+
+A decimal comma is one where nothing else can be meant: commas do not separate the values, no other
+number has a point, and some comma cannot separate thousands.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.errors import FormatError
+from liftmesh.io.columns import POSITION
+from liftmesh.io.limits import MOST_COLUMNS
+from liftmesh.io.lines import Block
+from liftmesh.io.table_doubts import named_points
+from liftmesh.io.table_words import may_be_grouped, split, with_point
+from liftmesh.io.text_tables import is_number, number_table, quoted, values_at_most
+
+if TYPE_CHECKING:
+    from liftmesh.io.table_columns import Columns
+    from liftmesh.io.table_layout import Layout
+    from liftmesh.io.table_options import TableOptions
+
+_NAN = "nan"
+_ODD_COMMA = re.compile(r",(?![0-9])|,[0-9]+,")
+_MISSING = ("na", "n/a", "null", "none", "-", "--", "*", "?", "#n/a", "nodata", "no data")
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A value and the number of its line."""
+
+    value: str
+    line: int
+
+
+class TableValues:
+    """The numbers of a table, block by block, and what was seen of its other values.
+
+    ``text`` holds the columns that are no numbers, by position, with the first text of each, and
+    ``mixed`` those of them that hold numbers too; ``filled`` tells which columns hold anything;
+    ``commas`` is the first number with a decimal comma.
+
+    Parameters
+    ----------
+    name : str
+        The file's name for messages.
+    layout : Layout
+        What separates the values, and how many there are.
+    columns : Columns
+        What they are: coordinates must be numbers.
+    options : TableOptions
+        What the caller says.
+    """
+
+    def __init__(self, name: str, layout: Layout, columns: Columns, options: TableOptions) -> None:
+        self.text: dict[int, Found] = {}
+        self.mixed: set[int] = set()
+        self.commas: Found | None = None
+        self.filled = np.zeros(layout.width, dtype=np.bool_)
+        self._name = name
+        self._delimiter = layout.delimiter
+        self._width = layout.width
+        self._columns = columns
+        self._required = {k for k, each in enumerate(columns.names) if each in POSITION}
+        self._missing = options.missing or ()
+        self._decimal = options.decimal
+        self._point: Found | None = None
+        self._ungrouped = False
+        self._plain = True
+
+    def parse(self, block: Block) -> Floats:
+        """Parse the lines of a block; columns of text are NaN."""
+        table = self._numbers(block)
+        for value in self._missing:
+            if isinstance(value, float):
+                table[table == value] = np.nan
+        return table
+
+    def check(self) -> None:
+        """Raise if the commas in numbers can be read in two ways, once all rows are known."""
+        if self.commas is not None and self._decimal is None and not self._ungrouped:
+            value, line = self.commas.value, self.commas.line
+            raise FormatError(
+                f"{self._name}: line {line}: {quoted(value)} is {with_point(value)} with a decimal "
+                f"comma, or {value.replace(',', '')} with one between thousands: read it with "
+                "decimal=',', or save it without such commas"
+            )
+
+    def _numbers(self, block: Block) -> Floats:
+        plain = self._with_points(block) if self._plain else None
+        if plain is not None:
+            try:
+                table = number_table(
+                    plain, self._name, width=self._width, delimiter=self._delimiter
+                )
+            except FormatError:
+                self._plain = False  # most likely the next blocks hold the same
+            else:
+                self.filled[:] = True
+                self._notice_marks(block)
+                return table
+        return self._split(block)
+
+    def _with_points(self, block: Block) -> Block | None:
+        """Return a block of numbers with points only; None if its values must be looked at."""
+        text = "\n".join(block.texts)  # to look at once, not line by line
+        if '"' in text:
+            return None
+        if self._delimiter == ",":
+            return block
+        pointed, commas = "." in text, "," in text
+        if not commas:
+            doubtful = self._decimal == "," or (self._decimal is None and self.commas is not None)
+            return None if pointed and doubtful else block
+        said = self._decimal or ("," if self._delimiter and self._point is None else None)
+        if said != "," or pointed or _ODD_COMMA.search(text):
+            return None
+        return Block(text.replace(",", ".").split("\n"), block.numbers, block.long)
+
+    def _notice_marks(self, block: Block) -> None:
+        """Remember the first number with a point, or with a comma and one for decimals only."""
+        if self._delimiter == "," or self._point is not None or self._ungrouped:
+            return
+        for text, line in block:
+            if "." in text:
+                self._point = Found(text, line)
+            if self._ungrouped or self._point is not None:
+                return
+            for value in text.split(self._delimiter) if "," in text else ():
+                if "," in value:
+                    self.commas = self.commas or Found(value.strip(), line)
+                    self._ungrouped = self._ungrouped or not may_be_grouped(value.strip())
+
+    def _split(self, block: Block) -> Floats:
+        """Parse a block whose values may be anything."""
+        rows = [self._row(text, line) for text, line in block]
+        columns = [
+            self._column(k, values, block) for k, values in enumerate(zip(*rows, strict=True))
+        ]
+        lines = [",".join(values) for values in zip(*columns, strict=True)]
+        return number_table(
+            Block(lines, block.numbers), self._name, width=self._width, delimiter=","
+        )
+
+    def _row(self, text: str, line: int) -> Sequence[str]:
+        """Split a line, but one of far too many values: these take more than their text."""
+        where = f"{self._name}: line {line}"
+        values: Sequence[str] = ()
+        if '"' not in text:
+            values = [value.strip() for value in text.split(self._delimiter, self._width)]
+        elif values_at_most(text) <= max(self._width, MOST_COLUMNS):
+            values = split(text, self._delimiter, where)
+        if len(values) != self._width:
+            raise self._broken(text, values, where)
+        return values
+
+    def _broken(self, text: str, values: Sequence[str], where: str) -> FormatError:
+        """Return the error for a row of another width, or of text in a table that had none."""
+        if [*values] == [text] and text.isalpha():
+            return FormatError(
+                f"{where}: {quoted(text)} is a broken row, expected {self._width} values, or marks "
+                f"the end of the table: read it with end={quoted(text)}"
+            )
+        odd = (k for k, value in enumerate(values[: self._width]) if value and not is_number(value))
+        k = next(odd, None)
+        if k is not None and not self.text:
+            return FormatError(f"{where}, value {k + 1}: {quoted(values[k])} is not a number")
+        marks = text.count(self._delimiter) + 1 if self._delimiter else values_at_most(text)
+        found = len(values) if '"' in text and values else marks
+        return FormatError(f"{where}: expected {self._width} values, found {found:,}")
+
+    def _column(self, k: int, values: Sequence[str], block: Block) -> Sequence[str]:
+        """Return plain numbers for the values of a column; NaN for all if it holds text."""
+        if k in self.text:
+            return [_NAN] * len(values)
+        held = bool(self.filled[k])
+        self.filled[k] = held or any(values)
+        known = self._is_known
+        plain = [
+            value
+            if value and "," not in value and known(value)
+            else self._special(value, at, block)
+            for at, value in enumerate(values)
+        ]
+        if "" not in plain:
+            self._check_points(values, block)
+            return plain
+        found = Found(values[plain.index("")], int(block.numbers[plain.index("")]))
+        if k in self._required:
+            raise self._not_a_number(k, found)
+        self.text[k] = found
+        if held or any(value not in ("", _NAN) for value in plain):
+            self.mixed.add(k)
+        return [_NAN] * len(values)
+
+    def _is_known(self, value: str) -> bool:
+        """Whether a value is a number as it is."""
+        return is_number(value) and (self._decimal != "," or "." not in value)
+
+    def _special(self, value: str, at: int, block: Block) -> str:
+        """Return NaN for a missing value, a number for one with a comma, "" for other text."""
+        if not value or value in self._missing:
+            return _NAN
+        number = with_point(value)
+        if not number or self._decimal == ".":
+            return ""
+        found = Found(value, int(block.numbers[at]))
+        if self._decimal is None and self._delimiter is None:
+            raise FormatError(
+                f"{self._name}: line {found.line}: {quoted(value)} is a number with a decimal "
+                "comma, or two numbers: read it with decimal=',', or with delimiter=','"
+            )
+        if self._decimal is None and self._point is not None:
+            raise self._mixed(found, self._point)
+        self.commas = self.commas or found
+        self._ungrouped = self._ungrouped or not may_be_grouped(value)
+        return number
+
+    def _check_points(self, values: Sequence[str], block: Block) -> None:
+        """Raise if some numbers have points, and others commas."""
+        if self._decimal is not None or self._delimiter == "," or self._point is not None:
+            return
+        at = next((at for at, value in enumerate(values) if "." in value), None)
+        if at is not None:
+            self._point = Found(values[at], int(block.numbers[at]))
+            if self.commas is not None:
+                raise self._mixed(self.commas, self._point)
+
+    def _mixed(self, comma: Found, point: Found) -> FormatError:
+        return FormatError(
+            f"{self._name}: line {comma.line} has a comma in the number {quoted(comma.value)}, and "
+            f"line {point.line} a point, {quoted(point.value)}: one of them separates thousands, "
+            "or a text was taken for a number: read it with decimal=',' or with decimal='.'"
+        )
+
+    def _not_a_number(self, k: int, found: Found) -> FormatError:
+        hint = ""
+        if found.value.lower() in _MISSING:
+            hint = f": if it stands for a missing value, read it with nodata={found.value!r}"
+        elif k == 0 and not self._columns.said and self._width > 2:
+            hint = f": if it names the points, {named_points(self._width)}"
+        return FormatError(
+            f"{self._name}: line {found.line}, value {k + 1}: {quoted(found.value)} is not a "
+            f"number{hint}"
+        )

@@ -1,0 +1,241 @@
+"""Tables in memory: read by the names of their columns, like the same table as text."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from typing import Any
+
+import laspy
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+import trimesh
+from file_samples import assert_same_bits
+
+import liftmesh
+from liftmesh import Cloud, DataWarning, InputError, UnsupportedTypeError, as_cloud
+
+VALUES: dict[str, list[Any]] = {
+    "Northing": [10.25, 20, 30.5, 35],
+    "Easting": [1.0, 2.5, 3, 1],
+    "name": ["a", "b", "c", "d"],
+    "Höhe [m]": [7.5, 8, 9, 10],
+    "R": [0, 128, 255, 1],
+    "G": [1, 2, 3, 4],
+    "B": [9, 8, 7, 6],
+    "class": [2, 2, 6, 1],
+}
+
+
+def structured(columns: dict[str, list[Any]]) -> np.ndarray:
+    return np.rec.fromarrays([np.array(each) for each in columns.values()], names=[*columns])
+
+
+def as_text(columns: dict[str, list[Any]]) -> Cloud:
+    data = pd.DataFrame(columns).to_csv(index=False).encode()
+    return liftmesh.read(io.BytesIO(data), format="csv")
+
+
+MAKERS = {"pandas": pd.DataFrame, "polars": pl.DataFrame, "structured": structured}
+
+
+def assert_same(cloud: Cloud, other: Cloud) -> None:
+    assert_same_bits(cloud.points, other.points)
+    assert (cloud.colors is None) == (other.colors is None)
+    if cloud.colors is not None and other.colors is not None:
+        assert_same_bits(cloud.colors, other.colors)
+    assert cloud.attributes.keys() == other.attributes.keys()
+    for name, values in cloud.attributes.items():
+        assert np.array_equal(values, other.attributes[name], equal_nan=True)
+    assert cloud.metadata["columns"] == other.metadata["columns"]
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_a_table_is_read_like_the_same_table_as_text(kind: str) -> None:
+    cloud = as_cloud(MAKERS[kind](VALUES))
+    assert_same(cloud, as_text(VALUES))
+    assert cloud.points[0].tolist() == [1, 10.25, 7.5]
+    assert cloud.colors is not None
+    assert cloud.colors.dtype == np.uint8
+    assert [each.split(" (")[0] for each in cloud.metadata["skipped"]] == ["column name"]
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_the_order_of_the_columns_does_not_matter(kind: str) -> None:
+    table = {name: VALUES[name] for name in ("Höhe [m]", "Northing", "Easting")}
+    surface = liftmesh.triangulate(MAKERS[kind](table))
+    assert surface.vertices[0].tolist() == [1, 10.25, 7.5]
+    assert dict(surface.report.columns) == {"x": "Easting", "y": "Northing", "z": "Höhe [m]"}
+    assert "x is 'Easting'" in str(surface.report)
+
+
+@pytest.mark.parametrize("kind", MAKERS)
+def test_what_text_refuses_is_refused(kind: str) -> None:
+    make = MAKERS[kind]
+    unknown = {"x": [1.0, 2], "y": [3.0, 4], "GroundZ": [5.0, 6]}
+    with pytest.raises(InputError, match="no column of 'x', 'y', 'GroundZ' is known as the height"):
+        as_cloud(make(unknown))
+    assert as_cloud(make(unknown), columns="z=GroundZ").points[0].tolist() == [1, 3, 5]
+    assert liftmesh.triangulate(
+        make(unknown | {"x": [1.0, 2, 3], "y": [3.0, 4, 6], "GroundZ": [1.0, 2, 3]}),
+        columns={"z": "GroundZ"},
+    ).vertices[0].tolist() == [1, 3, 1]
+    assert as_cloud(make(unknown), flat=True).points[0].tolist() == [1, 3, 0]
+    with pytest.raises(InputError, match=r"may count downwards .*columns='z=-Depth'"):
+        as_cloud(make({"x": [1.0], "y": [2.0], "Depth": [3.0]}))
+    with pytest.raises(InputError, match=r"z is -9999 in 1 of 3 rows.*nodata='-9999'"):
+        as_cloud(make({"x": [1, 2, 3], "y": [1, 2, 4], "z": [5, 6, -9999]}))
+    with pytest.raises(InputError, match="has no column x or y: read it with columns="):
+        as_cloud(make({"a": [1.0], "b": [2.0]}))
+    with pytest.raises(InputError, match="z is the column 'z', which holds no numbers"):
+        as_cloud(make({"x": [1.0], "y": [2.0], "z": ["low"]}))
+    with pytest.warns(DataWarning, match="degrees"):
+        as_cloud(make({"lng": [1.0], "lat": [2.0], "alt": [2.0]}))
+
+
+def test_nodata_becomes_nan() -> None:
+    table = pd.DataFrame({"x": [1, 2, 3], "y": [1, 2, 4], "z": [5, 6, -9999], "w": [-9999, 1, 2]})
+    cloud = as_cloud(table, nodata=-9999)
+    assert np.isnan(cloud.points[2, 2])
+    assert np.isnan(cloud.attributes["w"][0])
+    assert as_cloud(table, nodata="none").points[2, 2] == -9999
+
+
+def test_missing_values_of_pandas_and_polars_are_nan() -> None:
+    columns = {"x": [1, 2, 3], "y": [1.5, None, 4], "z": [5, None, 7]}
+    frames = [
+        pd.DataFrame(columns),
+        pd.DataFrame(columns).convert_dtypes(),
+        pd.DataFrame(columns, dtype=object),
+        pl.DataFrame(columns),
+    ]
+    for frame in frames:
+        points = as_cloud(frame).points
+        assert np.array_equal(points, [[1, 1.5, 5], [2, np.nan, np.nan], [3, 4, 7]], equal_nan=True)
+    masked = np.ma.array(structured({"x": [1, 2], "y": [3, 4], "z": [5, 6]}))
+    masked["z"][1] = np.ma.masked
+    assert np.isnan(as_cloud(masked).points[1, 2])
+
+
+def test_types_of_values_are_kept_and_dates_are_named() -> None:
+    table = pd.DataFrame(
+        {
+            "x": [1.0],
+            "y": [2.0],
+            "z": [3.0],
+            "big": np.array([2**60 + 1]),
+            "small": np.array([7], dtype=np.uint8),
+            "ok": [True],
+            "when": pd.to_datetime(["2019-05-01"]),
+        }
+    )
+    cloud = as_cloud(table)
+    types = {name: values.dtype for name, values in cloud.attributes.items()}
+    assert types == {"big": np.int64, "small": np.uint8, "ok": np.uint8}
+    assert cloud.attributes["big"][0] == 2**60 + 1
+    assert "column when (datetime64" in cloud.metadata["skipped"][0]
+
+
+def test_coordinates_that_float64_cannot_hold_are_refused() -> None:
+    with pytest.raises(InputError, match="float64 does not represent exactly"):
+        as_cloud(pd.DataFrame({"x": [1.0], "y": [2.0], "z": [2**60 + 1]}))
+
+
+def test_points_of_pdal() -> None:
+    kinds = [("X", "<f8"), ("Y", "<f8"), ("Z", "<f8"), ("Intensity", "<u2"), ("Red", "<u2")]
+    kinds += [("Green", "<u2"), ("Blue", "<u2"), ("NormalX", "<f8"), ("NormalY", "<f8")]
+    view = np.zeros(3, dtype=[*kinds, ("NormalZ", "<f8"), ("HeightAboveGround", "<f8")])
+    view["X"], view["Red"], view["NormalZ"] = [1, 2, 3], [0, 256, 65535], 1
+    cloud = as_cloud(view)
+    assert cloud.points[:, 0].tolist() == [1, 2, 3]
+    assert cloud.colors is not None
+    assert cloud.colors.dtype == np.uint16
+    assert cloud.normals is not None
+    assert cloud.normals[0].tolist() == [0, 0, 1]
+    assert [*cloud.attributes] == ["Intensity", "HeightAboveGround"]
+
+
+def test_points_of_laspy() -> None:
+    las = laspy.create(point_format=3, file_version="1.2")
+    las.header.scales, las.header.offsets = [0.01] * 3, [1000, 0, 0]
+    las.add_extra_dim(laspy.ExtraBytesParams("height", "f4"))
+    las.header.vlrs.append(laspy.vlrs.known.WktCoordinateSystemVlr('PROJCRS["ETRS89"]'))
+    las.x, las.y, las.z = np.array([[1001.5, 1002, 1003], [4, 5.25, 6], [1.5, 2.5, 3.25]])
+    las.red, las.classification = np.array([1, 2, 65535]), np.array([2, 2, 6])
+    cloud = as_cloud(las)
+    assert cloud.points.tolist() == [*map(list, zip(las.x, las.y, las.z, strict=True))]
+    assert cloud.colors is not None
+    assert cloud.colors[:, 0].tolist() == [1, 2, 65535]
+    assert cloud.attributes["classification"].tolist() == [2, 2, 6]
+    assert "height" in cloud.attributes
+    assert cloud.crs == 'PROJCRS["ETRS89"]'
+    assert_same_bits(as_cloud(las.points).points, cloud.points)
+
+
+def test_arrays_of_more_columns_need_their_names() -> None:
+    rows = np.array(
+        [[1, 2, 3, 255, 0, 9], [4, 5, 6, 1, 2, 3], [7, 1, 9, 1, 2, 3], [1, 1, 1, 0, 0, 0]]
+    )
+    with pytest.raises(InputError, match=r"columns='x,y,z,red,green,blue'"):
+        as_cloud(rows)
+    for given in (rows, rows.tolist(), rows.astype(float)):
+        cloud = as_cloud(given, columns="x,y,z,red,green,blue")
+        assert cloud.points.tolist() == rows[:, :3].tolist()
+        assert_same_bits(cloud.colors, rows[:, 3:].astype(np.uint8))
+    swapped = liftmesh.triangulate(rows, columns=["y", "x", "z", None, "w", "v"])
+    assert swapped.vertices[:, 0].tolist() == rows[:, 1].tolist()
+    assert [*swapped.attributes] == ["w", "v"]
+
+
+class Rows:
+    """A table of an unknown library."""
+
+    columns = ("x", "y", "z")
+
+    def __getitem__(self, name: str) -> list[float]:
+        return [0.0]
+
+    def __len__(self) -> int:
+        return 1
+
+    def to_pandas(self) -> None:
+        """Convert the table."""
+
+
+@pytest.mark.parametrize(
+    ("source", "how"),
+    [
+        ({"x": [1.0], "y": [2.0]}, r"np\.column_stack\(\[x, y, z\]\)"),
+        (pl.DataFrame(VALUES).lazy(), r"give what its collect\(\) returns"),
+        (Rows(), r"give what its to_pandas\(\) returns"),
+    ],
+)
+def test_other_tables_are_refused_with_how_to_convert_them(source: object, how: str) -> None:
+    with pytest.raises(UnsupportedTypeError, match=f"is a table, but not one that is read.*{how}"):
+        as_cloud(source)
+
+
+def test_options_of_tables_are_for_tables() -> None:
+    with pytest.raises(InputError, match="columns= cannot be given: a liftmesh"):
+        as_cloud(Cloud(np.zeros((3, 3))), columns="x,y,z")
+    with pytest.raises(InputError, match="decimal= is for files: an object takes columns, flat"):
+        as_cloud(np.zeros((3, 3)), decimal=",")
+    with pytest.raises(InputError, match="of a table, not of the shape"):
+        as_cloud(np.zeros(3), columns="x,y,z")
+
+
+def test_a_scene_is_one_cloud() -> None:
+    scene = trimesh.Scene([trimesh.PointCloud(np.eye(3)), trimesh.creation.box()])
+    assert len(as_cloud(scene)) == 11
+
+
+def test_no_library_of_tables_is_imported() -> None:
+    code = (
+        "import sys, liftmesh; liftmesh.as_cloud([[0, 0, 1]]);"
+        "print({'pandas', 'polars', 'laspy'} & {*sys.modules})"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout == "set()\n"
