@@ -97,7 +97,8 @@ class Document:
         self.tree = self._parsed(text, max_bytes)
         self._check_versions()
         self.buffers = Buffers(self._stated(), chunk, name)
-        self.size = size + self.buffers.beside()
+        self._size = size
+        self._stated_size = size + self.buffers.beside()
         self.meshes, self.nodes = self._listed("meshes"), self._listed("nodes")
         self.scenes = self._listed("scenes")
         self._views, self._accessors = self._listed("bufferViews"), self._listed("accessors")
@@ -153,6 +154,10 @@ class Document:
         )
         self._check_extent(accessor, what)
         return accessor
+
+    def used_size(self) -> int:
+        """Return the bytes of the file, and those of the files beside it used by accessors."""
+        return self._size + self.buffers.used_beside()
 
     def error(self, cause: str) -> FormatError:
         """Make an error about this file."""
@@ -235,10 +240,10 @@ class Document:
             raise self.error(f"{what} has an unknown type") from error
 
     def _compare(self, promised: int, what: str) -> None:
-        if promised > _SHARED * self.size:
+        if promised > _SHARED * self._stated_size:
             raise self.error(
                 f"{what} raises the size of the promised data to {promised} bytes, but there are "
-                f"{self.size}: the file is truncated, or its counts are wrong"
+                f"{self._stated_size}: the file is truncated, or its counts are wrong"
             )
 
     def _stride(self, view: Tree, accessor: Tree, what: str) -> int:
