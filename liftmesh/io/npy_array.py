@@ -2,7 +2,8 @@
 
 ``numpy.load`` allocates the memory that a header asks for before it reads the file. Here the
 header is compared with the size of the file first. NumPy parses the header itself, a short text:
-so memory that its parser runs out of is the file's fault, not the machine's.
+so memory that its parser runs out of is the file's fault, not the machine's. While the stream is
+read, it is not, and neither is a failing disk: these errors are passed on.
 """
 
 from __future__ import annotations
@@ -66,10 +67,10 @@ class Layout:
         """Read the header and leave the stream at the first value."""
         try:
             layout = cls(*_header(stream))
-        except MemoryError as error:  # the parser's own limit: its message, if any, is about stacks
-            raise FormatError(
-                f"{name}: not an NPY file, or its header is invalid: nested too deeply"
-            ) from error
+        except (OSError, MemoryError):  # of the stream
+            raise
+        except SystemError as error:  # what Python makes of memory that it runs out of
+            raise MemoryError from error
         except Exception as error:  # the header is a Python literal: its parser raises many kinds
             raise FormatError(
                 f"{name}: not an NPY file, or its header is invalid: {error}"
@@ -119,7 +120,7 @@ class Layout:
 
 
 def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
-    version = npy.read_magic(stream)
+    version = npy.read_magic(io.BytesIO(read_most(stream, npy.MAGIC_LEN)))
     if version not in _VERSIONS:
         raise ValueError(f"version {version} of the layout is not supported")
     length, parse = _VERSIONS[version]
@@ -131,7 +132,10 @@ def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
             "you need"
         )
     text = _plain_text(read_most(stream, size).decode("latin-1")).encode("latin-1")
-    return parse(io.BytesIO(length.pack(len(text)) + text), max_header_size=len(text))
+    try:
+        return parse(io.BytesIO(length.pack(len(text)) + text), max_header_size=len(text))
+    except MemoryError as error:  # the parser's own limit: its message, if any, is about stacks
+        raise ValueError("nested too deeply") from error
 
 
 def _plain_text(text: str) -> str:

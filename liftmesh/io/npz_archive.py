@@ -5,7 +5,9 @@ zipfile reads the directory of the archive, `zip_member` the members.
 
 from __future__ import annotations
 
+import errno
 import lzma
+import sys
 import zipfile
 import zlib
 from collections.abc import Collection, Iterator
@@ -39,8 +41,7 @@ def opened(stream: BinaryIO, name: str) -> Iterator[dict[str, Member]]:
     """Open an archive: its arrays by name; whatever is wrong with it becomes a `FormatError`."""
     with _complained(f"{name}: not a valid NPZ file"):
         size = remaining(stream)
-        with zipfile.ZipFile(stream) as archive:
-            infos = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+        infos = [each for each in _directory(stream) if each.filename.endswith(".npy")]
         _check_sizes(infos, size, name)
         yield {each.filename.removesuffix(".npy"): Member(stream, each, name) for each in infos}
 
@@ -52,7 +53,30 @@ def _complained(what: str) -> Iterator[None]:
     except FormatError:
         raise
     except _BROKEN as error:
+        if _is_of_the_stream(error):
+            raise
         raise FormatError(f"{what}: {error}") from error
+
+
+def _is_of_the_stream(error: BaseException | None) -> bool:
+    """Whether reading failed. bz2's errors have no number, and invalid positions have EINVAL."""
+    return isinstance(error, OSError) and error.errno not in (None, errno.EINVAL)
+
+
+def _directory(stream: BinaryIO) -> list[zipfile.ZipInfo]:
+    """Read the directory; zipfile takes an end of the file that cannot be read for an invalid one.
+
+    The error of the stream is the context of its own, but so would be one that the caller handles.
+    """
+    handled = sys.exc_info()[1]
+    try:
+        with zipfile.ZipFile(stream) as archive:
+            return archive.infolist()
+    except zipfile.BadZipFile as error:
+        cause = error.__context__
+        if cause is None or cause is handled or not _is_of_the_stream(cause):
+            raise
+        raise cause from None
 
 
 def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
