@@ -11,7 +11,9 @@ buffers without an address have no data: they stand for what a compression leave
 from __future__ import annotations
 
 import base64
+import errno
 import os
+import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +27,9 @@ _PACKED = ";base64,"
 
 # Some programs break base64 into lines.
 _BREAKS = "\n\r\t "
+
+# How the system says that a name is that of no file.
+_ABSENT = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +132,7 @@ class Buffers:
         return self._path(uri).read_bytes()
 
     def _path(self, wanted: str) -> Path:
-        if not os.path.isfile(self._name):  # noqa: PTH113 - a name of a stream may hold any bytes
+        if not _is_file(self._name):
             raise FormatError(
                 f"{self._name}: its buffer {wanted[:60]!r} is a separate file in the same folder, "
                 "which is unknown for a stream: give a path"
@@ -135,16 +140,27 @@ class Buffers:
         folder = Path(self._name).absolute().parent.resolve()
         try:
             path = (folder / unquote(wanted)).resolve()
-            is_there = path.is_file()
         except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a circle
-            path, is_there = folder, False
+            path = folder
         if "://" in wanted or not path.is_relative_to(folder):
             raise FormatError(
                 f"{self._name}: its buffer {wanted[:60]!r} is outside its folder: move it there"
             )
-        if not is_there:
+        if not _is_file(path):
             raise FormatError(f"{self._name}: its buffer {wanted[:60]!r} does not exist")
         return path
+
+
+def _is_file(path: str | Path) -> bool:
+    """Whether there is such a file; that nobody can tell, as on a broken disk, is an error."""
+    try:
+        return stat.S_ISREG(os.stat(path).st_mode)  # noqa: PTH116 - a stream's name has any bytes
+    except ValueError:
+        return False
+    except OSError as error:
+        if error.errno in _ABSENT:
+            return False
+        raise
 
 
 def _unbroken(text: str) -> str:
