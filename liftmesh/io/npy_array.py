@@ -154,11 +154,15 @@ def array_of(stream: Source, layout: Layout, name: str) -> Array:
     return layout.array(_read_values(stream, layout.size, name, layout.what), layout.shape, name)
 
 
+def split(array: Array, rows: int) -> Iterator[Array]:
+    """Split an array into parts of some rows."""
+    return (array[start : start + rows] for start in range(0, len(array), rows))
+
+
 def array_parts(stream: Source, layout: Layout, name: str, rows: int) -> Iterator[Array]:
     """Read an array some rows at a time; read it whole, then split it, if not stored by rows."""
     if not layout.is_by_rows:
-        array = array_of(stream, layout, name)
-        yield from (array[start : start + rows] for start in range(0, len(array), rows))
+        yield from split(array_of(stream, layout, name), rows)
         return
     total, *rest = layout.shape
     row = math.prod(rest) * layout.dtype.itemsize

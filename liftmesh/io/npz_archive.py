@@ -18,7 +18,7 @@ from typing import BinaryIO
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.limits import check_expanded, limit_of
-from liftmesh.io.npy_array import Layout, array_of, array_parts
+from liftmesh.io.npy_array import Layout, array_of, array_parts, split
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 from liftmesh.io.zip_member import Content
@@ -28,6 +28,11 @@ _DENSEST = 1100
 _BOUNDED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 _HEADER = 1 << 17  # bytes of an array's header, at most
+
+# Bytes of content that take no more memory than what decompresses them: bz2 alone makes room for
+# 900,000 symbols of four bytes, however short the data.
+_SMALL = 1 << 16
+_SMALL_BZIP2 = 1 << 22
 
 # Exceptions of zipfile and of the decompressors for files that are damaged.
 _BROKEN = (
@@ -125,7 +130,15 @@ class Member:
             return array
 
     def parts(self, rows: int) -> Iterator[Array]:
-        """Read the array some rows at a time."""
+        """Read the array some rows at a time, or whole at once if it is small.
+
+        The arrays of an archive are read in turns: there may be very many, and a decompressor for
+        each would take more memory than what it reads.
+        """
+        small = _SMALL_BZIP2 if self._info.compress_type == zipfile.ZIP_BZIP2 else _SMALL
+        return split(self.whole(), rows) if self.size <= small else self._streamed(rows)
+
+    def _streamed(self, rows: int) -> Iterator[Array]:
         with _complained(self._where):
             content, layout = self._begun()
             yield from array_parts(content, layout, self._where, rows)
