@@ -15,7 +15,9 @@ buffers without an address have no data: they stand for what a compression leave
 from __future__ import annotations
 
 import base64
+import errno
 import os
+import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +34,8 @@ _BREAKS = "\n\r\t "
 
 # Longer names are of no file; to look for one takes time in proportion to the square of its length.
 _LONGEST_NAME = 4096
+# How the system says that a name is that of no file.
+_ABSENT = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +173,7 @@ class Buffers:
             return read_most(stream, file.size)
 
     def _path(self, wanted: str) -> Path:
-        if not os.path.isfile(self._name):  # noqa: PTH113 - a name of a stream may hold any bytes
+        if not _is_file(self._name):
             raise FormatError(
                 f"{self._name}: its buffer {wanted[:60]!r} is a separate file in the same folder, "
                 "which is unknown for a stream: give a path"
@@ -178,16 +182,27 @@ class Buffers:
         try:
             is_short = len(wanted) <= _LONGEST_NAME
             path = (folder / unquote(wanted)).resolve() if is_short else folder
-            is_there = path.is_file()
         except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a circle
-            path, is_there = folder, False
+            path = folder
         if "://" in wanted or not path.is_relative_to(folder):
             raise FormatError(
                 f"{self._name}: its buffer {wanted[:60]!r} is outside its folder: move it there"
             )
-        if not is_there:
+        if not _is_file(path):
             raise FormatError(f"{self._name}: its buffer {wanted[:60]!r} does not exist")
         return path
+
+
+def _is_file(path: str | Path) -> bool:
+    """Whether there is such a file; that nobody can tell, as on a broken disk, is an error."""
+    try:
+        return stat.S_ISREG(os.stat(path).st_mode)  # noqa: PTH116 - a stream's name has any bytes
+    except ValueError:
+        return False
+    except OSError as error:
+        if error.errno in _ABSENT:
+            return False
+        raise
 
 
 def _unbroken(text: str) -> str:
