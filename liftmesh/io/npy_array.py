@@ -31,8 +31,8 @@ _USUAL = re.compile(
     r"\{'descr': '[^'\\]*', 'fortran_order': (?:True|False), 'shape': \([\d, ]*\), \}\s*"
 )
 
-# What any header consists of: strings, whole numbers, truth values and brackets. Python 2 wrote some
-# numbers with an L.
+# What any header consists of: strings, whole numbers, truth values and brackets. Python 2 wrote
+# some numbers with an L.
 _TOKEN = re.compile(
     r"""\s*("(?:[^"\\]|\\[\\'"nrtxuU])*"|'(?:[^'\\]|\\[\\'"nrtxuU])*'|"""
     r"""-?\d+(?!\w)|-?\d+(?=L\b)|True|False|[][(){},:])(?:(?<=\d)L)?"""
