@@ -24,7 +24,7 @@ from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.origin import checked_origin, with_origin
 
-# By default content may take so many times the file.
+# By default content may take so many times the file and what it uses of files beside it.
 _GROWTH = 20
 
 # trimesh decodes so many primitives or bytes at a time.
@@ -52,7 +52,7 @@ def read_scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) ->
     document = Document(stream, name, kind, max_bytes)
     scene = default_scene(document)
     content = _Content(document, scene)
-    content.check(limit_of(max_bytes, _GROWTH * document.size))
+    content.check(limit_of(max_bytes, _GROWTH * document.used_size()))
     cloud = content.cloud()
     stated = scene.extras.get("origin")
     return with_origin(cloud, None if stated is None else checked_origin(stated, name))

@@ -14,8 +14,9 @@ from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
 from liftmesh.io.gltf_buffers import Buffers, Chunk, Stated
+from liftmesh.io.json_memory import bytes_of_text, bytes_of_tree
 from liftmesh.io.json_numbers import shown
-from liftmesh.io.json_text import check_length, parsed
+from liftmesh.io.json_text import check_length, parsed, without_buffers
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.streams import remaining
 
@@ -29,8 +30,7 @@ _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, 
 # Views and accessors may share bytes: the factor beyond which this is taken for an attack.
 _SHARED = 64
 
-# What Python needs for an object and a list of JSON, about; and how much is let pass.
-_OBJECT, _LIST = 210, 90
+# What JSON may take in memory: so many times its text, or so many bytes, if they are more.
 _SMALL = 1 << 26
 _GROWTH = 20
 
@@ -97,7 +97,8 @@ class Document:
         self.tree = self._parsed(text, max_bytes)
         self._check_versions()
         self.buffers = Buffers(self._stated(), chunk, name)
-        self.size = size + self.buffers.beside()
+        self._size = size
+        self._stated_size = size + self.buffers.beside()
         self.meshes, self.nodes = self._listed("meshes"), self._listed("nodes")
         self.scenes = self._listed("scenes")
         self._views, self._accessors = self._listed("bufferViews"), self._listed("accessors")
@@ -154,6 +155,10 @@ class Document:
         self._check_extent(accessor, what)
         return accessor
 
+    def used_size(self) -> int:
+        """Return the bytes of the file, and those of the files beside it used by accessors."""
+        return self._size + self.buffers.used_beside()
+
     def error(self, cause: str) -> FormatError:
         """Make an error about this file."""
         return FormatError(f"{self.name}: not a valid {self._kind} file: {cause}")
@@ -163,11 +168,13 @@ class Document:
         return self.objects(self.tree.get(key, []), key)
 
     def _parsed(self, text: bytes, max_bytes: int | None) -> Tree:
-        needed = _OBJECT * text.count(b"{") + _LIST * text.count(b"[")
-        limit = limit_of(max_bytes, _GROWTH * len(text), _SMALL)
+        usual = _GROWTH * len(text) - bytes_of_text(text)
+        limit = limit_of(max_bytes, usual, _SMALL)
+        bare = without_buffers(text)
+        needed = bytes_of_tree(bare, limit)
         check_expanded(needed, limit, self.name, f"its JSON of {len(text):,} bytes")
         if max_bytes is None:
-            check_length(text, self.name)
+            check_length(bare, self.name)
         try:
             tree = parsed(text)
         except (ValueError, RecursionError) as error:
@@ -235,10 +242,10 @@ class Document:
             raise self.error(f"{what} has an unknown type") from error
 
     def _compare(self, promised: int, what: str) -> None:
-        if promised > _SHARED * self.size:
+        if promised > _SHARED * self._stated_size:
             raise self.error(
                 f"{what} raises the size of the promised data to {promised} bytes, but there are "
-                f"{self.size}: the file is truncated, or its counts are wrong"
+                f"{self._stated_size}: the file is truncated, or its counts are wrong"
             )
 
     def _stride(self, view: Tree, accessor: Tree, what: str) -> int:

@@ -2,7 +2,8 @@
 
 ``numpy.load`` allocates the memory that a header asks for before it reads the file. Here the
 header is compared with the size of the file first. NumPy parses the header itself, a short text:
-so memory that its parser runs out of is the file's fault, not the machine's.
+so memory that its parser runs out of is the file's fault, not the machine's. While the stream is
+read, it is not, and neither is a failing disk: these errors are passed on.
 """
 
 from __future__ import annotations
@@ -25,8 +26,13 @@ from liftmesh.io.text_tables import shortened
 
 _LONGEST_HEADER = 10_000  # what NumPy takes from a file that is not trusted
 
-# What a header consists of: strings, whole numbers, truth values and brackets. Python 2 wrote some
-# numbers with an L.
+# A header as NumPy writes it of an array of numbers.
+_USUAL = re.compile(
+    r"\{'descr': '[^'\\]*', 'fortran_order': (?:True|False), 'shape': \([\d, ]*\), \}\s*"
+)
+
+# What any header consists of: strings, whole numbers, truth values and brackets. Python 2 wrote
+# some numbers with an L.
 _TOKEN = re.compile(
     r"""\s*("(?:[^"\\]|\\[\\'"nrtxuU])*"|'(?:[^'\\]|\\[\\'"nrtxuU])*'|"""
     r"""-?\d+(?!\w)|-?\d+(?=L\b)|True|False|[][(){},:])(?:(?<=\d)L)?"""
@@ -66,10 +72,10 @@ class Layout:
         """Read the header and leave the stream at the first value."""
         try:
             layout = cls(*_header(stream))
-        except MemoryError as error:  # the parser's own limit: its message, if any, is about stacks
-            raise FormatError(
-                f"{name}: not an NPY file, or its header is invalid: nested too deeply"
-            ) from error
+        except (OSError, MemoryError):  # of the stream
+            raise
+        except SystemError as error:  # what Python makes of memory that it runs out of
+            raise MemoryError from error
         except Exception as error:  # the header is a Python literal: its parser raises many kinds
             raise FormatError(
                 f"{name}: not an NPY file, or its header is invalid: {error}"
@@ -119,7 +125,7 @@ class Layout:
 
 
 def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
-    version = npy.read_magic(stream)
+    version = npy.read_magic(io.BytesIO(read_most(stream, npy.MAGIC_LEN)))
     if version not in _VERSIONS:
         raise ValueError(f"version {version} of the layout is not supported")
     length, parse = _VERSIONS[version]
@@ -131,11 +137,16 @@ def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
             "you need"
         )
     text = _plain_text(read_most(stream, size).decode("latin-1")).encode("latin-1")
-    return parse(io.BytesIO(length.pack(len(text)) + text), max_header_size=len(text))
+    try:
+        return parse(io.BytesIO(length.pack(len(text)) + text), max_header_size=len(text))
+    except MemoryError as error:  # the parser's own limit: its message, if any, is about stacks
+        raise ValueError("nested too deeply") from error
 
 
 def _plain_text(text: str) -> str:
     """Return the header without what Python and NumPy warn of, such as the L of Python 2."""
+    if _USUAL.fullmatch(text):
+        return text
     at, parts = 0, []
     while (found := _TOKEN.match(text, at)) is not None:
         parts.append(found[1])
@@ -150,11 +161,15 @@ def array_of(stream: Source, layout: Layout, name: str) -> Array:
     return layout.array(_read_values(stream, layout.size, name, layout.what), layout.shape, name)
 
 
+def split(array: Array, rows: int) -> Iterator[Array]:
+    """Split an array into parts of some rows."""
+    return (array[start : start + rows] for start in range(0, len(array), rows))
+
+
 def array_parts(stream: Source, layout: Layout, name: str, rows: int) -> Iterator[Array]:
     """Read an array some rows at a time; read it whole, then split it, if not stored by rows."""
     if not layout.is_by_rows:
-        array = array_of(stream, layout, name)
-        yield from (array[start : start + rows] for start in range(0, len(array), rows))
+        yield from split(array_of(stream, layout, name), rows)
         return
     total, *rest = layout.shape
     row = math.prod(rest) * layout.dtype.itemsize

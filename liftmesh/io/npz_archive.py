@@ -5,7 +5,9 @@ zipfile reads the directory of the archive, `zip_member` the members.
 
 from __future__ import annotations
 
+import errno
 import lzma
+import sys
 import zipfile
 import zlib
 from collections.abc import Collection, Iterator
@@ -16,7 +18,7 @@ from typing import BinaryIO
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.limits import check_expanded, limit_of
-from liftmesh.io.npy_array import Layout, array_of, array_parts
+from liftmesh.io.npy_array import Layout, array_of, array_parts, split
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 from liftmesh.io.zip_member import Content
@@ -26,6 +28,11 @@ _DENSEST = 1100
 _BOUNDED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 _HEADER = 1 << 17  # bytes of an array's header, at most
+
+# Bytes of content that take no more memory than what decompresses them: bz2 alone makes room for
+# 900,000 symbols of four bytes, however short the data.
+_SMALL = 1 << 16
+_SMALL_BZIP2 = 1 << 22
 
 # Exceptions of zipfile and of the decompressors for files that are damaged.
 _BROKEN = (
@@ -39,8 +46,7 @@ def opened(stream: BinaryIO, name: str) -> Iterator[dict[str, Member]]:
     """Open an archive: its arrays by name; whatever is wrong with it becomes a `FormatError`."""
     with _complained(f"{name}: not a valid NPZ file"):
         size = remaining(stream)
-        with zipfile.ZipFile(stream) as archive:
-            infos = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+        infos = [each for each in _directory(stream) if each.filename.endswith(".npy")]
         _check_sizes(infos, size, name)
         yield {each.filename.removesuffix(".npy"): Member(stream, each, name) for each in infos}
 
@@ -52,7 +58,30 @@ def _complained(what: str) -> Iterator[None]:
     except FormatError:
         raise
     except _BROKEN as error:
+        if _is_of_the_stream(error):
+            raise
         raise FormatError(f"{what}: {error}") from error
+
+
+def _is_of_the_stream(error: BaseException | None) -> bool:
+    """Whether reading failed. bz2's errors have no number, and invalid positions have EINVAL."""
+    return isinstance(error, OSError) and error.errno not in (None, errno.EINVAL)
+
+
+def _directory(stream: BinaryIO) -> list[zipfile.ZipInfo]:
+    """Read the directory; zipfile takes an end of the file that cannot be read for an invalid one.
+
+    The error of the stream is the context of its own, but so would be one that the caller handles.
+    """
+    handled = sys.exc_info()[1]
+    try:
+        with zipfile.ZipFile(stream) as archive:
+            return archive.infolist()
+    except zipfile.BadZipFile as error:
+        cause = error.__context__
+        if cause is None or cause is handled or not _is_of_the_stream(cause):
+            raise
+        raise cause from None
 
 
 def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
@@ -101,7 +130,15 @@ class Member:
             return array
 
     def parts(self, rows: int) -> Iterator[Array]:
-        """Read the array some rows at a time."""
+        """Read the array some rows at a time, or whole at once if it is small.
+
+        The arrays of an archive are read in turns: there may be very many, and a decompressor for
+        each would take more memory than what it reads.
+        """
+        small = _SMALL_BZIP2 if self._info.compress_type == zipfile.ZIP_BZIP2 else _SMALL
+        return split(self.whole(), rows) if self.size <= small else self._streamed(rows)
+
+    def _streamed(self, rows: int) -> Iterator[Array]:
         with _complained(self._where):
             content, layout = self._begun()
             yield from array_parts(content, layout, self._where, rows)

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 _BLANKS = bytes(ord(" ") if chr(code).isspace() else code for code in range(256))
 
-_OTHER, _BLANK, _DIGIT, _MINUS = range(4)
+_OTHER, _BLANK, _DIGIT, _SIGN = range(4)
 _KINDS = np.zeros(256, dtype=np.uint8)
 _KINDS[ord(" ")] = _BLANK
 _KINDS[[*b"0123456789"]] = _DIGIT
-_KINDS[ord("-")] = _MINUS
+_KINDS[[*b"+-"]] = _SIGN
 
 _WORDS = 32  # words of a line given to the parser of floats
 
@@ -76,9 +76,9 @@ def per_line(begins: Integers, ends: Integers) -> Integers:
 def integers(text: bytes, count: int) -> NDArray[np.int64] | None:
     """Parse ``count`` whole numbers; None if a word is not one that int64 holds."""
     kinds = _KINDS[np.frombuffer(text, np.uint8)]
-    minus = kinds == _MINUS
-    begun = not (minus[1:] & (kinds[:-1] != _BLANK)).any()
-    followed = not (minus[:-1] & (kinds[1:] != _DIGIT)).any() and not text.endswith(b"-")
+    sign = kinds == _SIGN
+    begun = not (sign[1:] & (kinds[:-1] != _BLANK)).any()
+    followed = not (sign[:-1] & (kinds[1:] != _DIGIT)).any() and not text.endswith((b"+", b"-"))
     if not begun or not followed or (kinds == _OTHER).any():
         return None
     values = np.fromstring(text, dtype=np.int64, sep=" ")

@@ -185,7 +185,8 @@ def _check_layout(layout: Layout, name: str) -> None:
     """Raise where an array cannot be points, before any of its values is read."""
     if layout.dtype.names is None:
         _check_shape(layout.shape, name)
-    _points_alone(np.empty((0, *layout.shape[1:]) if layout.shape else (), layout.dtype), name)
+    shape = (0, *layout.shape[1:]) if layout.shape else ()
+    _points_alone(layout.array(np.empty(0, np.uint8), shape, name), name)
 
 
 def _points_alone(array: Array, name: str, first: int = 0) -> Cloud:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _PIECE = 1 << 20  # bytes parsed at a time
 
 _WORD = re.compile(r"\S+")
-_CORNER = re.compile(r"(-?\d{1,9})(?:/(?:-?\d{1,18})?(?:/(-?\d{1,9}))?)?", re.ASCII)
+_CORNER = re.compile(r"([+-]?\d{1,9})(?:/(?:[+-]?\d{1,18})?(?:/([+-]?\d{1,9}))?)?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _HEADER = struct.Struct("<4s5H3L2H")
 _ZIP64 = struct.Struct("<2Q")
+_ALONE = struct.Struct("<BLQ")  # properties, size of the dictionary and of the content
 _IN_EXTRA = 0xFFFFFFFF  # as a size: it stands in the extra field
 
 _ENCRYPTED, _END_MARKER, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0, 1, 3, 5, 11))
@@ -30,7 +31,7 @@ _ENCRYPTED, _END_MARKER, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0,
 _PIECE = 1 << 16  # compressed bytes at a time
 _MOST = 1 << 20  # bytes decompressed at a time
 _SMALLEST_DICTIONARY = 1 << 12
-_PADDING = 16  # at most, after the last symbol of LZMA data
+_NO_MEMORY = "Error -4 "  # begins what zlib says if it cannot allocate memory
 
 
 class Content:
@@ -111,10 +112,6 @@ class Content:
         """Whether data follow those that make up the content."""
         if self._decoder is None:
             return self._packed > 0
-        if self._info.compress_type == ZIP_LZMA and not self._info.flag_bits & _END_MARKER:
-            # The decoder does not know its end: it would decode the padding of the last bytes.
-            self._raw(_PADDING)
-            return self._packed > 0
         more = self._some(self._decoder, 1) or getattr(self._decoder, "unused_data", b"")
         return bool(more) or self._packed > 0
 
@@ -129,7 +126,7 @@ class Content:
     def _some(self, decoder: _Decoder, most: int) -> bytes:
         """Decompress at most ``most`` bytes, none only at the end."""
         while not decoder.eof:
-            found = decoder.decompress(self._input, most)
+            found = _decompressed(decoder, self._input, most)
             self._input = getattr(decoder, "unconsumed_tail", b"")
             if found:
                 return found
@@ -171,7 +168,11 @@ class Content:
         return makers[info.compress_type]()
 
     def _lzma(self) -> _Decoder:
-        """Read the properties in front of LZMA data; no dictionary exceeds the content."""
+        """Read the properties in front of LZMA data; no dictionary exceeds the content.
+
+        Data without a marker at their end are decoded as those of an .lzma file, whose header
+        states the size: so the decoder knows where they end.
+        """
         head = self._raw(9)
         if len(head) < 9 or head[2:4] != b"\5\0" or head[4] >= 9 * 5 * 5:
             raise BadZipFile("its LZMA properties are invalid")
@@ -179,6 +180,9 @@ class Content:
         pb, lp = divmod(rest, 5)
         size = min(int.from_bytes(head[5:], "little"), self.left)
         size = max(size, _SMALLEST_DICTIONARY)
+        if not self._info.flag_bits & _END_MARKER:
+            self._input = _ALONE.pack(head[4], size, self._info.file_size)
+            return lzma.LZMADecompressor(lzma.FORMAT_ALONE)
         model = {"id": lzma.FILTER_LZMA1, "lc": lc, "lp": lp, "pb": pb, "dict_size": size}
         return lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=[model])
 
@@ -189,6 +193,16 @@ class _Decoder(Protocol):
     @property
     def eof(self) -> bool: ...
     def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
+
+
+def _decompressed(decoder: _Decoder, data: bytes, most: int) -> bytes:
+    """Decompress at most ``most`` bytes; raise what zlib lacks memory for as the others do."""
+    try:
+        return decoder.decompress(data, most)
+    except zlib.error as error:
+        if str(error).startswith(_NO_MEMORY):
+            raise MemoryError from error
+        raise
 
 
 def _start_of_data(stream: BinaryIO, info: ZipInfo) -> int:

@@ -31,10 +31,14 @@ LONGEST = 60  # seconds after which a case hangs
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """How a job ended: well, in an error as documented, or in another way; and what it read."""
+    """How a job ended: well, in an error as documented, or in another way; and what it read.
+
+    It is refused if a file is called invalid.
+    """
 
     is_done: bool
     message: str = ""
+    is_refused: bool = False
     wrong: str = ""
     points: bytes = b""
 
@@ -86,7 +90,8 @@ def attempted(work: Callable[[], Cloud | None], folder: Path, watch: Watch) -> E
     except (LiftmeshError, OSError) as error:
         named = str(getattr(error, "filename", None) or error)
         wrong = "" if str(folder) in named else f"the error names no file: {error!r}"
-        return Ended(is_done=False, message=str(error), wrong=wrong)
+        is_refused = isinstance(error, LiftmeshError)
+        return Ended(is_done=False, message=str(error), is_refused=is_refused, wrong=wrong)
     except Exception as error:  # noqa: BLE001 - this is what is looked for
         return Ended(is_done=False, wrong=f"{type(error).__name__}: {error}")
     finally:

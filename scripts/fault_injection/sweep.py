@@ -1,7 +1,8 @@
 """Disturb each job at each of its system calls, and look at what is left behind.
 
 Whatever happens, a job ends well, or in an error that names the file; every file is as it was
-before, or complete; and there is no other file. If a job ends well, its files are complete.
+before, or complete; and there is no other file. If a job ends well, its files are complete. A call
+that fails is an `OSError`: only what others do to a file may make it an invalid one.
 """
 
 from __future__ import annotations
@@ -120,7 +121,8 @@ class Sweep:
         except Exception as error:  # noqa: BLE001 - this is what is looked for
             return time.monotonic() - began, f"{type(error).__name__}: {error}"
         seconds = time.monotonic() - began
-        return seconds, "; ".join(filter(None, (ended.wrong, self._left(case, ended))))
+        wrong = (ended.wrong, misjudged(case, ended), self._left(case, ended))
+        return seconds, "; ".join(filter(None, wrong))
 
     def _left(self, case: Case, ended: Ended) -> str:
         """Describe what is wrong with the files that are there afterwards."""
@@ -142,6 +144,12 @@ class Sweep:
         if not action and (lost := before.keys() - found.keys()):
             return f"{min(lost)} is gone"
         return ""
+
+
+def misjudged(case: Case, ended: Ended) -> str:
+    """Describe an error of the system that is told as one of the file; "" if it is not."""
+    is_wrong = ended.is_refused and not case.fault.action
+    return f"the file is called invalid: {ended.message}" if is_wrong else ""
 
 
 def missing(found: Files, whole: Files) -> str:

@@ -24,8 +24,8 @@ from growth.counting import ALONE
 from growth.subjects import FILES, content
 
 MOST_PER_BYTE = 20
-FIXED = 32_000_000
-"""Blocks of four megabytes of text, taken apart into lines, and the buffers of libraries."""
+FIXED = 16_000_000
+"""Blocks of a file, taken apart into lines or numbers, and the buffers of libraries."""
 
 ADDRESSES = 64_000_000
 """Address space that threads, arenas and mappings take beside what becomes resident."""

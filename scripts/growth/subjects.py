@@ -52,7 +52,10 @@ CHEAP = (
 """Of very many parts that cost little each: they are counted at four times as many, since a search
 among all others shows the earlier, the less there is beside it."""
 
-SLOW = ("text elements", "list elements", "members", "skipped members")
+SLOW = (
+    "text elements", "list elements", "members", "members deflated", "members bzip2",
+    "members lzma", "skipped members",
+)  # fmt: skip
 """Of parts that cost much each: they are counted at an eighth as many."""
 
 IN_CHUNKS = {
@@ -61,7 +64,7 @@ IN_CHUNKS = {
         "vertices with lists", "two byte rows", "blank lines first",
     ),
     "npy": ("rows", "columns first", "fields"),
-    "npz": ("stored", "deflated"),
+    "npz": ("stored", "deflated", "members deflated", "members bzip2", "members lzma"),
     "text": ("table", "table with header", "columns", "blank lines", "remarks", "long word",
         "words beside", "word at the end"),
 }  # fmt: skip

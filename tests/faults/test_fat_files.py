@@ -10,7 +10,7 @@ from faults.children import output
 
 # What a file of these many bytes may take: 20 times its size, and what blocks and masks need.
 SIZE = 3_000_000
-MOST = 20 * SIZE + 32_000_000
+MOST = 20 * SIZE + 16_000_000
 
 PROGRAM = """
     import io, json, os, sys

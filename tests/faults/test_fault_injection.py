@@ -30,6 +30,7 @@ CARELESS = """
     from pathlib import Path
     from fault_injection.jobs import OLD, Job, attempted
     from fault_injection.sweep import Sweep
+    from liftmesh import FormatError
 
     def prepare(folder):
         (folder / "mesh.ply").write_bytes(OLD)
@@ -48,11 +49,18 @@ CARELESS = """
         stream = open(folder / "mesh.ply", "wb", buffering=0)
         stream.write(b"new" * 6000)
 
+    def blaming(folder):
+        try:
+            (folder / "mesh.ply").read_bytes()
+        except OSError as error:
+            raise FormatError(f"{folder}: {error}") from error
+
     def job(name, work):
         run = lambda folder, watch: attempted(lambda: work(folder), folder, watch)
         return Job(name, prepare, run, "mesh.ply")
 
-    sweep = Sweep(Path(sys.argv[1]), [job(f.__name__, f) for f in (work, in_place, silent)])
+    jobs = (work, in_place, silent, blaming)
+    sweep = Sweep(Path(sys.argv[1]), [job(f.__name__, f) for f in jobs])
     found = {}
     for case in sweep.cases(0):
         found.setdefault(case.job.name, []).append(f"{case.fault}: {sweep.check(case)[1]}")
@@ -79,3 +87,4 @@ def test_careless_writers_are_caught(tmp_path: Path) -> None:
         r"ENOSPC at call \d+: .*; mesh.ply is neither old nor complete", wrong["in_place"]
     )
     assert re.search(r"a part at call \d+: mesh.ply is neither old nor", wrong["silent"])
+    assert re.search(r"EIO at call \d+: the file is called invalid", wrong["blaming"])

@@ -19,8 +19,12 @@ from file_samples import loaded, saved, small_mesh
 import liftmesh as lm
 from liftmesh import Cloud, FormatError
 from liftmesh.cli import exit_codes
+from liftmesh.io import gltf_buffers, gltf_reader
+from liftmesh.io.limits import limit_of
+from liftmesh.io.streams import read_most
 
 ROWS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4").tobytes()
+POSITIONS = {"componentType": 5126, "count": 3, "type": "VEC3"}
 
 
 class Payload:
@@ -114,6 +118,51 @@ def test_others_are_not(uri: str, folder: Path) -> None:
         with pytest.raises(FormatError, match=r"its buffer|not a valid") as caught:
             lm.read(folder / name)
         assert len(str(caught.value)) < 1000
+
+
+def test_names_of_one_file_are_one_file(folder: Path, monkeypatch: Any) -> None:
+    count = 40
+    (folder / "large.bin").write_bytes(ROWS + bytes(10**6))
+    uris = ["./" * k + ("large.bin", "l%61rge.bin")[k % 2] for k in range(count)]
+    tree = gltf_tree(
+        buffers=[{"uri": uri, "byteLength": 36} for uri in uris],
+        bufferViews=[{"buffer": k, "byteLength": 36} for k in range(count)],
+        accessors=[{**POSITIONS, "bufferView": k} for k in range(count)],
+        meshes=[{"primitives": [{"attributes": {"POSITION": k}} for k in range(count)]}],
+    )
+    (folder / "model.gltf").write_bytes(json.dumps(tree).encode())
+    read = []
+    monkeypatch.setattr(
+        gltf_buffers, "read_most", lambda *given: read.append(given[1]) or read_most(*given)
+    )
+    assert len(lm.read(folder / "model.gltf")) == 3 * count
+    assert read == [36]
+
+
+def test_files_that_the_scene_does_not_use_raise_no_limit(folder: Path, monkeypatch: Any) -> None:
+    limits = []
+    monkeypatch.setattr(
+        gltf_reader, "limit_of", lambda *given: limits.append(given[1]) or limit_of(*given)
+    )
+    rows = {"uri": "parts/rows.bin", "byteLength": 36}
+    others = [{"uri": "./" * k + "large.bin", "byteLength": 10**6} for k in range(9)]
+    (folder / "large.bin").write_bytes(ROWS + bytes(10**6))
+    for buffers, used in (
+        ([rows, *others], 36),
+        ([{**rows, "uri": "large.bin"}], 36),
+        ([{"uri": "large.bin"}], 10**6 + 36),
+        ([{**rows, "uri": "large.bin"}, *others], 10**6),
+    ):
+        data = json.dumps(gltf_tree(buffers=buffers)).encode()
+        (folder / "model.gltf").write_bytes(data)
+        assert len(lm.read(folder / "model.gltf")) == 3
+        assert limits.pop() == 20 * (len(data) + used)
+
+
+def test_names_too_long_for_a_file_are_not_looked_for(folder: Path) -> None:
+    (folder / "model.gltf").write_bytes(named("parts/../" * 10**5 + "a b.bin"))
+    with pytest.raises(FormatError, match="does not exist"):
+        lm.read(folder / "model.gltf")
 
 
 def test_nor_from_a_folder_that_a_stream_does_not_have(folder: Path, monkeypatch: Any) -> None:

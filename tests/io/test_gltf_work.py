@@ -11,6 +11,7 @@ from file_samples import loaded
 from gltf_models import TRIANGLE, Model, faces
 
 from liftmesh.io import gltf_reader
+from liftmesh.io.gltf_buffers import Buffers, Stated
 from liftmesh.io.gltf_validation import Document
 from liftmesh.io.objects.trimesh import transformed
 
@@ -33,6 +34,25 @@ def test_lists_are_not_checked_again_for_each_of_their_parts(
     monkeypatch.setattr(Document, "objects", counted)
     assert len(loaded(model.glb(), "glb")) == 3 * count
     assert looked_at["all"] < 10 * count
+
+
+class Compared(str):
+    """Text that counts how often it is compared."""
+
+    __hash__ = str.__hash__
+    count = 0
+
+    def __eq__(self, other: object) -> bool:
+        type(self).count += 1
+        return str.__eq__(self, other)
+
+
+def test_long_addresses_are_compared_once() -> None:
+    address = "data:;base64," + "A" * 4000
+    stated = [Stated(Compared(address), 3000, is_fallback=False) for _ in range(3)]
+    buffers = Buffers(stated, None, "scene.gltf")
+    assert all(bytes(buffers[number % 3]) == bytes(3000) for number in range(100))
+    assert Compared.count < 10
 
 
 def test_a_mesh_of_many_primitives_is_placed_as_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import gc
 import io
 import json
+import tracemalloc
 
 import pytest
 
 import liftmesh
 from liftmesh.io import json_text
+from liftmesh.io.json_memory import bytes_of_text, bytes_of_tree
 
 SCENE = {
     "asset": {"version": "2.0"},
@@ -42,6 +44,47 @@ def test_embedded_buffers_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(json_text, "_MOST", 2000)
     image = {"uri": "data:image/png;base64," + "A" * 100_000}
     assert len(read({**SCENE, "images": [image, image]})) == 3
+
+
+COUNT = 90_000  # a little after tables of Python have grown
+SHAPES = {
+    "objects": ",".join(f'{{"{k:x}":1.5}}' for k in range(COUNT)),
+    "an object": "{" + ",".join(f'"{k:x}":1.5' for k in range(COUNT)) + "}",
+    "an emoji": '"\U0001f600",' + ",".join(f'{{"{k:x}":1.5}}' for k in range(COUNT)),
+    "one key": ",".join(['{"a":1.5}'] * COUNT),
+    "lists": ",".join(["[1]"] * COUNT),
+    "strings": ",".join(['"\u0100"'] * COUNT),
+    "words": ",".join(f'"{k:x}"' for k in range(COUNT)),
+    "numbers": ",".join(["-9"] * COUNT),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_memory_of_json_is_counted(shape: str) -> None:
+    text = f'{{"extras":[{SHAPES[shape]}]}}'.encode()
+    tracemalloc.start()
+    tree = json_text.parsed(text)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert tree
+    looked_at = bytes_of_tree(text, bytes_of_tree(text, 10**9) - 1)
+    assert peak + len(text) <= looked_at + bytes_of_text(text) < 3 * peak
+
+
+def test_keys_that_do_not_come_again_are_dear() -> None:
+    parts = [f'{{"{k:x}":1.5}}' for k in range(260_000)]
+    with pytest.raises(liftmesh.FormatError, match=r"its JSON of .* expands to 1\d\d,"):
+        liftmesh.read(io.BytesIO(b'{"x":[%s]}' % ",".join(parts).encode()), format="gltf")
+    again = b",".join([b'{"a":1.5}'] * len(parts))
+    with pytest.raises(liftmesh.FormatError, match="no vertices"):
+        liftmesh.read(io.BytesIO(b'{"x":[%s]}' % again), format="gltf")
+
+
+def test_quotation_marks_in_strings_do_not_hide_keys() -> None:
+    plain = bytes_of_tree(b'{"a": 1, "b": 2}', 300)
+    assert bytes_of_tree(rb'{"a\"": 1, "b": 2}', 300) == plain
+    assert bytes_of_tree(rb'{"a\\": 1, "b": 2}', 300) == plain
+    assert bytes_of_tree(rb'{"b\\\"": 1, "b" : 2}', 300) == plain
 
 
 @pytest.mark.parametrize("text", [b"[1]", b"[", b"[" * 100_000])

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import struct
 import time
+import warnings
 import zipfile
 from typing import Any
 
 import numpy as np
 import pytest
+from failing_stream import Failing
 from file_samples import (
     AWKWARD,
     FACES,
@@ -20,6 +23,7 @@ from file_samples import (
     saved,
 )
 
+import liftmesh
 from liftmesh import Cloud, FormatError
 from liftmesh.io.numpy_files import _Roles
 
@@ -171,12 +175,19 @@ def test_reserved_names_are_refused() -> None:
         ("{'descr': '<f8'}", "invalid"),
         ("not python", "invalid"),
         ("(" * 5000, "invalid"),
+        (
+            "{'descr': [('x', '<f8'), ('y', '<f8')], 'fortran_order': False, 'shape': (0, %s)}"
+            % (10**25),
+            "header says shape",
+        ),
     ],
 )
 def test_headers_that_lie(header: str, cause: str) -> None:
     data = raw_npy(header, bytes(24))
     with pytest.raises(FormatError, match=cause):
         loaded(data, "npy")
+    with pytest.raises(FormatError, match=cause):
+        next(liftmesh.read_chunks(io.BytesIO(data), format="npy"))
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("points.npy", data)
@@ -235,6 +246,25 @@ def test_a_header_has_ten_thousand_bytes_at_most(version: int) -> None:
     lie = with_header(b"", version)[: -1 - version] + b"\xff" * (2 * version)
     with pytest.raises(FormatError, match="more than 10,000"):
         loaded(lie, "npy")
+
+
+def test_a_structured_array_may_fill_the_longest_header() -> None:
+    fields = [("x", "<f8"), ("y", "<f8"), *((f"f{k}", "u1") for k in range(580))]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # np.save says that np.load has a limit, too
+        data = npy(np.zeros(3, dtype=fields))
+    assert 9900 <= struct.unpack_from("<H", data, 8)[0] <= 10_000
+    cloud = loaded(data, "npy")
+    assert (len(cloud), len(cloud.attributes)) == (3, 580)
+
+
+@pytest.mark.parametrize("start", [0, 8, 10, 200])
+@pytest.mark.parametrize("error", [MemoryError(), OSError(errno.EIO, "Input/output error")])
+def test_errors_of_the_stream_are_no_errors_of_the_file(start: int, error: BaseException) -> None:
+    data = npy(np.zeros((100, 3)))
+    with pytest.raises(type(error)) as told:
+        liftmesh.read(Failing(data, range(start, len(data)), error), format="npy")
+    assert told.value is error
 
 
 def test_npy_is_not_written() -> None:

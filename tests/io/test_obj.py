@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from file_samples import (
@@ -198,3 +200,13 @@ def test_bad_colours_and_comments_are_refused() -> None:
         saved(Cloud(AWKWARD[:1], colors=np.array([[0.0, 2.0, 0.0]])), "obj")
     with pytest.raises(FormatError, match="not a single line"):
         saved(full_mesh(), "obj", comments=["v 1 2 3\nv 4 5 6"])
+
+
+def test_indices_may_have_a_plus() -> None:
+    normals = "vn 0 0 1\n" * 3
+    mesh = read(f"{SQUARE}{normals}f +1 +2 3\nf +1/+2/+1 2/-1/2 3//+3\n")
+    assert mesh.faces is not None
+    assert mesh.faces.tolist() == [[0, 1, 2], [0, 1, 2]]
+    for corner in ("+", "1/+", "+-1", "1+", "+0", "1/-/2", "1.0"):
+        with pytest.raises(FormatError, match=f"line 5: {re.escape(repr(corner))} is not a corner"):
+            read(f"{SQUARE}f {corner} 2 3\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import random
@@ -12,9 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from failing_stream import Failing
 from faults.children import output
 from file_samples import loaded
 from growth.resident import forked
+from lzma_encoder import without_marker
 from zip_archives import BZIP2, DEFLATED, LZMA, METHODS, STORED, archive, packed
 
 import liftmesh
@@ -97,15 +100,23 @@ def test_damaged_data_are_refused(method: int) -> None:
                 in_chunks(archive(bytes([*data[:40], 0, 0, *data[42:]]), CONTENT, method=method))
 
 
-def test_lzma_without_an_end_marker_is_read() -> None:
-    data = packed(LZMA, CONTENT)
-    assert np.array_equal(
-        loaded(archive(data, CONTENT, method=LZMA, flags=0), "npz").points, POINTS
-    )
-    long = archive(
-        packed(LZMA, CONTENT + random.Random(1).randbytes(1 << 18)), CONTENT, method=LZMA, flags=0
-    )
-    refused(long, "go on after")
+def test_lzma_without_an_end_marker_is_read_to_its_end() -> None:
+    data = archive(without_marker(CONTENT), CONTENT, method=LZMA, flags=0)
+    assert np.array_equal(loaded(data, "npz").points, POINTS)
+    assert np.array_equal(in_chunks(data), POINTS)
+    with np.load(io.BytesIO(data)) as arrays:
+        assert np.array_equal(arrays["points"], POINTS)
+
+
+@pytest.mark.parametrize("more", [1, 17, 1 << 12, 1 << 24])
+def test_lzma_without_an_end_marker_that_goes_on_is_refused(more: int) -> None:
+    data = packed(LZMA, CONTENT + bytes(more))
+    refused(archive(data, CONTENT, method=LZMA, flags=0), "Corrupt input data|go on after")
+    if more < 1 << 20:
+        data = without_marker(CONTENT + bytes(more))
+        refused(archive(data, CONTENT, method=LZMA, flags=0), "Corrupt input data|go on after")
+        data = without_marker(CONTENT) + bytes(more)
+        refused(archive(data, CONTENT, method=LZMA, flags=0), "Corrupt input data|go on after")
 
 
 @pytest.mark.parametrize(
@@ -327,3 +338,54 @@ def test_members_are_read_in_turns() -> None:
     stream.seek(0)
     parts = [*liftmesh.read_chunks(stream, rows=11, format="npz")]
     assert np.concatenate([part.attributes["k"] for part in parts]).tolist() == [*range(70)]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_errors_of_the_stream_are_no_errors_of_the_archive(method: int) -> None:
+    data = archive(packed(method, CONTENT), CONTENT, method=method)
+    error = OSError(errno.EIO, "Input/output error")
+    for place in (0, 45, len(data) - 110 - 30, len(data) - 60, len(data) - 3):
+        for read in (liftmesh.read, lambda *a, **k: [*liftmesh.read_chunks(*a, **k)]):
+            with pytest.raises(OSError, match="Input/output error") as told:
+                read(Failing(data, range(place, place + 1), error), format="npz")
+            assert told.value is error
+
+
+def test_an_error_that_the_caller_handles_is_not_that_of_the_archive(tmp_path: Path) -> None:
+    try:
+        (tmp_path / "another file").read_bytes()
+    except OSError:
+        with pytest.raises(FormatError, match="not a valid NPZ file: File is not a zip file"):
+            loaded(b"no archive at all", "npz")
+
+
+def test_positions_that_do_not_exist_are_errors_of_the_archive(tmp_path: Path) -> None:
+    data = bytearray(archive(CONTENT, CONTENT))
+    struct.pack_into("<L", data, len(data) - 6, len(data))  # the directory would begin before
+    path = tmp_path / "shifted.npz"
+    path.write_bytes(data)
+    with pytest.raises(FormatError, match=r"not a valid NPZ file|points\.npy: "):
+        liftmesh.read(path)
+
+
+def test_too_little_memory_is_no_error_of_the_archive(tmp_path: Path) -> None:
+    many = {f"a{k}": np.zeros((70_000, 1), np.uint8) for k in range(200)}
+    path = tmp_path / "many.npz"
+    np.savez_compressed(path, points=np.zeros((70_000, 2), np.uint8), **many)
+    program = """
+        import json, liftmesh, resource, sys
+        liftmesh.read(sys.argv[1])
+        before, ends = status("VmSize"), []
+        for extra in range(1_000_000, 16_000_000, 2_000_000):
+            resource.setrlimit(resource.RLIMIT_AS, (before + extra, resource.RLIM_INFINITY))
+            try:
+                next(liftmesh.read_chunks(sys.argv[1], rows=1000))
+                ends.append("read")
+            except (MemoryError, liftmesh.FormatError) as error:
+                ends.append(f"{type(error).__name__}: {str(error)[-60:]}")
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        print(json.dumps(sorted(set(ends))))
+    """
+    ends = json.loads(output(program, str(path)))
+    assert [each for each in ends if each.startswith("FormatError")] == []
+    assert any(each.startswith("MemoryError") for each in ends)

@@ -136,6 +136,41 @@ def members(n: int) -> bytes:
     return npz({"points": npy(np.eye(2)), **{f"a{k}": column for k in range(n)}})
 
 
+def alike(n: int, method: int) -> bytes:
+    """Write an archive of n members that are compressed once, since LZMA takes long to begin."""
+    one = npz({"0000000": npy(np.zeros(2))}, method)
+    points = npz({"points": npy(np.eye(2))}, method)
+    (body, entries, end), (again, entry, _) = map(parts_of, (points, one))
+    numbers = [b"%07d" % k for k in range(n)]
+    places = [struct.pack("<L", len(body) + k * len(again)) for k in range(n)]
+    body += b"".join(again.replace(b"0000000", each) for each in numbers)
+    pairs = zip(numbers, places, strict=True)
+    entries += b"".join(entry[:42] + place + each + entry[53:] for each, place in pairs)
+    sizes = struct.pack("<2H2L", n + 1, n + 1, len(entries), len(body))
+    return body + entries + end[:8] + sizes + end[20:]
+
+
+def parts_of(archive: bytes) -> tuple[bytes, bytes, bytes]:
+    """Split an archive of one member: what it holds, its directory, and the end."""
+    directory, end = (archive.index(mark) for mark in (b"PK\1\2", b"PK\5\6"))
+    return archive[:directory], archive[directory:end], archive[end:]
+
+
+def members_deflated(n: int) -> bytes:
+    """Very many compressed members: each decompressor takes more than what it reads."""
+    return alike(min(n, 65_000), zipfile.ZIP_DEFLATED)
+
+
+def members_bzip2(n: int) -> bytes:
+    """The same for the method whose decompressor is the largest."""
+    return alike(min(n, 65_000), zipfile.ZIP_BZIP2)
+
+
+def members_lzma(n: int) -> bytes:
+    """The same for the method that has a dictionary beside its models."""
+    return alike(min(n, 65_000), zipfile.ZIP_LZMA)
+
+
 def skipped_members(n: int) -> bytes:
     """Members that fit no row, each of which is named."""
     lonely = npy(np.zeros(3))
@@ -193,6 +228,9 @@ NPZ = named(
     lzma,
     zeros,
     members,
+    members_deflated,
+    members_bzip2,
+    members_lzma,
     skipped_members,
     foreign_members,
     long_names,

@@ -149,6 +149,19 @@ def strip(n: int) -> Tree:
     return scene(triangles(n), meshes=[{"primitives": [primitive]}])
 
 
+def one_address(n: int) -> Tree:
+    """Primitives whose points are in the second of two buffers with one long address."""
+    rows = triangles(16 * n)
+    buffer = {"byteLength": len(rows), "uri": address(rows)}
+    return scene(
+        rows,
+        meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * n}],
+        accessors=[{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        bufferViews=[{"buffer": 1, "byteLength": 36}],
+        buffers=[buffer, buffer],
+    )
+
+
 def flat_json(n: int) -> Tree:
     """A long list that means nothing."""
     return scene(triangles(1), extras=[{}] * n)
@@ -156,9 +169,9 @@ def flat_json(n: int) -> Tree:
 
 TREES = (
     soup, indexed, chain, moved_chain, instances, meshes, primitives, one_name, unused,
-    unused_meshes, empty_nodes, strip, flat_json,
+    unused_meshes, empty_nodes, strip, flat_json, one_address,
 )  # fmt: skip
-HEAVY = ("moved chain", "primitives", "one name", "instances")
+HEAVY = ("moved chain", "primitives", "one name", "instances", "one address")
 """Each part of these costs thousands of instructions: they are counted at fewer parts."""
 
 
@@ -174,8 +187,14 @@ def glb(tree: dict[str, Any], rows: bytes) -> bytes:
 
 def gltf(tree: dict[str, Any], rows: bytes) -> bytes:
     """Write a scene as JSON."""
-    uri = "data:application/octet-stream;base64," + base64.b64encode(rows).decode()
-    return json.dumps(tree | {"buffers": [{"byteLength": len(rows), "uri": uri}]}).encode()
+    if "uri" not in tree["buffers"][0]:
+        tree = tree | {"buffers": [{"byteLength": len(rows), "uri": address(rows)}]}
+    return json.dumps(tree).encode()
+
+
+def address(rows: bytes) -> str:
+    """Write bytes as an address."""
+    return "data:application/octet-stream;base64," + base64.b64encode(rows).decode()
 
 
 def written(make: Callable[[int], Tree], form: Callable[..., bytes]) -> Family:
