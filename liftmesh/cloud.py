@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.color_depth import judged, with_depth
 from liftmesh.errors import InputError
 
 
@@ -20,7 +21,9 @@ class Cloud:
     points : (n, 3) ndarray of float64
         Coordinates, one row per point.
     colors : (n, 3) or (n, 4) ndarray, optional
-        RGB or RGBA: unsigned integers over their full range, or floats in [0, 1].
+        RGB or RGBA: integers of any type, or floats in [0, 1]. Integers wider than 8 bits, such as
+        those of LAS files, are 8-bit colours if none exceeds 255, 16-bit colours if none exceeds
+        65,535, and else use the full range of their type.
     normals : (n, 3) ndarray of float, optional
         Normal vectors.
     attributes : mapping of str to (n, ...) ndarray
@@ -32,11 +35,16 @@ class Cloud:
     crs : str, optional
         The coordinate reference system of the points, as WKT or ``EPSG:n``: passed along, and
         written if the format supports it, but not interpreted.
+    color_depth : int, optional
+        Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
+        values decide, and this field says what they decided: None if there was nothing to decide.
+        Parts of a cloud keep the depth of the whole.
 
     Raises
     ------
     InputError
-        An array does not have one row per point, or ``crs`` is not a string.
+        An array does not have one row per point, ``crs`` is not a string, or a colour is too large
+        for ``color_depth``.
 
     Examples
     --------
@@ -53,6 +61,7 @@ class Cloud:
     faces: Rows | None = None
     metadata: Mapping[str, Any] = field(default_factory=dict)
     crs: str | None = None
+    color_depth: int | None = None
 
     def __post_init__(self) -> None:
         if self.points.ndim != 2 or self.points.shape[1] != 3:
@@ -65,6 +74,7 @@ class Cloud:
                 )
         if self.crs is not None and not is_crs(self.crs):
             raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
+        self._decide_depth()
         object.__setattr__(self, "attributes", MappingProxyType(dict(self.attributes)))
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
 
@@ -73,6 +83,51 @@ class Cloud:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def _decide_depth(self) -> None:
+        """Convert integer colours to the type of their depth; 8-bit ones have it already."""
+        colors, depth = self.colors, self.color_depth
+        if colors is None or colors.dtype.kind not in "iu":
+            depth = None
+        elif depth is None:
+            colors, depth = judged(colors)
+        elif colors.dtype.itemsize == 1 and colors.dtype.kind == "u":
+            depth = 8 if depth == 8 else None  # colours that replaced those of another depth
+        else:
+            colors = with_depth(colors, depth)
+        object.__setattr__(self, "colors", colors)
+        object.__setattr__(self, "color_depth", depth)
+
+    def with_color_depth(self, depth: int) -> Cloud:
+        """Take the numbers of integer colours as those of another depth.
+
+        Parameters
+        ----------
+        depth : int
+            Bits per channel: 8, 16, 32 or 64.
+
+        Returns
+        -------
+        Cloud
+            The same cloud; its colours are the same numbers as unsigned integers of that depth.
+            Colours that are floats stay as they are.
+
+        Raises
+        ------
+        InputError
+            The depth is another, or a colour is too large for it; the message gives the row.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> dark = Cloud(np.zeros((1, 3)), colors=np.array([[0, 51, 255]], dtype=np.uint16))
+        >>> dark.colors, dark.color_depth
+        (array([[  0,  51, 255]], dtype=uint8), 8)
+        >>> dark.with_color_depth(16).colors
+        array([[  0,  51, 255]], dtype=uint16)
+        """
+        colors = None if self.colors is None else with_depth(self.colors, depth)
+        return replace(self, colors=colors, color_depth=depth)
 
     def select(self, which: slice | Array) -> Cloud:
         """Select rows with all their values, without the faces.

@@ -31,8 +31,13 @@ _MOST_LISTED = 8
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
 
-def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> Cloud:
-    """Read a cloud, or stdin if the path is ``-``; name on stderr what of it is not read.
+def read(
+    path: Path,
+    file_format: str | None,
+    max_bytes: int | None = None,
+    color_depth: int | None = None,
+) -> Cloud:
+    """Read a cloud, or stdin if the path is ``-``; say on stderr what is not read, or decided.
 
     Parameters
     ----------
@@ -40,7 +45,7 @@ def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> C
         The file.
     file_format : str, optional
         Its format; by default that of its suffix.
-    max_bytes : int, optional
+    max_bytes, color_depth : int, optional
         As in `liftmesh.read`.
 
     Returns
@@ -62,9 +67,13 @@ def read(path: Path, file_format: str | None, max_bytes: int | None = None) -> C
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
-        cloud = io_files.read(source, format=file_format, max_bytes=max_bytes)
+        cloud = io_files.read(
+            source, format=file_format, max_bytes=max_bytes, color_depth=color_depth
+        )
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {_listed(not_read)}")
+    if color_depth is None and cloud.color_depth == 8:
+        note(f"{name}: no colour exceeds 255, so they are read as 8-bit colours, not wider ones")
     return cloud
 
 

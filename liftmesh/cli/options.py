@@ -47,6 +47,14 @@ MaxBytes: TypeAlias = Annotated[
         "500M or 4G.",
     ),
 ]
+ColorDepth: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--color-depth",
+        metavar="BITS",
+        help="Bits per channel of integer colours, 8 or 16; by default their values decide.",
+    ),
+]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
@@ -164,6 +172,25 @@ def check_threads(threads: int | None) -> None:
     except InputError as error:
         option = "--" if threads is not None else ""
         raise typer.BadParameter(f"{option}{error}") from error
+
+
+def check_color_depth(depth: int | None) -> None:
+    """Raise before the work starts if a depth of colours is invalid.
+
+    Parameters
+    ----------
+    depth : int, optional
+        The value of ``--color-depth``.
+
+    Raises
+    ------
+    typer.BadParameter
+        It is not 8, 16, 32 or 64.
+    """
+    from liftmesh.color_depth import DEPTHS  # noqa: PLC0415 - help and --version do without
+
+    if depth is not None and depth not in DEPTHS:
+        raise typer.BadParameter(f"--color-depth {depth} is not a depth: give 8, 16, 32 or 64")
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...] | None:

@@ -57,6 +57,7 @@ def run(
     ] = None,
     threads: options.Threads = None,
     max_bytes: options.MaxBytes = None,
+    color_depth: options.ColorDepth = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report.
@@ -73,6 +74,8 @@ def run(
         As in `liftmesh.triangulate`.
     max_bytes : str, optional
         Limit of what the file may expand to.
+    color_depth : int, optional
+        As in `liftmesh.read`.
     json : bool
         Print JSON.
     """
@@ -80,12 +83,13 @@ def run(
     if json:
         standard_streams.check_stdout()
     options.check_threads(threads)
+    options.check_color_depth(color_depth)
     limit = options.parse_size(max_bytes)
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     files.check_apart(source, target)
     start = perf_counter()
-    cloud = files.read(source, source_format, limit)
+    cloud = files.read(source, source_format, limit, color_depth)
     seconds = {"read": perf_counter() - start}
     with files.about(source):
         surface = _triangulate(

@@ -13,8 +13,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
 
+from liftmesh.color_depth import check_depth
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
+from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped
 from liftmesh.io.links import check_links
@@ -72,6 +74,7 @@ def read(
     *,
     format: str | None = None,  # noqa: A002
     max_bytes: int | None = None,
+    color_depth: int | None = None,
 ) -> Cloud:
     r"""Read a point cloud or a mesh.
 
@@ -87,6 +90,10 @@ def read(
         NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
         bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
         by default 20,000,000, for 10,000 of them. Other formats do not expand.
+    color_depth : int, optional
+        Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
+        values of the whole file decide, and ``Cloud.color_depth`` says what: LAS keeps colours in
+        16 bits, and most programs put 8-bit values there.
 
     Returns
     -------
@@ -101,7 +108,7 @@ def read(
         The format is unknown, the file is invalid, or it expands to more than the limit: the
         message gives the file, the line or byte, and the cause.
     InputError
-        `max_bytes` is not a positive whole number.
+        `max_bytes` is not a positive whole number, or `color_depth` is no depth, or too small.
     OSError
         The file does not exist or cannot be opened.
 
@@ -112,11 +119,13 @@ def read(
     >>> cloud.points.tolist(), cloud.attributes["class"].tolist()
     ([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0]], [2.0, 2.0])
     """
+    check_depth(color_depth)
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name, max_bytes)
     with _opened(source, name) as stream:
-        return _labelled(read_whole(stream, name), found, name)
+        cloud = _labelled(read_whole(stream, name), found, name)
+    return _of_depth(cloud, color_depth, name)
 
 
 def read_chunks(
@@ -125,11 +134,13 @@ def read_chunks(
     rows: int = CHUNK_ROWS,
     format: str | None = None,  # noqa: A002
     max_bytes: int | None = None,
+    color_depth: int | None = None,
 ) -> Iterator[Cloud]:
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
-    PLY, text, NPY and NPZ are read in chunks; text is parsed twice, to determine the types of the
-    columns first. Other formats, and pipes, are read whole, then split. Of files that are read in
+    PLY, text, NPY and NPZ are read in chunks. Text is parsed twice, to determine the types of the
+    columns first, and a file with integer colours of more than 8 bits is read once more, to decide
+    their depth. Other formats, and pipes, are read whole, then split. Of files that are read in
     chunks, only what the rows need is read: damage to the faces, which `read` reports, is not
     noticed.
 
@@ -143,6 +154,8 @@ def read_chunks(
         As for `read`.
     max_bytes : int, optional
         As for `read`; of the arrays of an NPZ file, only those in use count.
+    color_depth : int, optional
+        As for `read`.
 
     Yields
     ------
@@ -153,7 +166,8 @@ def read_chunks(
     Raises
     ------
     InputError
-        `rows` or `max_bytes` is not a positive whole number.
+        `rows` or `max_bytes` is not a positive whole number, or `color_depth` is no depth, or too
+        small.
     FormatError
         As for `read`, apart from faces: before the first chunk, or at the invalid chunk.
     OSError
@@ -167,13 +181,14 @@ def read_chunks(
     [2, 1]
     """
     rows = _positive(rows, "rows")
+    check_depth(color_depth)
     name = _name(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
-        chunks = _split(_reader(found, name, max_bytes))
+        chunks = split(_reader(found, name, max_bytes))
     else:
-        chunks = _limited(found.read_chunks, found, max_bytes)
-    return _chunks(source, found, chunks, name, rows)
+        chunks = of_one_depth(_limited(found.read_chunks, found, max_bytes), color_depth)
+    return _chunks(source, found, chunks, name, rows, color_depth)
 
 
 def read_cloud(source: object, *, max_bytes: int | None = None) -> Cloud:
@@ -289,22 +304,24 @@ def _positive(value: Any, what: str) -> int:
 
 
 def _chunks(
-    source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
+    source: PathOrStream,
+    found: Format,
+    chunks: ChunkReader,
+    name: str,
+    rows: int,
+    color_depth: int | None,
 ) -> Iterator[Cloud]:
     with _opened(source, name) as stream:
         for chunk in chunks(stream, name, rows):
-            yield _labelled(chunk, found, name)
+            yield _of_depth(_labelled(chunk, found, name), color_depth, name)
 
 
-def _split(reader: Reader) -> ChunkReader:
-    """Make a chunk reader from a reader of whole files."""
-
-    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        cloud = reader(stream, name)
-        for start in range(0, len(cloud), rows):
-            yield cloud.select(slice(start, start + rows))
-
-    return chunks
+def _of_depth(cloud: Cloud, depth: int | None, name: str) -> Cloud:
+    """Set the depth of colours, if one is given; an error names the file."""
+    try:
+        return cloud if depth is None else cloud.with_color_depth(depth)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:

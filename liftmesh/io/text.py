@@ -17,6 +17,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import kept_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
@@ -292,9 +293,11 @@ class _Meaning:
         for position, each in enumerate(POSITION):
             if each in columns:
                 points[:, position] = columns.pop(each)
+        colors = self._colors(columns)
         return Cloud(
             points,
-            colors=self._colors(columns),
+            colors=colors,
+            color_depth=kept_depth(colors),
             normals=_popped(columns, NORMAL),
             attributes={each: np.ascontiguousarray(values) for each, values in columns.items()},
         )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud, constructed_from
+from liftmesh.color_depth import kept_depth
 from liftmesh.io import files
 from liftmesh.io.objects import matplotlib, open3d, trimesh
 
@@ -180,6 +181,7 @@ class Surface:
             faces=self.faces,
             metadata=self.metadata,
             crs=self.crs,
+            color_depth=kept_depth(self.colors),
         )
 
     def to_trimesh(self) -> trimesh_package.Trimesh:

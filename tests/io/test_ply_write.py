@@ -124,7 +124,7 @@ def test_colours_are_rounded_unless_asked_to_be_exact() -> None:
     [
         (np.array([[0.0, 0.0, 0.0], [0.0, 1.5, 0.0]]), r"row 1 has the colour \[0.0, 1.5, 0.0\]"),
         (np.array([[0.0, np.nan, 0.0], [0.0, 1.0, 0.0]]), "row 0"),
-        (np.array([[0, 0, 0], [1, 256, 3]]), "row 1 .* outside 0..255"),
+        (np.array([[0, 0, 0], [1, 65536, 3]]), "row 1 .* outside 0..255"),
     ],
 )
 def test_bad_colours_are_refused(colors: np.ndarray, cause: str) -> None:
