@@ -5,7 +5,7 @@ the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that do
 needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
 
 PLY and OBJ have no place for a coordinate system but comments: there it is ``crs`` and a JSON
-string.
+string. Metadata stand there too (`io.metadata`).
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from liftmesh._typing import Floats
 from liftmesh.arrays import used_rows
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io import metadata
 from liftmesh.io.colors import fits_eight_bits, is_opaque
 
 Origin: TypeAlias = tuple[float, float, float]
@@ -43,6 +44,7 @@ CONTENT = {
     "normals": "normals",
     "attributes": "attributes",
     "crs": "crs",
+    "metadata": "metadata",
     "float64": "double precision",
 }
 
@@ -70,13 +72,14 @@ class Format:
         rows in no face), "faces", "colors" (with 8 bits per channel), "alpha", "deep_colors"
         (colours of more than 8 bits), "normals" (directions, in single precision at least),
         "attributes" (named values; the format may split an (n, k) attribute into k columns),
-        "crs", "float64" (every coordinate bit for bit). By default all of them.
+        "crs", "metadata" (every entry that JSON holds, but none that a reader noted of its file),
+        "float64" (every coordinate bit for bit). By default all of them.
     needs : tuple of str
         The requirements on a cloud: "points" (at least one row), "faces" (at least one), "finite"
         (no NaN or infinity in a row that the file holds). By default none.
     loses : callable, optional
         ``loses(cloud, options)`` returns the parts in ``keeps`` that are nevertheless lost when
-        this cloud is written with these options.
+        this cloud is written with these options, and any other text to add to `Written.dropped`.
     read_chunks : callable, optional
         ``read_chunks(stream, name, rows)`` yields clouds of at most ``rows`` consecutive rows each,
         without faces; together they are the rows that ``read`` returns. Formats without it are read
@@ -148,10 +151,9 @@ def check_needs(found: Format, cloud: Cloud) -> None:
 def dropped(
     found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
-    """List what a cloud has and its file does not keep, attributes by name."""
-    kept = set(found.keeps)
-    if found.loses is not None:
-        kept -= set(found.loses(cloud, options))
+    """List what a cloud has and its file does not keep, attributes and metadata by name."""
+    losses = () if found.loses is None else found.loses(cloud, options)
+    kept = set(found.keeps) - set(losses)
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
     missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
@@ -160,7 +162,13 @@ def dropped(
     if "attributes" in missing:
         at = missing.index("attributes")
         missing[at : at + 1] = sorted(cloud.attributes)
-    return tuple(missing)
+    entries = metadata.named(metadata.said(cloud.metadata))
+    if "metadata" in missing:
+        at = missing.index("metadata")
+        missing[at : at + 1] = entries
+    else:
+        missing += metadata.lost(cloud.metadata)
+    return (*missing, *(each for each in losses if each not in CONTENT))
 
 
 def _has(cloud: Cloud, word: str) -> bool:
@@ -174,8 +182,8 @@ def _has(cloud: Cloud, word: str) -> bool:
         return colors is not None and not is_opaque(colors)
     if word == "deep_colors":
         return colors is not None and not fits_eight_bits(colors)
-    if word == "attributes":
-        return len(cloud.attributes) > 0
+    if word in ("attributes", "metadata"):
+        return len(metadata.said(cloud.metadata) if word == "metadata" else cloud.attributes) > 0
     return getattr(cloud, word) is not None
 
 
@@ -217,7 +225,7 @@ def crs_comment(crs: str | None) -> list[str]:
     >>> crs_comment("EPSG:25832")
     ['crs "EPSG:25832"']
     """
-    return [] if crs is None else [_CRS + json.dumps(crs)]
+    return [] if crs is None else [_CRS + json.dumps(crs).replace("\x7f", "\\u007f")]
 
 
 def stated_crs(comments: Iterable[str]) -> str | None:
@@ -228,6 +236,22 @@ def stated_crs(comments: Iterable[str]) -> str | None:
     """
     found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
     return next((crs for crs in found if crs is not None), None)
+
+
+OWN = "liftmesh"  # the comment that begins every header
+
+
+def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
+    """Return the comments that are not liftmesh's own: its name, and the coordinate system.
+
+    >>> others(["liftmesh", 'crs "EPSG:25832"', "made by hand"], "EPSG:25832")
+    ('made by hand',)
+    """
+    return tuple(
+        comment
+        for comment in comments
+        if comment != OWN and (crs is None or stated_crs([comment]) != crs)
+    )
 
 
 def _crs(comment: str) -> str | None:

@@ -21,6 +21,7 @@ from liftmesh.io.gltf_meshes import Primitive, primitives
 from liftmesh.io.gltf_nodes import Scene, default_scene
 from liftmesh.io.gltf_validation import Document
 from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.metadata import of_extras
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.origin import checked_origin, with_origin
 
@@ -156,11 +157,12 @@ class _Content:
 
     def _described(self) -> dict[str, Any]:
         """Return the metadata and the coordinate system."""
-        metadata = dict(self._scene.extras)
+        extras = dict(self._scene.extras)
+        common = next(iter(self._crs)) if len(self._crs) == 1 else None
+        stated = extras.pop("crs") if is_crs(extras.get("crs")) else common
+        metadata = of_extras(extras)
         if isinstance(self._document.tree.get("extensions"), dict):
             metadata["gltf_extensions"] = self._document.tree["extensions"]
-        common = next(iter(self._crs)) if len(self._crs) == 1 else None
-        stated = metadata.pop("crs") if is_crs(metadata.get("crs")) else common
         if self._named():
             metadata["skipped"] = self._named()
         return {"metadata": metadata, "crs": stated}

@@ -5,7 +5,7 @@ An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, `
 counted from 1, or backwards from the last one so far. The lines are read in large blocks and
 grouped by keyword, so that all vertices of a block are parsed at once. Keywords that do not
 concern the shape are counted and skipped. The writer emits the shortest digits that round-trip. A
-coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``.
+coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``; metadata stand there too.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, fits_eight_bits, recognized
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import Format, crs_comment, stated_crs
+from liftmesh.io.format import OWN, Format, crs_comment, others, stated_crs
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
+from liftmesh.io.metadata import stated, statements, storable
 from liftmesh.io.obj_faces import Corners, parse_corners
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
@@ -37,6 +38,9 @@ _KEYWORDS = ("v", "vn", "f")
 _VERTEX_WIDTHS = (3, 4, 6, 7)
 
 _MOST_KEYWORDS = 1000
+
+# Characters of the comments at the top that are kept, each with so many for its string.
+_MOST_COMMENTS, _COMMENT = 1 << 18, 64
 
 _RUN = 1 << 16  # corners compared at a time
 
@@ -51,22 +55,34 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     -------
     Cloud
         Coordinates as float64; colours ``v x y z r g b`` as uint8 if they are multiples of 1/255,
-        else as floats; normals if all corners of a vertex have the same. ``metadata`` counts
-        ``ignored`` lines by keyword, ``polygons`` split into triangles, and omitted
-        ``degenerate_faces`` of fewer than three vertices.
+        else as floats; normals if all corners of a vertex have the same. ``metadata`` holds the
+        ``comments`` at the top and what they state, and counts ``ignored`` lines by keyword,
+        ``polygons`` split into triangles, and omitted ``degenerate_faces`` of fewer than three
+        vertices.
 
     Raises
     ------
     FormatError
         A line is invalid; the message gives its number.
     """
-    with closing(leading_comments(stream, name)) as comments:
-        crs = stated_crs(comments)
-    reading = _Reading(name, crs)
+    crs, entries = _stated(stream, name)
+    reading = _Reading(name, crs, entries)
     lines = Lines(stream, name, comments=("#",), continued=True)
     while len(block := lines.take(BLOCK)):
         reading.take(block)
     return reading.cloud()
+
+
+def _stated(stream: BinaryIO, name: str) -> tuple[str | None, dict[str, Any]]:
+    """Return the coordinate system and the metadata that the comments at the top state."""
+    crs, kept, left = None, [], _MOST_COMMENTS
+    with closing(leading_comments(stream, name)) as comments:
+        for comment in comments:
+            crs = stated_crs([comment]) if crs is None else crs
+            left -= len(comment) + _COMMENT
+            if left >= 0:
+                kept.append(comment)
+    return crs, stated(others(kept, crs))
 
 
 @dataclass(slots=True)
@@ -75,6 +91,7 @@ class _Reading:
 
     name: str
     crs: str | None
+    entries: dict[str, Any]
     vertices: list[Array] = field(default_factory=list)
     normals: list[Array] = field(default_factory=list)
     corners: list[Corners] = field(default_factory=list)
@@ -152,7 +169,9 @@ class _Reading:
 
     def _metadata(self, corners: Corners | None) -> dict[str, Any]:
         ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
-        return ignored | (face_counts(corners.vertices) if corners is not None else {})
+        return (
+            self.entries | ignored | (face_counts(corners.vertices) if corners is not None else {})
+        )
 
     def _normals(self, corners: Corners | None, vertices: int) -> Array | None:
         if not self.normals:
@@ -238,9 +257,9 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
     InputError
         A colour is outside its range.
     """
-    own = ["liftmesh", *crs_comment(cloud.crs)]
+    own = [OWN, *crs_comment(cloud.crs), *statements(storable(cloud.metadata), "comments")]
     for comment in [*own, *([comments] if isinstance(comments, str) else comments)]:
-        if not comment.isprintable():
+        if not comment.isprintable() or comment.endswith("\\"):
             raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
         stream.write(f"# {comment}\n".encode())
     write_rows(stream, [cloud.points, *_color_columns(cloud)], prefix="v ")
@@ -284,7 +303,7 @@ FORMAT = Format(
     read=read_obj,
     write=write_obj,
     description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
-    keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "float64"),
+    keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "metadata", "float64"),
     needs=("points",),
     loses=_lost,
 )

@@ -16,6 +16,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.interruption import kept
 from liftmesh.io.format import Format, Origin
 from liftmesh.io.gltf_reader import read_scene
+from liftmesh.io.metadata import as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
 from liftmesh.optional import load
@@ -87,10 +88,12 @@ def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
         faces=cloud.faces,
     )
     geometry = to_mesh(shown) if _has_faces(cloud) else to_points(shown)
-    metadata: dict[str, Any] = {} if origin is None else {"origin": list(origin)}
+    extras = as_extras(storable(cloud.metadata))
+    if origin is not None:
+        extras["origin"] = list(origin)
     if cloud.crs is not None:
-        metadata["crs"] = cloud.crs
-    return load("trimesh").Scene(geometry, metadata=metadata), origin
+        extras["crs"] = cloud.crs
+    return load("trimesh").Scene(geometry, metadata=extras), origin
 
 
 def _has_faces(cloud: Cloud) -> bool:
@@ -119,7 +122,7 @@ def _are_unit(normals: Array) -> bool:
 
 
 _GLTF: dict[str, Any] = {
-    "keeps": ("points", "faces", "colors", "alpha", "normals", "crs"),
+    "keeps": ("points", "faces", "colors", "alpha", "normals", "crs", "metadata"),
     "needs": ("points", "finite"),
     "loses": _lost_in_gltf,
     "expands": True,

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     import trimesh
 
 
+# What trimesh notes of the file and of its own work, or older versions did.
+_OWN = ("_ply_raw", "processed", "file_path", "file_name")
+
+
 def to_cloud(source: Any) -> Cloud:
     """Convert a trimesh point cloud, mesh or scene to a cloud.
 
@@ -255,11 +259,12 @@ def _metadata(cloud: Cloud) -> dict[str, Any]:
 
 def _described(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Split metadata into a cloud's metadata and its coordinate system."""
-    rest = dict(metadata)
-    crs = rest.pop("crs", None)
-    if is_crs(crs):
-        return {"metadata": rest, "crs": crs}
-    return {"metadata": dict(metadata), "crs": None}
+    rest = {key: value for key, value in metadata.items() if key not in _OWN}
+    crs = rest.get("crs")
+    if not is_crs(crs):
+        return {"metadata": rest, "crs": None}
+    del rest["crs"]
+    return {"metadata": rest, "crs": crs}
 
 
 def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:

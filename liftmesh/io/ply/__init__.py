@@ -16,7 +16,8 @@ from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import CloudBuilder, built_in_chunks
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import Format, stated_crs
+from liftmesh.io.format import Format, others, stated_crs
+from liftmesh.io.metadata import stated
 from liftmesh.io.ply.ascii_body import AsciiBody
 from liftmesh.io.ply.binary_body import BinaryBody
 from liftmesh.io.ply.header import Element, read_header
@@ -47,7 +48,8 @@ def read_ply(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
         Coordinates as float64; nx, ny, nz as normals, red, green, blue (alpha) as colours, other
         scalar properties as attributes, all in the file's types; polygons as fans of triangles.
         A comment ``crs "EPSG:25832"`` is the coordinate system.
-        ``metadata`` holds ``comments``, ``obj_info``, and, if there are any, the number of
+        ``metadata`` holds what comments ``metadata {"survey": 2024}`` state, other ``comments``
+        than liftmesh's own, ``obj_info``, and, if there are any, the number of
         ``polygons`` split into triangles, of omitted ``degenerate_faces`` of fewer than three
         vertices, and the names of ``skipped`` properties and elements.
 
@@ -177,12 +179,13 @@ class _Reading:
 
     def _metadata(self, faces: Ragged | None) -> dict[str, Any]:
         found: dict[str, Any] = {
-            "comments": self._header.comments,
             "obj_info": self._header.obj_info,
             "skipped": tuple(self._skipped),
         }
-        return {key: value for key, value in found.items() if value} | (
-            face_counts(faces) if faces is not None else {}
+        return (
+            stated(others(self._header.comments, self._crs()))
+            | {key: value for key, value in found.items() if value}
+            | (face_counts(faces) if faces is not None else {})
         )
 
 

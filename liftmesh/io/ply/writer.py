@@ -19,7 +19,8 @@ from liftmesh.choices import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_uint8
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.format import crs_comment
+from liftmesh.io.format import OWN, crs_comment
+from liftmesh.io.metadata import plain_lines, statements, storable
 from liftmesh.io.ply.header import LONGEST_LINE
 from liftmesh.io.text_tables import shortened, write_rows
 
@@ -53,7 +54,8 @@ def write_ply(
         ``"uint8"`` rounds colours to eight bits, the only type that PLY readers in wide use
         support; colours that came from eight bits lose nothing. ``"exact"`` keeps their type.
     comments : sequence of str
-        Lines for the header: provenance, licence, coordinate system.
+        Further lines for the header: provenance, licence. The comments and ``obj_info`` lines of
+        a PLY file that was read, and other metadata, are written anyway.
 
     Raises
     ------
@@ -110,7 +112,10 @@ def _header(
 
 def _comments(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
     given = [comments] if isinstance(comments, str) else comments
-    for comment in ["liftmesh", *crs_comment(cloud.crs), *given]:
+    entries = storable(cloud.metadata)
+    infos = plain_lines(entries, "obj_info")
+    own = [OWN, *crs_comment(cloud.crs), *statements(entries, "comments")]
+    for comment in [*own, *(each for each in given if each not in own)]:
         if not comment.isascii() or not comment.isprintable():
             raise FormatError(f"comment {comment!r} is not one line of ASCII, as PLY requires")
         if len(comment) > LONGEST_LINE // 2:
@@ -119,6 +124,7 @@ def _comments(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
                 f"header has at most {LONGEST_LINE // 2:,} here"
             )
         yield f"comment {comment}"
+    yield from (f"obj_info {line}" for line in infos)
 
 
 def _write_text(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> None:
