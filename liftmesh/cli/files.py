@@ -246,6 +246,31 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     check_place(path)
 
 
+def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
+    """Raise before the work starts if a file cannot hold what a mesh of these rows would have.
+
+    Parameters
+    ----------
+    path : Path
+        The file to write.
+    file_format : str, optional
+        Its format; by default that of its suffix.
+    cloud : Cloud
+        The rows.
+
+    Raises
+    ------
+    FormatError
+        A coordinate is not finite, or the format cannot hold an attribute.
+    InputError
+        A colour is outside its range.
+    """
+    from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
+
+    check_before(find_format(file_format or path.suffix, str(path)), cloud)
+
+
 def check_place(path: Path | None) -> None:
     """Raise before the work starts if nothing can be written at a path.
 

@@ -92,6 +92,7 @@ def run(
     cloud = files.read(source, source_format, limit, color_depth)
     seconds = {"read": perf_counter() - start}
     with files.about(source):
+        files.check_content(target, target_format, cloud)
         surface = _triangulate(
             cloud,
             plane=frame,
@@ -153,6 +154,8 @@ def _headline(written: Written, report: Report) -> str:
     )
     if written.dropped:
         line += f"; {written.format} does not keep {', '.join(written.dropped)}"
+    if written.renamed:
+        line += f"; renamed: {', '.join(f'{name!r} to {new}' for name, new in written.renamed)}"
     if written.origin is None:
         return line
     moved = ", ".join(f"{value:.10g}" for value in written.origin)
@@ -177,6 +180,7 @@ def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict
         "bytes": written.bytes,
         "origin": written.origin,
         "dropped": list(written.dropped),
+        "renamed": dict(written.renamed),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),

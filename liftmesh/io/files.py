@@ -18,7 +18,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.format import check_needs, dropped
+from liftmesh.io.format import check_needs, dropped, renamed
 from liftmesh.io.links import check_links
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.streams import add_name, remaining, seekable, written_whole
@@ -50,8 +50,11 @@ class Written:
         x, y, z that were subtracted from every vertex because the format holds single precision
         only; the file records it too. None: coordinates are written as they are.
     dropped : tuple of str
-        What the mesh has and the file does not keep: colors, alpha, normals, attributes by name,
-        the crs, rows in no face, double precision, colors beyond 8 bits.
+        What the mesh has and the file does not keep: colors, alpha, normals, attributes and
+        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits.
+    renamed : tuple of (str, str)
+        Attributes whose names the format cannot hold, and their names in the file. Reading the
+        file gives the old names back.
 
     Examples
     --------
@@ -67,6 +70,7 @@ class Written:
     bytes: int
     origin: Origin | None
     dropped: tuple[str, ...] = ()
+    renamed: tuple[tuple[str, str], ...] = ()
 
 
 def read(
@@ -286,11 +290,12 @@ def write(
     if not isinstance(target, str | os.PathLike):
         _check_stream(target, "write")
         origin, size = _write(target, cloud, writer, options)
-        return Written(None, found.name, size, origin, dropped(found, cloud, options, origin))
+        lost = dropped(found, cloud, options, origin)
+        return Written(None, found.name, size, origin, lost, renamed(found, cloud))
     with replacing(target) as stream:  # an error up to its end leaves the old file
         origin, size = _write(stream, cloud, writer, options)
-        lost = dropped(found, cloud, options, origin)
-    return Written(Path(target), found.name, size, origin, lost)
+        lost, names = dropped(found, cloud, options, origin), renamed(found, cloud)
+    return Written(Path(target), found.name, size, origin, lost, names)
 
 
 def _positive(value: Any, what: str) -> int:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -22,7 +22,8 @@ from liftmesh.arrays import used_rows
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.colors import fits_eight_bits, is_opaque
+from liftmesh.io.colors import check_colors, fits_eight_bits, is_opaque
+from liftmesh.io.json_text import ascii_string
 
 Origin: TypeAlias = tuple[float, float, float]
 Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
@@ -88,6 +89,12 @@ class Format:
         Whether a file can take far more memory than its bytes: compressed, by repetition, or for
         many columns. Then ``read`` and ``read_chunks`` take ``max_bytes=``: the limit in bytes of
         what it may expand to, or None for the format's own.
+    renames : callable, optional
+        ``renames(cloud)`` returns the names that the file gives to attributes whose own names it
+        cannot hold.
+    check : callable, optional
+        ``check(cloud)`` raises for a cloud that the format cannot hold, as `write` would: the
+        command line calls it before the faces are made.
 
     Raises
     ------
@@ -114,6 +121,8 @@ class Format:
     loses: Losses | None = None
     read_chunks: ChunkReader | None = None
     expands: bool = False
+    renames: Callable[[Cloud], Mapping[str, str]] | None = None
+    check: Callable[[Cloud], None] | None = None
 
     def __post_init__(self) -> None:
         for name, words, known in (
@@ -148,6 +157,24 @@ def check_needs(found: Format, cloud: Cloud) -> None:
         _check_finite(found, cloud)
 
 
+def check_before(found: Format, cloud: Cloud) -> None:
+    """Raise for rows that cannot be written, before there are faces.
+
+    Raises
+    ------
+    FormatError
+        A coordinate is not finite, or the format cannot hold an attribute.
+    InputError
+        A colour is outside its range.
+    """
+    if "finite" in found.needs and "points" in found.keeps:
+        _check_finite(found, replace(cloud, faces=None))
+    if "colors" in found.keeps and cloud.colors is not None:
+        check_colors(cloud.colors)
+    if found.check is not None:
+        found.check(cloud)
+
+
 def dropped(
     found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
@@ -169,6 +196,11 @@ def dropped(
     else:
         missing += metadata.lost(cloud.metadata)
     return (*missing, *(each for each in losses if each not in CONTENT))
+
+
+def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
+    """List the attributes that a file holds under other names, with these."""
+    return () if found.renames is None else tuple(found.renames(cloud).items())
 
 
 def _has(cloud: Cloud, word: str) -> bool:
@@ -225,7 +257,7 @@ def crs_comment(crs: str | None) -> list[str]:
     >>> crs_comment("EPSG:25832")
     ['crs "EPSG:25832"']
     """
-    return [] if crs is None else [_CRS + json.dumps(crs).replace("\x7f", "\\u007f")]
+    return [] if crs is None else [_CRS + ascii_string(crs)]
 
 
 def stated_crs(comments: Iterable[str]) -> str | None:

@@ -31,6 +31,15 @@ def parsed(text: bytes) -> object:
             gc.enable()
 
 
+def ascii_string(text: str) -> str:
+    r"""Return a text as a JSON string of printable ASCII.
+
+    >>> ascii_string("H\u00f6he\x7f")
+    '"H\\u00f6he\\u007f"'
+    """
+    return json.dumps(text).replace("\x7f", "\\u007f")
+
+
 def check_length(text: bytes, name: str) -> None:
     """Raise if a text is too long to be parsed while signals wait.
 

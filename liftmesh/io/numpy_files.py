@@ -156,13 +156,19 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
         _CRS: crs,
         _METADATA: np.array(metadata.as_text(entries)) if entries else None,
     }
+    check_npz(cloud)
     arrays = {key: values for key, values in parts.items() if values is not None}
+    _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
+
+
+def check_npz(cloud: Cloud) -> None:
+    """Raise for an attribute that an archive cannot hold."""
+    states = {_CRS: cloud.crs is not None, _METADATA: bool(metadata.storable(cloud.metadata))}
+    taken = _RESERVED | {key for key, is_stated in states.items() if is_stated}
     for key, values in cloud.attributes.items():
         leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
-        taken = key in _RESERVED or key in arrays or "\0" in key
-        if taken or values.dtype.hasobject or leads_out:
+        if key in taken or "\0" in key or values.dtype.hasobject or leads_out:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
-    _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
 
 
 def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: bool) -> None:
@@ -336,4 +342,5 @@ NPZ = Format(
     description="NumPy arrays by name: points, faces, colors, normals, attributes",
     read_chunks=read_npz_chunks,
     expands=True,
+    check=check_npz,
 )

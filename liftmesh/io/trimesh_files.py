@@ -121,11 +121,17 @@ def _are_unit(normals: Array) -> bool:
     return bool((np.abs(lengths - 1.0) <= TOLERANCE).all())
 
 
+def _check_gltf(cloud: Cloud) -> None:
+    """Raise for coordinates that single precision cannot hold."""
+    needed_origin(cloud.points, "glTF")
+
+
 _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "crs", "metadata"),
     "needs": ("points", "finite"),
     "loses": _lost_in_gltf,
     "expands": True,
+    "check": _check_gltf,
 }
 
 FORMATS = (

@@ -207,6 +207,14 @@ def metadata_comments(n: int) -> bytes:
     )
 
 
+def renamed_properties(n: int) -> bytes:
+    """Very many properties, each with a comment that states another name for it."""
+    names = [f'comment property p{k} "p {k % (n // 2 + 1)}"' for k in range(n)]
+    lines = ["element vertex 1", "property uchar x", "property uchar y"]
+    lines += [f"property uchar p{k}" for k in range(n)]
+    return ply("little", [*names, *lines], bytes(n + 2))
+
+
 PLY = named(
     points_in_binary,
     points_as_text,
@@ -235,4 +243,5 @@ PLY = named(
     two_byte_rows,
     blank_lines_first,
     metadata_comments,
+    renamed_properties,
 )
