@@ -7,7 +7,7 @@ import io
 import operator
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -19,13 +19,14 @@ from liftmesh.io.atomic import replacing
 from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
+from liftmesh.io.gzip_stream import decompressed
 from liftmesh.io.links import check_links
-from liftmesh.io.registry import as_cloud, find_format
+from liftmesh.io.registry import as_cloud, find_format, suffix_of
 from liftmesh.io.streams import add_name, remaining, seekable, written_whole
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.format import ChunkReader, Format, Origin, Reader
+    from liftmesh.io.format import Format, Origin, Reader
 
 PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
 
@@ -85,7 +86,9 @@ def read(
     Parameters
     ----------
     source : str, path, or binary stream
-        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin.
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN,
+        .node, .ele (with the .node file beside it), or a format of a plugin; those of text also
+        compressed with gzip, as ``points.csv.gz``.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -93,7 +96,8 @@ def read(
         meshes count, each as often as it is used; by default 256 MiB or 20 times the file. Of an
         NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
         bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
-        by default 20,000,000, for 10,000 of them. Other formats do not expand.
+        by default 20,000,000, for 10,000 of them. Of a file compressed with gzip, the text; by
+        default 256 MiB or 20 times the file. Other formats do not expand.
     color_depth : int, optional
         Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
         values of the whole file decide, and ``Cloud.color_depth`` says what: LAS keeps colours in
@@ -124,10 +128,11 @@ def read(
     ([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0]], [2.0, 2.0])
     """
     check_depth(color_depth)
+    max_bytes = None if max_bytes is None else _positive(max_bytes, "max_bytes")
     name = _name(source)
     found = _find(source, format, name)
     read_whole = _reader(found, name, max_bytes)
-    with _opened(source, name) as stream:
+    with _opened(source, found, name, max_bytes) as stream:
         cloud = _labelled(read_whole(stream, name), found, name)
     return _of_depth(cloud, color_depth, name)
 
@@ -186,13 +191,15 @@ def read_chunks(
     """
     rows = _positive(rows, "rows")
     check_depth(color_depth)
+    max_bytes = None if max_bytes is None else _positive(max_bytes, "max_bytes")
     name = _name(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
         chunks = split(_reader(found, name, max_bytes))
     else:
         chunks = of_one_depth(_limited(found.read_chunks, found, max_bytes), color_depth)
-    return _chunks(source, found, chunks, name, rows, color_depth)
+    opened = _opened(source, found, name, max_bytes)
+    return _chunks(opened, found, partial(chunks, name=name, rows=rows), name, color_depth)
 
 
 def read_cloud(source: object, *, max_bytes: int | None = None) -> Cloud:
@@ -282,6 +289,8 @@ def write(
     """
     name = _name(target)
     found = _find(target, format, name)
+    if (format or name).lower().endswith(".gz"):
+        raise FormatError(f"{name}: gzip is read only: write {found.name} and compress the file")
     writer = _writer(found, name, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:
@@ -309,15 +318,14 @@ def _positive(value: Any, what: str) -> int:
 
 
 def _chunks(
-    source: PathOrStream,
+    opened: AbstractContextManager[BinaryIO],
     found: Format,
-    chunks: ChunkReader,
+    chunks: Callable[[BinaryIO], Iterator[Cloud]],
     name: str,
-    rows: int,
     color_depth: int | None,
 ) -> Iterator[Cloud]:
-    with _opened(source, name) as stream:
-        for chunk in chunks(stream, name, rows):
+    with opened as stream:
+        for chunk in chunks(stream):
             yield _of_depth(_labelled(chunk, found, name), color_depth, name)
 
 
@@ -341,11 +349,9 @@ def _name(place: object) -> str:
 
 
 def _find(place: object, wanted: str | None, name: str) -> Format:
-    if wanted is not None:
-        return find_format(wanted, name)
-    if isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
+    if wanted is None and isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
         raise _folder(name)
-    return find_format(Path(name).suffix, name)
+    return find_format(wanted or suffix_of(name), name)
 
 
 def _folder(name: str) -> FormatError:
@@ -362,20 +368,21 @@ def _limited(
     reader: Callable[..., Read], found: Format, max_bytes: int | None
 ) -> Callable[..., Read]:
     """Set the limit of a reader, if its format expands; others take none."""
-    limit = None if max_bytes is None else _positive(max_bytes, "max_bytes")
-    return partial(reader, max_bytes=limit) if found.expands else reader
+    return partial(reader, max_bytes=max_bytes) if found.expands else reader
 
 
 @contextmanager
-def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
+def _opened(
+    source: PathOrStream, found: Format, name: str, max_bytes: int | None
+) -> Iterator[BinaryIO]:
     """Open a path, or use a stream; yield it as a seekable stream that is not empty."""
     if not isinstance(source, str | os.PathLike):
         _check_stream(source, "read")
-        yield _filled(seekable(source), name)
+        yield _filled(seekable(source), found, name, max_bytes)
         return
     try:
         with open(source, "rb") as stream:  # noqa: PTH123
-            yield _filled(seekable(stream), name)
+            yield _filled(seekable(stream), found, name, max_bytes)
     except IsADirectoryError as error:
         raise _folder(name) from error
     except OSError as error:  # of the stream, which knows no name
@@ -384,10 +391,11 @@ def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
         raise
 
 
-def _filled(stream: BinaryIO, name: str) -> BinaryIO:
-    if not remaining(stream):
+def _filled(stream: BinaryIO, found: Format, name: str, max_bytes: int | None) -> BinaryIO:
+    content = decompressed(stream, name, max_bytes) if found.gzip else stream
+    if not remaining(content):
         raise FormatError(f"{name}: the file is empty (0 bytes)")
-    return stream
+    return content
 
 
 def _check_stream(stream: object, method: str) -> None:

@@ -95,6 +95,9 @@ class Format:
     check : callable, optional
         ``check(cloud)`` raises for a cloud that the format cannot hold, as `write` would: the
         command line calls it before the faces are made.
+    gzip : bool
+        Whether files may be compressed with gzip, and ``.gz`` follow the suffix: the reader gets
+        the text, and should read it from the beginning on.
 
     Raises
     ------
@@ -123,6 +126,7 @@ class Format:
     expands: bool = False
     renames: Callable[[Cloud], Mapping[str, str]] | None = None
     check: Callable[[Cloud], None] | None = None
+    gzip: bool = False
 
     def __post_init__(self) -> None:
         for name, words, known in (

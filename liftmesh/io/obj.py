@@ -306,4 +306,5 @@ FORMAT = Format(
     keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "metadata", "float64"),
     needs=("points",),
     loses=_lost,
+    gzip=True,
 )

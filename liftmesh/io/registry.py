@@ -18,6 +18,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 import numpy as np
@@ -25,7 +26,18 @@ import numpy as np
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.interruption import deferred, kept
-from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
+from liftmesh.io import (
+    numpy_files,
+    obj,
+    off,
+    pcd,
+    ply,
+    point_lines,
+    stl,
+    text,
+    triangle_files,
+    trimesh_files,
+)
 from liftmesh.io.format import ChunkReader, Format
 from liftmesh.io.objects import open3d, plain, trimesh
 from liftmesh.io.objects.plain import qualified_name
@@ -97,6 +109,9 @@ FORMATS: tuple[Format, ...] = (
     off.FORMAT,
     stl.FORMAT,
     *trimesh_files.FORMATS,
+    pcd.FORMAT,
+    *point_lines.FORMATS,
+    triangle_files.FORMAT,
 )
 
 ADAPTERS = (
@@ -136,6 +151,8 @@ def known_formats() -> dict[str, Format]:
 def find_format(wanted: str, name: str) -> Format:
     """Find a format by its name or suffix, with or without the dot, in upper or lower case.
 
+    ``.gz`` may follow the suffix of a format whose files may be compressed.
+
     Parameters
     ----------
     wanted : str
@@ -151,7 +168,8 @@ def find_format(wanted: str, name: str) -> Format:
     Raises
     ------
     FormatError
-        No format has this name or suffix, or its plugin cannot be loaded.
+        No format has this name or suffix, its plugin cannot be loaded, or its files cannot be
+        compressed with gzip.
 
     Examples
     --------
@@ -159,6 +177,8 @@ def find_format(wanted: str, name: str) -> Format:
     'text'
     """
     key = wanted.lower().removeprefix(".")
+    if key.endswith(".gz"):
+        return _compressed(find_format(key.removesuffix(".gz"), name), name)
     for each in FORMATS:
         if key == each.name or f".{key}" in each.suffixes:
             return each
@@ -166,6 +186,37 @@ def find_format(wanted: str, name: str) -> Format:
         if entry.name.lower() == key:
             return _format(entry)
     raise FormatError(f"{name}: {_unknown(key)}; known suffixes are {', '.join(_suffixes())}")
+
+
+def suffix_of(name: str) -> str:
+    """Return the suffix of a file's name, and the one before ``.gz`` with it.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+
+    Returns
+    -------
+    str
+        The suffix with its dot, or an empty text.
+
+    Examples
+    --------
+    >>> suffix_of("points.csv"), suffix_of("points.csv.gz")
+    ('.csv', '.csv.gz')
+    """
+    path = PurePath(name)
+    is_compressed = path.suffix.lower() == ".gz"
+    return "".join(path.suffixes[-2:]) if is_compressed else path.suffix
+
+
+def _compressed(found: Format, name: str) -> Format:
+    if not found.gzip:
+        raise FormatError(
+            f"{name}: {found.name} files are not read compressed with gzip: decompress it first"
+        )
+    return found
 
 
 def as_cloud(source: Any) -> Cloud:

@@ -343,4 +343,5 @@ FORMAT = Format(
     description="points as text, one per line, with or without a header",
     read_chunks=read_text_chunks,
     expands=True,
+    gzip=True,
 )

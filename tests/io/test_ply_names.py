@@ -20,8 +20,12 @@ from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 POINTS = np.array([[0, 0, 5], [1, 0, 6], [0, 1, 7]], dtype=np.float64)
 GIVEN = ["scalar field #1", "Scan Angle", "Höhe", "", "a\nb", "高さ", "class"]
 SPECIAL = [*POSITION, *NORMAL, *COLOR, ALPHA]
+ODD = ["a b", "a_b", "a_b_1", "a\tb", "é", "x_1", "blúe", "álpha", " nz"]
 NAMES = st.lists(
-    st.sampled_from([*SPECIAL, *GIVEN, "a b", "a_b", "a_b_1", "a\tb", "é", "x_1"]) | st.text(),
+    st.sampled_from(
+        [*SPECIAL, *GIVEN, "a b", "a_b", "a_b_1", "a\tb", "é", "x_1", "blúe", "ALPHA ", " nz"]
+    )
+    | st.text(),
     unique=True,
 )
 

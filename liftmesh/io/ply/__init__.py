@@ -227,4 +227,5 @@ FORMAT = Format(
     check=check_ply,
     read_chunks=read_ply_chunks,
     expands=True,
+    gzip=True,
 )

@@ -44,7 +44,8 @@ def property_names(attributes: Collection[str], columns: Collection[str]) -> dic
     {'class': 'class', 'Scan Angle': 'Scan_Angle', 'x': 'x_1'}
     """
     meant = {*columns, *_with_a_meaning(attributes, columns)}
-    taken = meant | {each for each in attributes if _is_valid(each)}
+    # A made name may complete no group either: it is never that of a column.
+    taken = {*columns, *POSITION, *NORMAL, *COLOR, ALPHA, *filter(_is_valid, attributes)}
     found: dict[str, str] = {}
     numbers: Counter[str] = Counter()
     for name in attributes:
