@@ -199,7 +199,8 @@ def as_text(entries: Mapping[str, Any]) -> str:
 
 
 # What else stands in the extras of a glTF scene.
-_TAKEN = ("origin", "crs", "metadata")
+NOTE = "liftmesh"  # the origin, and the names of attributes
+_TAKEN = ("origin", "crs", "metadata", NOTE)
 
 
 def as_extras(entries: Mapping[str, Any]) -> dict[str, Any]:

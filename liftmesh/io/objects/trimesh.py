@@ -136,6 +136,9 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
     if np.array_equal(matrix, np.eye(4)):
         return cloud
     linear = matrix[:3, :3]
+    if np.array_equal(linear, np.eye(3)):  # without arithmetic that would round, or touch normals
+        with np.errstate(over="ignore"):
+            return replace(cloud, points=cloud.points + matrix[:3, 3])
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # infinities are results
         points = cloud.points @ linear.T + matrix[:3, 3]
         size = np.abs(linear).max()
