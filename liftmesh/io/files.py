@@ -256,8 +256,8 @@ def write(
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     **options
-        Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``comments`` for
-        OBJ, ``compressed`` for NPZ.
+        Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
+        ``comments`` for OBJ, ``compressed`` for NPZ.
 
     Returns
     -------

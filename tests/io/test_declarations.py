@@ -26,6 +26,7 @@ OPTIONS = {name: [{}] for name in WRITABLE} | {
         {"encoding": "ascii", "colors": "exact"},
     ],
     "npz": [{}, {"compressed": True}],
+    "obj": [{}, {"colors": "comments"}, {"colors": "none"}],
 }
 CALLS = [(name, options) for name, several in OPTIONS.items() for options in several]
 
