@@ -26,7 +26,7 @@ _STATED = "metadata "  # begins the comment that states an entry
 
 # Characters of an entry, and of all: a line of a PLY header is as long at most, and objects of
 # Python take up to 64 times their JSON.
-LONGEST = 1 << 15
+LONGEST = (1 << 15) - 64
 _MOST = 1 << 18
 
 
@@ -64,11 +64,17 @@ def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
     left = _MOST
     for key, value in said(metadata).items():
         text = None if key in (*_LABELS, *_NOTES) else _text(key, value)
-        longest = left if key in LINES and is_lines(value) else min(left, LONGEST)
-        if text is not None and len(text) <= longest:
+        if text is not None and len(text) <= left and _has_short_lines(key, value, text):
             found[key] = json.loads(text)[key]
             left -= len(text)
     return found
+
+
+def _has_short_lines(key: str, value: Any, text: str) -> bool:
+    """Whether an entry fits in one line, or in as many as it has."""
+    if key not in LINES or not is_lines(value):
+        return len(text) <= LONGEST
+    return all(len(str(_text(key, [each]))) <= LONGEST for each in value)
 
 
 def lost(metadata: Mapping[str, Any]) -> list[str]:

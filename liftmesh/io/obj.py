@@ -41,8 +41,8 @@ _VERTEX_WIDTHS = (3, 4, 6, 7)
 
 _MOST_KEYWORDS = 1000
 
-# Characters of the comments at the top that are kept, each with so many for its string.
-_MOST_COMMENTS, _COMMENT = 1 << 18, 64
+# Characters of the comments at the top that are kept, each with so many more: all that is written.
+_MOST_COMMENTS, _COMMENT = 1 << 18, 4
 
 _RUN = 1 << 16  # corners compared at a time
 

@@ -103,6 +103,28 @@ def test_what_json_does_not_hold_is_named(kind: str, value: object) -> None:
     assert back(kind, {"survey": value, "a": 1}) == {"a": 1}
 
 
+@pytest.mark.parametrize("kind", ["ply", "obj"])
+@pytest.mark.parametrize(
+    ("lines", "dropped"),
+    [
+        ([f"line {k} {'x' * 60}" for k in range(2000)], ()),
+        ([f"line {k} {'x' * 60}" for k in range(9000)], ("metadata comments",)),
+        (["ü" * 5_440], ()),
+        (["ü" * 5_462], ("metadata comments",)),
+        (["x" * 32_680], ()),
+        (["x" * 32_768], ("metadata comments",)),
+    ],
+)
+def test_lines_are_written_if_each_of_them_fits(
+    kind: str, lines: list[str], dropped: tuple[str, ...]
+) -> None:
+    cloud = mesh({"comments": tuple(lines)})
+    written = liftmesh.write(stream := io.BytesIO(), cloud, format=kind)
+    assert written.dropped == dropped
+    found = loaded(stream.getvalue(), kind).metadata.get("comments", ())
+    assert list(found) == ([] if dropped else lines)
+
+
 def test_deep_nesting_is_named() -> None:
     deep: list[Any] = []
     for _ in range(100_000):
