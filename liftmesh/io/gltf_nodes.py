@@ -81,12 +81,13 @@ def put_exactly(scene: Scene, origin: Origin) -> bool:
     bool
         Whether a mesh is there.
     """
-    rounded = np.array(origin).astype(np.float32)
+    with np.errstate(over="ignore", under="ignore"):
+        rounded = np.array(origin).astype(np.float32)
     found = False
     for place in scene.places:
         if place is None or not np.array_equal(place[:3, :3], np.eye(3)):
             continue
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", under="ignore"):
             is_there = np.array_equal(place[:3, 3].astype(np.float32), rounded)
         if is_there:
             place[:3, 3] = origin

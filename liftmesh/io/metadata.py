@@ -28,6 +28,7 @@ _STATED = "metadata "  # begins the comment that states an entry
 # Python take up to 64 times their JSON.
 LONGEST = (1 << 15) - 64
 _MOST = 1 << 18
+_LINE = 40  # more than the characters around a line that is stated by itself
 
 
 def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
@@ -49,7 +50,13 @@ def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
     {'survey': 2024}
     """
     notes = (*_LABELS, *_NOTES) if all(each in metadata for each in _LABELS) else ()
-    return {key: metadata[key] for key in sorted(metadata, key=str) if key not in notes}
+    keys = (key for key in sorted(metadata, key=str) if key not in notes)
+    return {key: metadata[key] for key in keys if not _is_skipped(key, metadata[key])}
+
+
+def _is_skipped(key: object, value: object) -> bool:
+    """Whether an entry lists what was not read, of a file or of an object."""
+    return key == "skipped" and isinstance(value, tuple)
 
 
 def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
@@ -64,9 +71,10 @@ def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
     left = _MOST
     for key, value in said(metadata).items():
         text = None if key in (*_LABELS, *_NOTES) else _text(key, value)
-        if text is not None and len(text) <= left and _has_short_lines(key, value, text):
+        size = 0 if text is None else len(text) + _LINE * (len(value) if is_lines(value) else 0)
+        if text is not None and size <= left and _has_short_lines(key, value, text):
             found[key] = json.loads(text)[key]
-            left -= len(text)
+            left -= size
     return found
 
 

@@ -90,6 +90,11 @@ def test_a_place_that_another_program_rounded_is_exact_again() -> None:
     assert_same_bits(loaded(changed(data, found), "glb").points, loaded(data, "glb").points)
 
 
+def test_an_origin_beyond_single_precision() -> None:
+    cloud = Cloud(np.array([[1e300, 0.0, 0.0]]))
+    assert_same_bits(loaded(saved(cloud, "glb"), "glb").points, cloud.points)
+
+
 def test_a_mesh_that_was_moved_stays_where_it_was_put() -> None:
     data = saved(far(), "glb")
     found = tree(data)

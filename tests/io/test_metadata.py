@@ -109,6 +109,8 @@ def test_what_json_does_not_hold_is_named(kind: str, value: object) -> None:
     [
         ([f"line {k} {'x' * 60}" for k in range(2000)], ()),
         ([f"line {k} {'x' * 60}" for k in range(9000)], ("metadata comments",)),
+        (["ü"] * 5_000, ()),
+        (["ü"] * 9_000, ("metadata comments",)),
         (["ü" * 5_440], ()),
         (["ü" * 5_462], ("metadata comments",)),
         (["x" * 32_680], ()),
