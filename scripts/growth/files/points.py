@@ -9,6 +9,8 @@ from __future__ import annotations
 import gzip
 import struct
 
+import numpy as np
+
 from growth.families import named, random
 from growth.files.text import positions, table
 
@@ -152,7 +154,7 @@ XYZN = named(points_with_normals, digits)
 
 def nodes(n: int) -> bytes:
     """The ordinary points, with an attribute and a marker."""
-    rows = random().random((n, 2)).tolist()
+    rows = np.round(random().random((n, 2)) * 1000, 5).tolist()
     return f"{n} 2 1 1\n".encode() + b"".join(
         f"{k} {x} {y} 7.5 1\n".encode() for k, (x, y) in enumerate(rows, 1)
     )
