@@ -19,6 +19,7 @@ NonFinite: TypeAlias = Literal["error", "skip"]
 RowOrder: TypeAlias = Literal["engine", "canonical"]
 PlyEncoding: TypeAlias = Literal["binary", "ascii"]
 PlyColors: TypeAlias = Literal["uint8", "exact"]
+ObjColors: TypeAlias = Literal["values", "comments", "none"]
 Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 

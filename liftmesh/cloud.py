@@ -10,6 +10,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.choices import shown
+from liftmesh.color_depth import judged, with_depth
 from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict, constructed_from
 
@@ -25,7 +26,9 @@ class Cloud:
     points : (n, 3) ndarray of float64
         Coordinates, one row per point.
     colors : (n, 3) or (n, 4) ndarray, optional
-        RGB or RGBA: unsigned integers over their full range, or floats in [0, 1].
+        RGB or RGBA: integers of any type, or floats in [0, 1]. Integers wider than 8 bits, such as
+        those of LAS files, are 8-bit colours if none exceeds 255, 16-bit colours if none exceeds
+        65,535, and else use the full range of their type.
     normals : (n, 3) ndarray of float, optional
         Normal vectors.
     attributes : mapping of str to (n, ...) ndarray
@@ -37,11 +40,16 @@ class Cloud:
     crs : str, optional
         The coordinate reference system of the points, as WKT or ``EPSG:n``: passed along, and
         written if the format supports it, but not interpreted.
+    color_depth : int, optional
+        Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
+        values decide, and this field says what they decided: None if there was nothing to decide.
+        Parts of a cloud keep the depth of the whole.
 
     Raises
     ------
     InputError
-        An array does not have one row per point, or a part has another type.
+        An array does not have one row per point, a part has another type, or a colour is too large
+        for ``color_depth``.
 
     Examples
     --------
@@ -58,6 +66,7 @@ class Cloud:
     faces: Rows | None = None
     metadata: Mapping[str, Any] = field(default_factory=dict)
     crs: str | None = None
+    color_depth: int | None = None
 
     def __post_init__(self) -> None:
         _check_array("points", self.points)
@@ -78,6 +87,7 @@ class Cloud:
                 )
         if self.crs is not None and not is_crs(self.crs):
             raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
+        self._decide_depth()
         object.__setattr__(self, "attributes", FrozenDict(self.attributes))
         object.__setattr__(self, "metadata", FrozenDict(self.metadata))
 
@@ -101,6 +111,51 @@ class Cloud:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def _decide_depth(self) -> None:
+        """Convert integer colours to the type of their depth; 8-bit ones have it already."""
+        colors, depth = self.colors, self.color_depth
+        if colors is None or colors.dtype.kind not in "iu":
+            depth = None
+        elif depth is None:
+            colors, depth = judged(colors)
+        elif colors.dtype.itemsize == 1 and colors.dtype.kind == "u":
+            depth = 8 if depth == 8 else None  # colours that replaced those of another depth
+        else:
+            colors = with_depth(colors, depth)
+        object.__setattr__(self, "colors", colors)
+        object.__setattr__(self, "color_depth", depth)
+
+    def with_color_depth(self, depth: int) -> Cloud:
+        """Take the numbers of integer colours as those of another depth.
+
+        Parameters
+        ----------
+        depth : int
+            Bits per channel: 8, 16, 32 or 64.
+
+        Returns
+        -------
+        Cloud
+            The same cloud; its colours are the same numbers as unsigned integers of that depth.
+            Colours that are floats stay as they are.
+
+        Raises
+        ------
+        InputError
+            The depth is another, or a colour is too large for it; the message gives the row.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> dark = Cloud(np.zeros((1, 3)), colors=np.array([[0, 51, 255]], dtype=np.uint16))
+        >>> dark.colors, dark.color_depth
+        (array([[  0,  51, 255]], dtype=uint8), 8)
+        >>> dark.with_color_depth(16).colors
+        array([[  0,  51, 255]], dtype=uint16)
+        """
+        colors = None if self.colors is None else with_depth(self.colors, depth)
+        return replace(self, colors=colors, color_depth=depth)
 
     def select(self, which: slice | Array) -> Cloud:
         """Select rows with all their values, without the faces.

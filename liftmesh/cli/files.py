@@ -39,6 +39,7 @@ def read(
     file_format: str | None,
     max_bytes: int | None = None,
     table: Mapping[str, Any] = MappingProxyType({}),
+    color_depth: int | None = None,
 ) -> Cloud:
     """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
 
@@ -48,7 +49,7 @@ def read(
         The file.
     file_format : str, optional
         Its format; by default that of its suffix.
-    max_bytes : int, optional
+    max_bytes, color_depth : int, optional
         As in `liftmesh.read`.
     table : mapping
         Options of tables, as in `liftmesh.read`.
@@ -70,11 +71,15 @@ def read(
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     with _about_reading(str(name)), stage(f"reading {name if is_stream(path) else path.name}"):
-        cloud = _read_quietly(source, format=file_format, max_bytes=max_bytes, **table)
+        cloud = _read_quietly(
+            source, format=file_format, max_bytes=max_bytes, color_depth=color_depth, **table
+        )
     for each in notes(cloud):
         note(f"{name}: {each}")
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {_listed(not_read)}")
+    if color_depth is None and cloud.color_depth == 8:
+        note(f"{name}: no colour exceeds 255: they are read as 8-bit colours (see --color-depth)")
     return cloud
 
 
@@ -102,7 +107,7 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     """
     from liftmesh.io.table_columns import described, found_columns  # noqa: PLC0415 - as above
 
-    names = found_columns(cloud)
+    names = found_columns(cloud.metadata)
     said = described(names)
     return (*([said] if said else []), *(cloud.metadata.get("notes", ()) if names else ()))
 
@@ -274,6 +279,31 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     if found.write is None:
         raise FormatError(f"{path}: {found.name} files can be read, not written")
     check_place(path)
+
+
+def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
+    """Raise before the work starts if a file cannot hold what a mesh of these rows would have.
+
+    Parameters
+    ----------
+    path : Path
+        The file to write.
+    file_format : str, optional
+        Its format; by default that of its suffix.
+    cloud : Cloud
+        The rows.
+
+    Raises
+    ------
+    FormatError
+        A coordinate is not finite, or the format cannot hold an attribute.
+    InputError
+        A colour is outside its range.
+    """
+    from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
+
+    check_before(find_format(file_format or path.suffix, str(path)), cloud)
 
 
 def check_place(path: Path | None) -> None:

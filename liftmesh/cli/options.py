@@ -86,6 +86,14 @@ Encoding: TypeAlias = Annotated[
     str | None,
     typer.Option(metavar="NAME", help="Tables: the encoding of the text, as cp1252, if not UTF."),
 ]
+ColorDepth: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--color-depth",
+        metavar="BITS",
+        help="Bits per channel of integer colours, 8 or 16; by default their values decide.",
+    ),
+]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
@@ -301,6 +309,37 @@ def parse_threads(text: str | None) -> int | None:
         option = "--" if threads is not None else ""
         raise typer.BadParameter(f"{option}{error}") from error
     return None if text is None else int(text)
+
+
+def parse_color_depth(text: str | None) -> int | None:
+    """Parse the value of ``--color-depth``, before the work starts.
+
+    Parameters
+    ----------
+    text : str, optional
+        The depth; by default the values of the colours decide.
+
+    Returns
+    -------
+    int, optional
+        The depth.
+
+    Raises
+    ------
+    typer.BadParameter
+        It is not 8, 16, 32 or 64.
+
+    Examples
+    --------
+    >>> parse_color_depth("16")
+    16
+    """
+    from liftmesh.color_depth import DEPTHS  # noqa: PLC0415 - help and --version do without
+
+    depth = None if text is None else _whole(text)
+    if depth is not None and depth not in DEPTHS:
+        raise typer.BadParameter(f"--color-depth {text} is not a depth: give 8, 16, 32 or 64")
+    return None if depth is None else int(depth)
 
 
 def _numbers(text: str, count: int) -> tuple[float, ...] | None:

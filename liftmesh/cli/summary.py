@@ -126,7 +126,7 @@ def summarise(cloud: Cloud) -> Summary:
         crs=cloud.crs,
         holds=_holds(cloud),
         not_read=parts_not_read(cloud),
-        columns=found_columns(cloud),
+        columns=found_columns(cloud.metadata),
         notes=notes(cloud),
         minimum=minimum,
         maximum=maximum,

@@ -67,6 +67,7 @@ def run(
     end: options.End = None,
     encoding: options.Encoding = None,
     max_bytes: options.MaxBytes = None,
+    color_depth: options.ColorDepth = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report.
@@ -85,6 +86,8 @@ def run(
         Options of tables, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what the file may expand to.
+    color_depth : str, optional
+        As in `liftmesh.read`.
     json : bool
         Print JSON.
     """
@@ -92,6 +95,7 @@ def run(
     if json:
         standard_streams.check_stdout()
     count = options.parse_threads(threads)
+    depth = options.parse_color_depth(color_depth)
     limit = options.parse_size(max_bytes)
     table = options.parse_table(
         columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
@@ -100,9 +104,10 @@ def run(
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     files.check_apart(source, target)
     start = perf_counter()
-    cloud = files.read(source, source_format, limit, table)
+    cloud = files.read(source, source_format, limit, table, depth)
     seconds = {"read": perf_counter() - start}
     with files.about(source):
+        files.check_content(target, target_format, cloud)
         surface = _triangulate(
             cloud,
             plane=frame,
@@ -167,6 +172,8 @@ def _headline(written: Written, report: Report) -> str:
     )
     if written.dropped:
         line += f"; {written.format} does not keep {', '.join(written.dropped)}"
+    if written.renamed:
+        line += f"; renamed: {', '.join(f'{name!r} to {new}' for name, new in written.renamed)}"
     if written.origin is None:
         return line
     moved = ", ".join(f"{value:.10g}" for value in written.origin)
@@ -191,6 +198,7 @@ def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict
         "bytes": written.bytes,
         "origin": written.origin,
         "dropped": list(written.dropped),
+        "renamed": dict(written.renamed),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),

@@ -49,7 +49,7 @@ def as_uint8(colors: Array) -> NDArray[np.uint8]:
     >>> as_uint8(np.array([[0.0, 0.5, 1.0]]))
     array([[  0, 128, 255]], dtype=uint8)
     """
-    colors = _checked(colors)
+    colors = check_colors(colors)
     if colors.dtype == np.uint8:
         return colors
     if colors.dtype.kind == "i":
@@ -80,7 +80,7 @@ def as_float(colors: Array) -> Floats:
     >>> as_float(np.array([[0, 51, 255]], dtype=np.uint8))
     array([[0. , 0.2, 1. ]])
     """
-    colors = _checked(colors)
+    colors = check_colors(colors)
     return colors.astype(np.float64, copy=False) / _full_scale(colors.dtype)
 
 
@@ -254,7 +254,7 @@ def _full_scale(dtype: np.dtype[Any]) -> float:
     return 255.0 if dtype.kind == "i" else 1.0
 
 
-def _checked(colors: Array) -> Array:
+def check_colors(colors: Array) -> Array:
     """Validate type, shape and range of colours; the error names the row."""
     colors = np.asarray(colors)
     if colors.ndim != 2 or colors.shape[1] not in (3, 4) or colors.dtype.kind not in "uif":

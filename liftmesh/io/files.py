@@ -6,27 +6,27 @@ import inspect
 import io
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 from liftmesh.choices import as_count
+from liftmesh.color_depth import check_depth
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
+from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.format import check_needs, configured, dropped
-from liftmesh.io.links import check_links
-from liftmesh.io.registry import as_cloud, find_format
-from liftmesh.io.streams import add_name, remaining, seekable, written_whole
+from liftmesh.io.format import check_needs, configured, dropped, renamed
+from liftmesh.io.places import PathOrStream, at_home, check_stream, folder, name_of, opened
+from liftmesh.io.registry import as_cloud, find_format, suffix_of
+from liftmesh.io.streams import written_whole
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.format import ChunkReader, Format, Origin, Reader
-
-PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
+    from liftmesh.io.format import Format, Origin, Reader
 
 CHUNK_ROWS = 1_000_000
 _NO_MORE: Any = object()
@@ -50,8 +50,11 @@ class Written:
         x, y, z that were subtracted from every vertex because the format holds single precision
         only; the file records it too. None: coordinates are written as they are.
     dropped : tuple of str
-        What the mesh has and the file does not keep: colors, alpha, normals, attributes by name,
-        the crs, rows in no face, double precision, colors beyond 8 bits.
+        What the mesh has and the file does not keep: colors, alpha, normals, attributes and
+        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits.
+    renamed : tuple of (str, str)
+        Attributes whose names the format cannot hold, and their names in the file. Reading the
+        file gives the old names back.
 
     Examples
     --------
@@ -67,6 +70,7 @@ class Written:
     bytes: int
     origin: Origin | None
     dropped: tuple[str, ...] = ()
+    renamed: tuple[tuple[str, str], ...] = ()
 
 
 def read(
@@ -74,6 +78,7 @@ def read(
     *,
     format: str | None = None,  # noqa: A002
     max_bytes: int | None = None,
+    color_depth: int | None = None,
     **options: Any,
 ) -> Cloud:
     r"""Read a point cloud or a mesh.
@@ -81,8 +86,10 @@ def read(
     Parameters
     ----------
     source : str, path, or binary stream
-        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, or a format of a plugin;
-        ``~`` at the beginning of a path is the home folder.
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN,
+        .node, .ele (with the .node file beside it), or a format of a plugin; those of text also
+        compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home
+        folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -90,7 +97,12 @@ def read(
         meshes count, each as often as it is used; by default 256 MiB or 20 times the file. Of an
         NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
         bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
-        by default 20,000,000, for 10,000 of them. Other formats do not expand.
+        by default 20,000,000, for 10,000 of them. Of a file compressed with gzip, the text; by
+        default 256 MiB or 20 times the file. Other formats do not expand.
+    color_depth : int, optional
+        Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
+        values of the whole file decide, and ``Cloud.color_depth`` says what: LAS keeps colours in
+        16 bits, and most programs put 8-bit values there.
     **options
         Options of the format. Tables as text take:
 
@@ -120,7 +132,8 @@ def read(
         The format is unknown, the file is invalid, or it expands to more than the limit: the
         message gives the file, the line or byte, and the cause.
     InputError
-        `max_bytes` is not a positive whole number, or an option is invalid.
+        `max_bytes` is not a positive whole number, `color_depth` is no depth, or too small, or an
+        option is invalid.
     OSError
         The file does not exist or cannot be opened.
 
@@ -136,12 +149,15 @@ def read(
     >>> cloud.points.tolist(), cloud.attributes["class"].tolist()
     ([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0]], [2.0, 2.0])
     """
-    source = _place(source)
-    name = _name(source)
+    check_depth(color_depth)
+    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
+    source = at_home(source)
+    name = name_of(source)
     found = _find(source, format, name)
-    read_whole = _reader(found, name, max_bytes, options)
-    with _opened(source, name) as stream, kept():
-        return _labelled(read_whole(stream, name), found, name)
+    read_whole = _reader(found, name, limit, options)
+    with opened(source, found, name, limit) as stream, kept():
+        cloud = _labelled(read_whole(stream, name), found, name)
+    return _of_depth(cloud, color_depth, name)
 
 
 def read_chunks(
@@ -150,12 +166,14 @@ def read_chunks(
     rows: int = CHUNK_ROWS,
     format: str | None = None,  # noqa: A002
     max_bytes: int | None = None,
+    color_depth: int | None = None,
     **options: Any,
 ) -> Iterator[Cloud]:
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
-    PLY, text, NPY and NPZ are read in chunks; text is parsed twice, to determine the types of the
-    columns first. Other formats, and pipes, are read whole, then split. Of files that are read in
+    PLY, text, NPY and NPZ are read in chunks. Text is parsed twice, to determine the types of the
+    columns first, and a file with integer colours of more than 8 bits is read once more, to decide
+    their depth. Other formats, and pipes, are read whole, then split. Of files that are read in
     chunks, only what the rows need is read: damage to the faces, which `read` reports, is not
     noticed.
 
@@ -169,7 +187,7 @@ def read_chunks(
         As for `read`.
     max_bytes : int, optional
         As for `read`; of the arrays of an NPZ file, only those in use count.
-    **options
+    color_depth, **options
         As for `read`.
 
     Yields
@@ -181,7 +199,8 @@ def read_chunks(
     Raises
     ------
     InputError
-        `rows` or `max_bytes` is not a positive whole number.
+        `rows` or `max_bytes` is not a positive whole number, or `color_depth` is no depth, or too
+        small.
     FormatError
         As for `read`, apart from faces: before the first chunk, or at the invalid chunk.
     OSError
@@ -195,14 +214,18 @@ def read_chunks(
     [2, 1]
     """
     rows = as_count("rows", rows, 1)
-    source = _place(source)
-    name = _name(source)
+    check_depth(color_depth)
+    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
+    source = at_home(source)
+    name = name_of(source)
     found = _find(source, format, name)
     if found.read_chunks is None:
-        chunks = _split(_reader(found, name, max_bytes, options))
+        chunks = split(_reader(found, name, limit, options))
     else:
-        chunks = _limited(configured(found.read_chunks, found, name, options), found, max_bytes)
-    return _chunks(source, found, chunks, name, rows)
+        chunks = _limited(configured(found.read_chunks, found, name, options), found, limit)
+        chunks = of_one_depth(chunks, color_depth)
+    place = opened(source, found, name, limit)
+    return _chunks(place, found, partial(chunks, name=name, rows=rows), name, color_depth)
 
 
 def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
@@ -262,8 +285,8 @@ def write(
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     **options
-        Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``comments`` for
-        OBJ, ``compressed`` for NPZ.
+        Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
+        ``comments`` for OBJ, ``compressed`` for NPZ.
 
     Returns
     -------
@@ -293,125 +316,71 @@ def write(
     >>> stream.getvalue()
     b'# liftmesh\nv 0.1 2.0 1e+300\n'
     """
-    target = _place(target)
-    name = _name(target)
+    target = at_home(target)
+    name = name_of(target)
     found = _find(target, format, name)
+    if (format or name).lower().endswith(".gz"):
+        raise FormatError(f"{name}: gzip is read only: write {found.name} and compress the file")
     writer = _writer(found, name, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:
         checked_faces(cloud.faces, len(cloud), name)
     check_needs(found, cloud)
     if not isinstance(target, str | os.PathLike):
-        _check_stream(target, "write")
+        check_stream(target, "write")
         origin, size = _write(target, cloud, writer, options)
-        return Written(None, found.name, size, origin, dropped(found, cloud, options, origin))
+        lost = dropped(found, cloud, options, origin)
+        return Written(None, found.name, size, origin, lost, renamed(found, cloud))
     with replacing(target) as stream:  # an error up to its end leaves the old file
         origin, size = _write(stream, cloud, writer, options)
-        lost = dropped(found, cloud, options, origin)
-    return Written(Path(target), found.name, size, origin, lost)
+        lost, names = dropped(found, cloud, options, origin), renamed(found, cloud)
+    return Written(Path(target), found.name, size, origin, lost, names)
 
 
 def _chunks(
-    source: PathOrStream, found: Format, chunks: ChunkReader, name: str, rows: int
+    place: AbstractContextManager[BinaryIO],
+    found: Format,
+    chunks: Callable[[BinaryIO], Iterator[Cloud]],
+    name: str,
+    color_depth: int | None,
 ) -> Iterator[Cloud]:
-    with _opened(source, name) as stream:
+    with place as stream:
         with kept():
-            pieces = iter(chunks(stream, name, rows))
+            pieces = iter(chunks(stream))
             chunk = next(pieces, _NO_MORE)
         while chunk is not _NO_MORE:
-            yield _labelled(chunk, found, name)
+            yield _of_depth(_labelled(chunk, found, name), color_depth, name)
             with kept():  # not around the yield: the caller's code is none of ours
                 chunk = next(pieces, _NO_MORE)
 
 
-def _split(reader: Reader) -> ChunkReader:
-    """Make a chunk reader from a reader of whole files."""
-
-    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        cloud = reader(stream, name)
-        for start in range(0, len(cloud), rows):
-            yield cloud.select(slice(start, start + rows))
-
-    return chunks
+def _of_depth(cloud: Cloud, depth: int | None, name: str) -> Cloud:
+    """Set the depth of colours, if one is given; an error names the file."""
+    try:
+        return cloud if depth is None else cloud.with_color_depth(depth)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
     return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
 
 
-def _place(place: PathOrStream) -> PathOrStream:
-    """Replace ``~`` at the beginning of a path by the home folder; streams stay."""
-    if not isinstance(place, str | os.PathLike):
-        return place
-    path = os.path.expanduser(os.fsdecode(place))  # noqa: PTH111 - Path raises if there is no home
-    if "\0" in path:
-        raise InputError(f"the path {path!r} holds NUL, which no path can")
-    return path
-
-
-def _name(place: object) -> str:
-    if isinstance(place, str | os.PathLike):
-        return os.fspath(place)
-    name = getattr(place, "name", None)
-    return name if isinstance(name, str) else "<stream>"
-
-
 def _find(place: object, wanted: str | None, name: str) -> Format:
-    if wanted is not None:
-        return find_format(wanted, name)
-    if isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
-        raise _folder(name)
-    return find_format(Path(name).suffix, name)
+    if wanted is None and isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
+        raise folder(name)
+    return find_format(wanted or suffix_of(name), name)
 
 
-def _folder(name: str) -> FormatError:
-    return FormatError(f"{name}: this is a folder, not a file")
-
-
-def _reader(found: Format, name: str, max_bytes: int | None, options: dict[str, Any]) -> Reader:
+def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
     if found.read is None:
         raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
-    return _limited(configured(found.read, found, name, options), found, max_bytes)
+    return _limited(configured(found.read, found, name, options), found, limit)
 
 
-def _limited(
-    reader: Callable[..., Read], found: Format, max_bytes: int | None
-) -> Callable[..., Read]:
+def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> Callable[..., Read]:
     """Set the limit of a reader, if its format expands; others take none."""
-    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
     return partial(reader, max_bytes=limit) if found.expands else reader
-
-
-@contextmanager
-def _opened(source: PathOrStream, name: str) -> Iterator[BinaryIO]:
-    """Open a path, or use a stream; yield it as a seekable stream that is not empty."""
-    if not isinstance(source, str | os.PathLike):
-        _check_stream(source, "read")
-        yield _filled(seekable(source), name)
-        return
-    try:
-        with open(source, "rb") as stream:  # noqa: PTH123
-            yield _filled(seekable(stream), name)
-    except IsADirectoryError as error:
-        raise _folder(name) from error
-    except OSError as error:  # of the stream, which knows no name
-        check_links(source)
-        add_name(error, name)
-        raise
-
-
-def _filled(stream: BinaryIO, name: str) -> BinaryIO:
-    if not remaining(stream):
-        raise FormatError(f"{name}: the file is empty (0 bytes)")
-    return stream
-
-
-def _check_stream(stream: object, method: str) -> None:
-    if not hasattr(stream, method) or isinstance(stream, io.TextIOBase):
-        raise FormatError(
-            f"a {type(stream).__name__} is neither a path nor a binary stream: "
-            "open files with mode 'rb' or 'wb'"
-        )
 
 
 def _writer(found: Format, name: str, options: dict[str, Any]) -> Callable[..., Origin | None]:

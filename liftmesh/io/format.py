@@ -5,7 +5,7 @@ the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that do
 needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
 
 PLY and OBJ have no place for a coordinate system but comments: there it is ``crs`` and a JSON
-string.
+string. Metadata stand there too (`io.metadata`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeAlias, TypeVar
 
@@ -24,7 +24,9 @@ from liftmesh.arrays import used_rows
 from liftmesh.choices import shown
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.colors import fits_eight_bits, is_opaque
+from liftmesh.io import metadata
+from liftmesh.io.colors import check_colors, fits_eight_bits, is_opaque
+from liftmesh.io.json_text import ascii_string
 
 Origin: TypeAlias = tuple[float, float, float]
 Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
@@ -48,6 +50,7 @@ CONTENT = {
     "normals": "normals",
     "attributes": "attributes",
     "crs": "crs",
+    "metadata": "metadata",
     "float64": "double precision",
 }
 
@@ -75,13 +78,14 @@ class Format:
         rows in no face), "faces", "colors" (with 8 bits per channel), "alpha", "deep_colors"
         (colours of more than 8 bits), "normals" (directions, in single precision at least),
         "attributes" (named values; the format may split an (n, k) attribute into k columns),
-        "crs", "float64" (every coordinate bit for bit). By default all of them.
+        "crs", "metadata" (every entry that JSON holds, but none that a reader noted of its file),
+        "float64" (every coordinate bit for bit). By default all of them.
     needs : tuple of str
         The requirements on a cloud: "points" (at least one row), "faces" (at least one), "finite"
         (no NaN or infinity in a row that the file holds). By default none.
     loses : callable, optional
         ``loses(cloud, options)`` returns the parts in ``keeps`` that are nevertheless lost when
-        this cloud is written with these options.
+        this cloud is written with these options, and any other text to add to `Written.dropped`.
     read_chunks : callable, optional
         ``read_chunks(stream, name, rows)`` yields clouds of at most ``rows`` consecutive rows each,
         without faces; together they are the rows that ``read`` returns. Formats without it are read
@@ -94,6 +98,15 @@ class Format:
         Checks the options that callers give to :func:`liftmesh.read` besides: ``options(**given)``
         returns what ``read`` and ``read_chunks`` then take as ``options=``. By default the format
         has none.
+    renames : callable, optional
+        ``renames(cloud)`` returns the names that the file gives to attributes whose own names it
+        cannot hold.
+    check : callable, optional
+        ``check(cloud)`` raises for a cloud that the format cannot hold, as `write` would: the
+        command line calls it before the faces are made.
+    gzip : bool
+        Whether files may be compressed with gzip, and ``.gz`` follow the suffix: the reader gets
+        the text, and should read it from the beginning on.
 
     Raises
     ------
@@ -121,6 +134,9 @@ class Format:
     read_chunks: ChunkReader | None = None
     expands: bool = False
     options: Callable[..., Any] | None = None
+    renames: Callable[[Cloud], Mapping[str, str]] | None = None
+    check: Callable[[Cloud], None] | None = None
+    gzip: bool = False
 
     def __post_init__(self) -> None:
         for name, words, known in (
@@ -181,13 +197,30 @@ def check_needs(found: Format, cloud: Cloud) -> None:
         _check_finite(found, cloud)
 
 
+def check_before(found: Format, cloud: Cloud) -> None:
+    """Raise for rows that cannot be written, before there are faces.
+
+    Raises
+    ------
+    FormatError
+        A coordinate is not finite, or the format cannot hold an attribute.
+    InputError
+        A colour is outside its range.
+    """
+    if "finite" in found.needs and "points" in found.keeps:
+        _check_finite(found, replace(cloud, faces=None))
+    if "colors" in found.keeps and cloud.colors is not None:
+        check_colors(cloud.colors)
+    if found.check is not None:
+        found.check(cloud)
+
+
 def dropped(
     found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
-    """List what a cloud has and its file does not keep, attributes by name."""
-    kept = set(found.keeps)
-    if found.loses is not None:
-        kept -= set(found.loses(cloud, options))
+    """List what a cloud has and its file does not keep, attributes and metadata by name."""
+    losses = () if found.loses is None else found.loses(cloud, options)
+    kept = set(found.keeps) - set(losses)
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
     missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
@@ -196,7 +229,18 @@ def dropped(
     if "attributes" in missing:
         at = missing.index("attributes")
         missing[at : at + 1] = sorted(cloud.attributes)
-    return tuple(missing)
+    entries = metadata.named(metadata.said(cloud.metadata))
+    if "metadata" in missing:
+        at = missing.index("metadata")
+        missing[at : at + 1] = entries
+    else:
+        missing += metadata.lost(cloud.metadata)
+    return (*missing, *(each for each in losses if each not in CONTENT))
+
+
+def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
+    """List the attributes that a file holds under other names, with these."""
+    return () if found.renames is None else tuple(found.renames(cloud).items())
 
 
 def _has(cloud: Cloud, word: str) -> bool:
@@ -210,8 +254,8 @@ def _has(cloud: Cloud, word: str) -> bool:
         return colors is not None and not is_opaque(colors)
     if word == "deep_colors":
         return colors is not None and not fits_eight_bits(colors)
-    if word == "attributes":
-        return len(cloud.attributes) > 0
+    if word in ("attributes", "metadata"):
+        return len(metadata.said(cloud.metadata) if word == "metadata" else cloud.attributes) > 0
     return getattr(cloud, word) is not None
 
 
@@ -253,7 +297,7 @@ def crs_comment(crs: str | None) -> list[str]:
     >>> crs_comment("EPSG:25832")
     ['crs "EPSG:25832"']
     """
-    return [] if crs is None else [_CRS + json.dumps(crs)]
+    return [] if crs is None else [_CRS + ascii_string(crs)]
 
 
 def stated_crs(comments: Iterable[str]) -> str | None:
@@ -264,6 +308,22 @@ def stated_crs(comments: Iterable[str]) -> str | None:
     """
     found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
     return next((crs for crs in found if crs is not None), None)
+
+
+OWN = "liftmesh"  # the comment that begins every header
+
+
+def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
+    """Return the comments that are not liftmesh's own: its name, and the coordinate system.
+
+    >>> others(["liftmesh", 'crs "EPSG:25832"', "made by hand"], "EPSG:25832")
+    ('made by hand',)
+    """
+    return tuple(
+        comment
+        for comment in comments
+        if comment != OWN and (crs is None or stated_crs([comment]) != crs)
+    )
 
 
 def _crs(comment: str) -> str | None:

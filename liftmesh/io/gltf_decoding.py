@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 _UNSIGNED = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 
+_NUMBERS = {**_UNSIGNED, 5120: "<i1", 5122: "<i2", 5126: "<f4"}
+
 # The largest value of a normalised integer, which stands for 1.
 _ONE = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 
@@ -55,7 +57,11 @@ def decoded(document: Document, parts: Sequence[Primitive]) -> list[Cloud]:
     except Exception as error:
         raise document.error(f"{type(error).__name__}: {error}"[:300]) from error
     return [
-        replace(_scaled(cloud, part), faces=_faces(document, part))
+        replace(
+            _scaled(cloud, part),
+            attributes={key: _values(document, part.used[key]) for key in part.named},
+            faces=_faces(document, part),
+        )
         for cloud, part in zip(clouds, parts, strict=True)
     ]
 
@@ -105,7 +111,9 @@ class _Plain:
 
     def _mesh(self, name: str, part: Primitive) -> Tree:
         attributes = {
-            key: self._number(accessor) for key, accessor in part.used.items() if key != "indices"
+            key: self._number(accessor)
+            for key, accessor in part.used.items()
+            if key != "indices" and not key.startswith("_")
         }
         primitive = {"attributes": attributes, "indices": self._triangle()}
         return {"name": name, "primitives": [primitive]}
@@ -139,6 +147,19 @@ def _content(document: Document, accessor: Accessor) -> memoryview:
     """Return the bytes of an accessor."""
     size = (accessor.count - 1) * accessor.stride + accessor.item if accessor.count else 0
     return memoryview(document.buffers[accessor.buffer])[accessor.begin :][:size]
+
+
+def _values(document: Document, accessor: Accessor) -> Floats:
+    """Return named values as doubles."""
+    size = accessor.item // accessor.width
+    found: Array = np.ndarray(
+        (accessor.count, accessor.width),
+        np.dtype(_NUMBERS[accessor.component]),
+        _content(document, accessor),
+        strides=(accessor.stride, size),
+    )
+    values = _normalized(found.astype(np.float64), accessor)
+    return values[:, 0] if accessor.width == 1 else values
 
 
 def _integers(document: Document, accessor: Accessor) -> Integers:

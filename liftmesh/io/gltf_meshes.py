@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from liftmesh.cloud import is_crs
 from liftmesh.io.gltf_validation import Accessor, Document, Tree, is_harmless
 from liftmesh.io.json_numbers import shown
+from liftmesh.io.limits import check_columns
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _LINES = {1: "lines", 2: "line loop(s)", 3: "line strip(s)"}
@@ -26,9 +27,12 @@ _TYPES: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
     "indices": (("SCALAR",), (5121, 5123, 5125)),
 }
 
+_NAMED = (("SCALAR", "VEC2", "VEC3", "VEC4"), (5120, 5121, 5122, 5123, 5125, 5126))
+
 # What a row and a face take in memory: doubles, bytes of colour, 32-bit rows.
 _ROW_BYTES = {"POSITION": 24, "NORMAL": 24, "COLOR_0": 4}
 _FACE_BYTES = 12
+_VALUE_BYTES = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +44,7 @@ class Primitive:
     mode : int
         `POINTS`, `TRIANGLES`, `STRIP` or `FAN`.
     used : dict of str to Accessor
-        The positions, normals, colours and indices that it has.
+        The positions, normals, colours, named values and indices that it has.
     rows, faces : int
         Its numbers of points and triangles.
     crs : str or None
@@ -54,9 +58,15 @@ class Primitive:
     crs: str | None
 
     @property
+    def named(self) -> list[str]:
+        """The keys of its named values, which begin with an underscore."""
+        return [key for key in self.used if key.startswith("_")]
+
+    @property
     def size(self) -> int:
         """The bytes that it takes in memory."""
         each = sum(_ROW_BYTES[key] for key in self.used if key in _ROW_BYTES)
+        each += sum(_VALUE_BYTES * self.used[key].width for key in self.named)
         return self.rows * each + self.faces * _FACE_BYTES
 
 
@@ -95,14 +105,21 @@ def _skipped(part: Tree, attributes: Tree, mode: int) -> list[str]:
     extensions = part.get("extensions")
     named = extensions if isinstance(extensions, dict) else {}
     return [
-        *(f"primitive(s) with {key[:60]}" for key in attributes if key not in _READ),
+        *(
+            f"primitive(s) with {key[:60]}"
+            for key in attributes
+            if key not in _READ and not key.startswith("_")
+        ),
         *(f"primitive(s) with {key[:60]}" for key in named if not is_harmless(key)),
         *(["primitive(s) with morph targets"] if part.get("targets") else []),
     ]
 
 
 def _primitive(document: Document, part: Tree, attributes: Tree, mode: int, what: str) -> Primitive:
-    used = {key: document.accessor(attributes, key, what) for key in _READ if key in attributes}
+    named = [key for key in attributes if key.startswith("_")]
+    check_columns(len(named), None, document.name, f"{what}: a primitive of {len(named):,} values")
+    read = (*(key for key in _READ if key in attributes), *named)
+    used = {key: document.accessor(attributes, key, what) for key in read}
     if "indices" in part and mode != POINTS:
         used["indices"] = document.accessor(part, "indices", what)
     for key, accessor in used.items():
@@ -110,7 +127,7 @@ def _primitive(document: Document, part: Tree, attributes: Tree, mode: int, what
     rows = used["POSITION"].count
     if not rows:
         raise document.error(f"{what}: POSITION has no rows")
-    for key in ("NORMAL", "COLOR_0"):
+    for key in ("NORMAL", "COLOR_0", *named):
         if key in used and used[key].count != rows:
             raise document.error(f"{what}: {key} has {used[key].count} rows, POSITION {rows}")
     corners = used["indices"].count if "indices" in used else rows
@@ -121,7 +138,7 @@ def _primitive(document: Document, part: Tree, attributes: Tree, mode: int, what
 
 
 def _check_type(document: Document, accessor: Accessor, key: str, what: str) -> None:
-    kinds, components = _TYPES[key]
+    kinds, components = _TYPES.get(key, _NAMED)
     if accessor.kind not in kinds or accessor.component not in components:
         raise document.error(
             f"{what}: {key} is {accessor.kind} of component type {accessor.component}: expected "

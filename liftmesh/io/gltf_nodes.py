@@ -8,12 +8,16 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.io.gltf_validation import Document, Tree, is_harmless
 from liftmesh.io.json_numbers import finite_numbers, shown
+
+if TYPE_CHECKING:
+    from liftmesh.io.format import Origin
 
 # The last row of an affine matrix, and how far products in single precision may miss it.
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])
@@ -66,6 +70,28 @@ def default_scene(document: Document) -> Scene:
         found.extras = scenes[number]["extras"]
     walk = _Walk(document, nodes, found)
     walk.run(document.indices(scenes[number], "nodes", len(nodes), f"scenes[{number}]"))
+    return found
+
+
+def put_exactly(scene: Scene, origin: Origin) -> bool:
+    """Place meshes at an origin where a program rounded it to single precision, or did not.
+
+    Returns
+    -------
+    bool
+        Whether a mesh is there.
+    """
+    with np.errstate(over="ignore", under="ignore"):
+        rounded = np.array(origin).astype(np.float32)
+    found = False
+    for place in scene.places:
+        if place is None or not np.array_equal(place[:3, :3], np.eye(3)):
+            continue
+        with np.errstate(over="ignore", under="ignore"):
+            is_there = np.array_equal(place[:3, 3].astype(np.float32), rounded)
+        if is_there:
+            place[:3, 3] = origin
+            found = True
     return found
 
 

@@ -18,9 +18,11 @@ from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
 from liftmesh.io.gltf_decoding import decoded
 from liftmesh.io.gltf_meshes import Primitive, primitives
-from liftmesh.io.gltf_nodes import Scene, default_scene
+from liftmesh.io.gltf_names import restored
+from liftmesh.io.gltf_nodes import Scene, default_scene, put_exactly
 from liftmesh.io.gltf_validation import Document
 from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.metadata import NOTE, of_extras
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.origin import checked_origin, with_origin
 
@@ -51,10 +53,16 @@ def read_scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) ->
     """
     document = Document(stream, name, kind, max_bytes)
     scene = default_scene(document)
+    note = scene.extras.pop(NOTE) if isinstance(scene.extras.get(NOTE), dict) else {}
+    placed = checked_origin(note["origin"], name) if "origin" in note else None
+    is_there = placed is not None and put_exactly(scene, placed)
     content = _Content(document, scene)
     content.check(limit_of(max_bytes, _GROWTH * document.used_size()))
     cloud = content.cloud()
-    stated = scene.extras.get("origin")
+    cloud = replace(cloud, attributes=restored(cloud.attributes, note.get("attributes")))
+    if is_there:
+        return replace(cloud, metadata={**cloud.metadata, "origin": placed})
+    stated = scene.extras.get("origin")  # of older versions, whose nodes are at zero
     return with_origin(cloud, None if stated is None else checked_origin(stated, name))
 
 
@@ -82,6 +90,7 @@ class _Content:
         self._skipped = Counter(scene.skipped)
         self._having: Counter[str] = Counter()
         self._crs: set[str | None] = set()
+        self._widths: set[tuple[str, int]] = set()
         self._counts = {mesh: self._counted(mesh, uses) for mesh, uses in self._uses.items()}
         self._count_outside()
 
@@ -92,6 +101,7 @@ class _Content:
             counts.add(part)
             self._crs.add(part.crs)
             self._having.update(dict.fromkeys((*part.used, "all"), uses))
+            self._widths.update((key, part.used[key].width) for key in part.named)
         self._skipped.update({what: count * uses for what, count in skipped.items()})
         return counts
 
@@ -125,10 +135,20 @@ class _Content:
     def cloud(self) -> Cloud:
         """Build what was counted."""
         found = self._alone() if self._having["all"] == 1 else self._joined()
-        for key, held in (("COLOR_0", found.colors), ("NORMAL", found.normals)):
-            if self._having[key] and held is None:
+        held = {"COLOR_0": found.colors, "NORMAL": found.normals, **found.attributes}
+        for key in ("COLOR_0", "NORMAL", *sorted({key for key, _ in self._widths})):
+            if self._having[key] and held.get(key) is None:
                 self._skipped[f"primitive(s) with {key}, which not all have"] = self._having[key]
         return replace(found, **self._described())
+
+    def _common(self) -> dict[str, int]:
+        """The named values that all primitives have, with their widths."""
+        several = Counter(key for key, _ in self._widths)
+        return {
+            key: width
+            for key, width in sorted(self._widths)
+            if several[key] == 1 and self._having[key] == self._having["all"]
+        }
 
     def _alone(self) -> Cloud:
         """Return the only primitive, without a copy."""
@@ -138,7 +158,7 @@ class _Content:
         return cloud if place is None else transformed(cloud, place)
 
     def _joined(self) -> Cloud:
-        arrays = _Arrays(self._scene, self._counts, self._having)
+        arrays = _Arrays(self._scene, self._counts, self._having, self._common())
         for batch in _batches(self._parts()):
             clouds = decoded(self._document, [each.part for each in batch])
             for each, cloud in zip(batch, clouds, strict=True):
@@ -156,11 +176,12 @@ class _Content:
 
     def _described(self) -> dict[str, Any]:
         """Return the metadata and the coordinate system."""
-        metadata = dict(self._scene.extras)
+        extras = dict(self._scene.extras)
+        common = next(iter(self._crs)) if len(self._crs) == 1 else None
+        stated = extras.pop("crs") if is_crs(extras.get("crs")) else common
+        metadata = of_extras(extras)
         if isinstance(self._document.tree.get("extensions"), dict):
             metadata["gltf_extensions"] = self._document.tree["extensions"]
-        common = next(iter(self._crs)) if len(self._crs) == 1 else None
-        stated = metadata.pop("crs") if is_crs(metadata.get("crs")) else common
         if self._named():
             metadata["skipped"] = self._named()
         return {"metadata": metadata, "crs": stated}
@@ -198,7 +219,13 @@ class _Arrays:
     primitives and nodes, not as their products, and nothing is held twice.
     """
 
-    def __init__(self, scene: Scene, counts: dict[int, _Counts], having: Counter[str]) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        counts: dict[int, _Counts],
+        having: Counter[str],
+        named: dict[str, int],
+    ) -> None:
         rows = np.array([counts[mesh].rows for mesh in scene.meshes], dtype=np.int64)
         faces = np.array([counts[mesh].faces for mesh in scene.meshes], dtype=np.int64)
         self._scene = scene
@@ -212,11 +239,18 @@ class _Arrays:
         has_colors, has_normals = (having[key] == having["all"] for key in ("COLOR_0", "NORMAL"))
         self._colors: Array | None = np.empty((total, 4), np.uint8) if has_colors else None
         self._normals: Array | None = np.empty((total, 3)) if has_normals else None
+        self._named = {
+            key: np.empty((total, width) if width > 1 else total) for key, width in named.items()
+        }
 
     def cloud(self) -> Cloud:
         """Return the arrays."""
         return Cloud(
-            self._points, colors=self._colors, normals=self._normals, faces=self._face_rows
+            self._points,
+            colors=self._colors,
+            normals=self._normals,
+            attributes=self._named,
+            faces=self._face_rows,
         )
 
     def put(self, cloud: Cloud, part: _Part) -> None:
@@ -247,6 +281,7 @@ class _Arrays:
             self._points[rows],
             colors=None if self._colors is None else self._colors[rows],
             normals=None if self._normals is None else self._normals[rows],
+            attributes={key: values[rows] for key, values in self._named.items()},
             faces=None if self._face_rows is None else self._face_rows[faces],
         )
 
@@ -255,6 +290,8 @@ class _Arrays:
         self._points[rows] = cloud.points
         self._colors = _filled(self._colors, rows, cloud.colors)
         self._normals = _filled(self._normals, rows, cloud.normals)
+        for key, held in self._named.items():
+            held[rows] = cloud.attributes[key]
 
     def _put_faces(self, cloud: Cloud, begin: int, first: int) -> None:
         if self._face_rows is not None and cloud.faces is not None:

@@ -59,6 +59,11 @@ class Accessor:
     normalized: bool
 
     @property
+    def width(self) -> int:
+        """The numbers of one row."""
+        return _COLUMNS[self.kind]
+
+    @property
     def item(self) -> int:
         """The bytes of one row."""
         return _BYTES[self.component] * _COLUMNS[self.kind]

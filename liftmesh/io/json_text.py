@@ -48,6 +48,15 @@ def without_buffers(text: bytes) -> bytes:
     return b"".join([*parts, text[done:]]) if parts else text
 
 
+def ascii_string(text: str) -> str:
+    r"""Return a text as a JSON string of printable ASCII.
+
+    >>> ascii_string("H\u00f6he\x7f")
+    '"H\\u00f6he\\u007f"'
+    """
+    return json.dumps(text).replace("\x7f", "\\u007f")
+
+
 def check_length(text: bytes, name: str) -> None:
     """Raise if a text without embedded buffers is too long to be parsed while signals wait.
 

@@ -102,7 +102,7 @@ class Lines:
     def _fill(self) -> bool:
         """Hold lines that are not taken; False at the end."""
         while self._taken == len(self._held):
-            self._held = self._held[:0]  # not two blocks at a time
+            self._held, self._taken = self._held[:0], 0  # not two blocks at a time
             data = self._chunk()
             if not data:
                 return False
@@ -173,6 +173,20 @@ def _last_of_lines(data: bytes) -> Mask:
     last = np.ones(np.count_nonzero(ends) + 1, dtype=bool)
     last[:-1] = ~joined[ends]
     return last
+
+
+def promised(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]:
+    """Take as many lines as a header promises; raise if there are fewer."""
+    left = wanted
+    while left:
+        block = lines.take(min(left, BLOCK))
+        if not len(block):
+            raise FormatError(
+                f"{name}: line {lines.number}: the header promises {wanted} {what}, but "
+                f"{wanted - left} are there: the file is truncated, or its header is wrong"
+            )
+        yield block
+        left -= len(block)
 
 
 def leading_comments(

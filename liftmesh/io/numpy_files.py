@@ -9,7 +9,7 @@ import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from typing import BinaryIO, Protocol
+from typing import Any, BinaryIO, Protocol
 
 import numpy as np
 from numpy.lib import format as npy
@@ -18,6 +18,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_rows3
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io import metadata
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import Format
@@ -29,6 +30,7 @@ from liftmesh.io.text_tables import shortened
 _POINTS = ("points", "vertices", "xyz")
 _FACES = ("faces", "triangles")
 _CRS = "crs"
+_METADATA = "metadata"
 _RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
 
 
@@ -83,8 +85,8 @@ def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     -------
     Cloud
         ``points`` (or ``vertices``, or the only array) as float64; ``faces``, ``colors`` and
-        ``normals``; other arrays of n rows as attributes. All others are listed in
-        ``metadata["skipped"]``.
+        ``normals``; other arrays of n rows as attributes; the texts ``crs`` and ``metadata``
+        (JSON). All others are listed in ``metadata["skipped"]``.
 
     Raises
     ------
@@ -120,13 +122,12 @@ def read_npz_chunks(
     with opened(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
-        used = (*needed, *([roles.crs] if roles.crs else []))
-        check_content([members[key] for key in used], max_bytes, name)
+        check_content([members[key] for key in (*needed, *roles.texts)], max_bytes, name)
         _check_layout(members[needed[0]].layout, name)
-        crs = {} if roles.crs is None else {roles.crs: members[roles.crs].whole()}
+        texts = {key: members[key].whole() for key in roles.texts}
         streams = [members[key].parts(rows) for key in needed]
         for number, parts in enumerate(zip(*streams, strict=True)):
-            yield roles.cloud(dict(zip(needed, parts, strict=True)) | crs, number * rows)
+            yield roles.cloud(dict(zip(needed, parts, strict=True)) | texts, number * rows)
 
 
 def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> None:
@@ -135,8 +136,8 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     Parameters
     ----------
     cloud : Cloud
-        Written as ``points`` and, if present, ``colors``, ``normals``, ``faces``, ``crs`` and each
-        attribute by its name.
+        Written as ``points`` and, if present, ``colors``, ``normals``, ``faces``, ``crs``,
+        ``metadata`` (JSON) and each attribute by its name.
     compressed : bool
         Compress the arrays (deflate).
 
@@ -147,14 +148,27 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
         Python objects.
     """
     crs = None if cloud.crs is None else np.array(cloud.crs)
-    parts = {"colors": cloud.colors, "normals": cloud.normals, "faces": cloud.faces, _CRS: crs}
+    entries = metadata.storable(cloud.metadata)
+    parts = {
+        "colors": cloud.colors,
+        "normals": cloud.normals,
+        "faces": cloud.faces,
+        _CRS: crs,
+        _METADATA: np.array(metadata.as_text(entries)) if entries else None,
+    }
+    check_npz(cloud)
     arrays = {key: values for key, values in parts.items() if values is not None}
+    _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
+
+
+def check_npz(cloud: Cloud) -> None:
+    """Raise for an attribute that an archive cannot hold."""
+    states = {_CRS: cloud.crs is not None, _METADATA: bool(metadata.storable(cloud.metadata))}
+    taken = _RESERVED | {key for key, is_stated in states.items() if is_stated}
     for key, values in cloud.attributes.items():
         leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
-        taken = key in _RESERVED or key in arrays or "\0" in key
-        if taken or values.dtype.hasobject or leads_out:
+        if key in taken or "\0" in key or values.dtype.hasobject or leads_out:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
-    _write_arrays(stream, {"points": cloud.points, **arrays, **cloud.attributes}, compressed)
 
 
 def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: bool) -> None:
@@ -238,10 +252,12 @@ class _Roles:
         shape = arrays[self._points].shape
         count = shape[0] if shape else 0
         self._faces = next((each for each in _FACES if each in arrays), None)
-        self.crs = _CRS if _CRS in arrays and _is_text(arrays[_CRS]) else None
+        self.crs, self.metadata = (
+            key if key in arrays and _is_text(arrays[key]) else None for key in (_CRS, _METADATA)
+        )
         self._check(arrays, "colors", (3, 4), count)
         self._check(arrays, "normals", (3,), count)
-        known = {self._points, self._faces, self.crs, "colors", "normals"}
+        known = {self._points, self._faces, self.crs, self.metadata, "colors", "normals"}
         rest = {key: arrays[key].shape for key in arrays if key not in known}
         fits = {
             key: key not in _RESERVED and len(shape) > 0 and shape[0] == count
@@ -264,9 +280,21 @@ class _Roles:
             normals=arrays.get("normals"),
             attributes={key: arrays[key] for key in self._attributes},
             faces=None if faces is None else checked_faces(faces, len(points), self._name),
-            metadata={"skipped": self._skipped} if self._skipped else {},
+            metadata=self._described(arrays),
             crs=None if self.crs is None else _crs(arrays[self.crs]),
         )
+
+    def _described(self, arrays: Mapping[str, Array]) -> dict[str, Any]:
+        """Return the metadata that the archive states; a text that states none is skipped."""
+        entries = None if self.metadata is None else metadata.parsed(str(arrays[self.metadata]))
+        is_other = self.metadata is not None and entries is None
+        skipped = (*self._skipped, *([f"{_METADATA} ()"] if is_other else []))
+        return (entries or {}) | ({"skipped": skipped} if skipped else {})
+
+    @property
+    def texts(self) -> list[str]:
+        """The arrays that hold a text."""
+        return [key for key in (self.crs, self.metadata) if key is not None]
 
     def _key_of_points(self, arrays: Mapping[str, _Shaped]) -> str:
         if self._alone:
@@ -315,4 +343,5 @@ NPZ = Format(
     description="NumPy arrays by name: points, faces, colors, normals, attributes",
     read_chunks=read_npz_chunks,
     expands=True,
+    check=check_npz,
 )

@@ -5,7 +5,7 @@ An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, `
 counted from 1, or backwards from the last one so far. The lines are read in large blocks and
 grouped by keyword, so that all vertices of a block are parsed at once. Keywords that do not
 concern the shape are counted and skipped. The writer emits the shortest digits that round-trip. A
-coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``.
+coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``; metadata stand there too.
 """
 
 from __future__ import annotations
@@ -19,12 +19,15 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.choices import ObjColors, check_option
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, fits_eight_bits, recognized
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import Format, crs_comment, stated_crs
+from liftmesh.io.format import OWN, Format, crs_comment, others, stated_crs
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
+from liftmesh.io.metadata import stated, statements, storable
+from liftmesh.io.obj_colors import color_columns, commented_colors, write_comments
 from liftmesh.io.obj_faces import Corners, parse_corners
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
@@ -38,10 +41,10 @@ _VERTEX_WIDTHS = (3, 4, 6, 7)
 
 _MOST_KEYWORDS = 1000
 
-_RUN = 1 << 16  # corners compared at a time
+# Characters of the comments at the top that are kept, each with so many more: all that is written.
+_MOST_COMMENTS, _COMMENT = 1 << 18, 4
 
-# k/255 in the digits of single precision: readers that use floats get exactly this number.
-_EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=object)
+_RUN = 1 << 16  # corners compared at a time
 
 
 def read_obj(stream: BinaryIO, name: str) -> Cloud:
@@ -51,7 +54,8 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     -------
     Cloud
         Coordinates as float64; colours ``v x y z r g b`` as uint8 if they are multiples of 1/255,
-        else as floats; normals if all corners of a vertex have the same. ``metadata`` counts
+        else as floats, or those of ``#MRGB`` comments; normals if all corners of a vertex have the
+        same. ``metadata`` holds the ``comments`` at the top and what they state, and counts
         ``ignored`` lines by keyword, ``polygons`` split into triangles, and omitted
         ``degenerate_faces`` of fewer than three vertices.
 
@@ -60,13 +64,24 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         A line is invalid; the message gives its number.
     """
-    with closing(leading_comments(stream, name)) as comments:
-        crs = stated_crs(comments)
-    reading = _Reading(name, crs)
+    crs, entries = _stated(stream, name)
+    reading = _Reading(name, crs, entries, commented_colors(stream, name))
     lines = Lines(stream, name, comments=("#",), continued=True)
     while len(block := lines.take(BLOCK)):
         reading.take(block)
     return reading.cloud()
+
+
+def _stated(stream: BinaryIO, name: str) -> tuple[str | None, dict[str, Any]]:
+    """Return the coordinate system and the metadata that the comments at the top state."""
+    crs, kept, left = None, [], _MOST_COMMENTS
+    with closing(leading_comments(stream, name)) as comments:
+        for comment in comments:
+            crs = stated_crs([comment]) if crs is None else crs
+            left -= len(comment) + _COMMENT
+            if left >= 0:
+                kept.append(comment)
+    return crs, stated(others(kept, crs))
 
 
 @dataclass(slots=True)
@@ -75,6 +90,8 @@ class _Reading:
 
     name: str
     crs: str | None
+    entries: dict[str, Any]
+    painted: Array | None
     vertices: list[Array] = field(default_factory=list)
     normals: list[Array] = field(default_factory=list)
     corners: list[Corners] = field(default_factory=list)
@@ -130,6 +147,8 @@ class _Reading:
         table = np.concatenate(self.vertices)
         corners = Corners.joined(self.corners) if self.corners else None
         colors, attributes = _colors(table[:, 3:])
+        if self.painted is not None:
+            colors = self._painted(colors, len(table))
         # Faces first: this validates the vertex indices that the normals rely on.
         faces = self._faces(corners, len(table))
         return Cloud(
@@ -142,6 +161,13 @@ class _Reading:
             crs=self.crs,
         )
 
+    def _painted(self, colors: Array | None, vertices: int) -> Array | None:
+        """The colours of comments, if there are no others and as many as vertices."""
+        if colors is None and self.painted is not None and len(self.painted) == vertices:
+            return self.painted
+        self.ignored["#MRGB"] += 1
+        return colors
+
     def _faces(self, corners: Corners | None, vertices: int) -> Rows | None:
         if corners is None:
             return None
@@ -152,7 +178,9 @@ class _Reading:
 
     def _metadata(self, corners: Corners | None) -> dict[str, Any]:
         ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
-        return ignored | (face_counts(corners.vertices) if corners is not None else {})
+        return (
+            self.entries | ignored | (face_counts(corners.vertices) if corners is not None else {})
+        )
 
     def _normals(self, corners: Corners | None, vertices: int) -> Array | None:
         if not self.normals:
@@ -219,15 +247,25 @@ def _check(vertices: Ragged, named: Integers, lines: Integers, count: int, name:
         )
 
 
-def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -> None:
+def write_obj(
+    stream: BinaryIO,
+    cloud: Cloud,
+    *,
+    colors: ObjColors = "values",
+    comments: Sequence[str] = (),
+) -> None:
     """Write a cloud, or a mesh, as OBJ.
 
-    Vertices are ``v x y z``, with colours ``v x y z r g b`` (the common extension, floats from 0 to
-    1); normals are ``vn`` lines, one per vertex, and faces ``f a b c`` or ``f a//a b//b c//c``. OBJ
-    does not hold alpha and attributes.
+    Vertices are ``v x y z``; normals are ``vn`` lines, one per vertex, and faces ``f a b c`` or
+    ``f a//a b//b c//c``. OBJ does not hold alpha and attributes.
 
     Parameters
     ----------
+    colors : {"values", "comments", "none"}
+        ``"values"`` writes ``v x y z r g b`` (the common extension, floats from 0 to 1), which some
+        programs, meshio among them, take for six coordinates. ``"comments"`` writes lines of
+        ``#MRGB`` with 8 bits per channel, as ZBrush does: other programs pass over them.
+        ``"none"`` leaves colours out.
     comments : sequence of str
         Lines for the top of the file.
 
@@ -236,29 +274,24 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
     FormatError
         A comment is not one line.
     InputError
-        A colour is outside its range.
+        An option has another value, or a colour is outside its range.
     """
-    own = ["liftmesh", *crs_comment(cloud.crs)]
-    for comment in [*own, *([comments] if isinstance(comments, str) else comments)]:
-        if not comment.isprintable():
+    check_option("colors", colors, ObjColors)
+    own = [OWN, *crs_comment(cloud.crs), *statements(storable(cloud.metadata), "comments")]
+    given = [comments] if isinstance(comments, str) else comments
+    for comment in [*own, *(each for each in given if each not in own)]:
+        if not comment.isprintable() or comment.endswith("\\"):
             raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
         stream.write(f"# {comment}\n".encode())
-    write_rows(stream, [cloud.points, *_color_columns(cloud)], prefix="v ")
+    held = None if colors == "none" else cloud.colors
+    values = [] if held is None or colors == "comments" else [color_columns(held)]
+    write_rows(stream, [cloud.points, *values], prefix="v ")
+    if held is not None and colors == "comments":
+        write_comments(stream, held)
     if cloud.normals is not None:
         write_rows(stream, [cloud.normals], prefix="vn ")
     if cloud.faces is not None:
         _write_faces(stream, cloud.faces, normals=cloud.normals is not None)
-
-
-def _color_columns(cloud: Cloud) -> list[Array]:
-    if cloud.colors is None:
-        return []
-    rgb = cloud.colors[:, :3]
-    if rgb.dtype == np.uint8:
-        return [np.take(_EIGHT_BITS, rgb)]
-    unit = as_float(rgb)
-    # Single precision is kept: it needs fewer digits.
-    return [unit.astype(rgb.dtype) if rgb.dtype.kind == "f" else unit]
 
 
 def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
@@ -270,8 +303,10 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
         write_rows(stream, [counted], prefix="f ")
 
 
-def _lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Colours within printed precision of 8-bit ones are read as these."""
+    if options.get("colors", "values") != "values":
+        return ("deep_colors", *(["colors"] if options["colors"] == "none" else []))
     if cloud.colors is None or fits_eight_bits(cloud.colors[:, :3]):
         return ()
     levels = recognized(as_float(cloud.colors[:, :3]))
@@ -284,7 +319,8 @@ FORMAT = Format(
     read=read_obj,
     write=write_obj,
     description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
-    keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "float64"),
+    keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "metadata", "float64"),
     needs=("points",),
     loses=_lost,
+    gzip=True,
 )

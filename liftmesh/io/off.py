@@ -9,7 +9,6 @@ before OFF (COFF, NOFF): they are skipped.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from itertools import islice
 from typing import BinaryIO
 
@@ -20,7 +19,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import Format
-from liftmesh.io.lines import BLOCK, Block, Lines
+from liftmesh.io.lines import Block, Lines, promised
 from liftmesh.io.number_lines import ragged_numbers, whole
 from liftmesh.io.ragged import Ragged, gathered
 from liftmesh.io.text_tables import number_table, quoted, write_rows
@@ -47,10 +46,10 @@ def read_off(stream: BinaryIO, name: str) -> Cloud:
     """
     lines = Lines(stream, name, comments=("#",))
     vertices, faces = _counts(lines, name)
-    points = [_points(block, name) for block in _take(lines, vertices, "vertices", name)]
+    points = [_points(block, name) for block in promised(lines, vertices, "vertices", name)]
     if not points:
         raise FormatError(f"{name}: the file holds no vertices")
-    corners = [_corners(block, name) for block in _take(lines, faces, "faces", name)]
+    corners = [_corners(block, name) for block in promised(lines, faces, "faces", name)]
     if len(lines.take(1)):
         raise FormatError(
             f"{name}: line {lines.number}: more rows follow than the header promises: "
@@ -92,20 +91,6 @@ def _counts(lines: Lines, name: str) -> tuple[int, int]:
             f"found {quoted(' '.join(words))}"
         )
     return int(words[0]), int(words[1])
-
-
-def _take(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]:
-    """Take as many lines as the header promises."""
-    left = wanted
-    while left:
-        block = lines.take(min(left, BLOCK))
-        if not len(block):
-            raise FormatError(
-                f"{name}: line {lines.number}: the header promises {wanted} {what}, but "
-                f"{wanted - left} are there: the file is truncated, or its header is wrong"
-            )
-        yield block
-        left -= len(block)
 
 
 def _points(block: Block, name: str) -> Floats:
@@ -156,4 +141,5 @@ FORMAT = Format(
     description="OFF: coordinates and faces as text",
     keeps=("points", "faces", "float64"),
     needs=("points", "faces", "finite"),
+    gzip=True,
 )

@@ -17,6 +17,7 @@ import os
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from liftmesh.choices import shown
@@ -24,7 +25,18 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.frozen import freeze
 from liftmesh.interruption import deferred, kept
-from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
+from liftmesh.io import (
+    numpy_files,
+    obj,
+    off,
+    pcd,
+    ply,
+    point_lines,
+    stl,
+    text,
+    triangle_files,
+    trimesh_files,
+)
 from liftmesh.io.format import Format
 from liftmesh.io.objects import open3d, plain, tables, trimesh
 from liftmesh.io.objects.plain import qualified_name
@@ -96,6 +108,9 @@ FORMATS: tuple[Format, ...] = (
     off.FORMAT,
     stl.FORMAT,
     *trimesh_files.FORMATS,
+    pcd.FORMAT,
+    *point_lines.FORMATS,
+    triangle_files.FORMAT,
 )
 
 ADAPTERS = (
@@ -137,6 +152,8 @@ def known_formats() -> dict[str, Format]:
 def find_format(wanted: str, name: str) -> Format:
     """Find a format by its name or suffix, with or without the dot, in upper or lower case.
 
+    ``.gz`` may follow the suffix of a format whose files may be compressed.
+
     Parameters
     ----------
     wanted : str
@@ -152,7 +169,8 @@ def find_format(wanted: str, name: str) -> Format:
     Raises
     ------
     FormatError
-        No format has this name or suffix, it is no string, or its plugin cannot be loaded.
+        No format has this name or suffix, it is no string, its plugin cannot be loaded, or its
+        files cannot be compressed with gzip.
 
     Examples
     --------
@@ -162,6 +180,8 @@ def find_format(wanted: str, name: str) -> Format:
     if not isinstance(wanted, str):
         raise FormatError(f"format is {shown(wanted)}: give a name or suffix, such as 'ply'")
     key = wanted.lower().removeprefix(".")
+    if key.endswith(".gz"):
+        return _compressed(find_format(key.removesuffix(".gz"), name), name)
     for each in FORMATS:
         if key == each.name or f".{key}" in each.suffixes:
             return each
@@ -169,6 +189,37 @@ def find_format(wanted: str, name: str) -> Format:
         if entry.name.lower() == key:
             return _format(entry)
     raise FormatError(f"{name}: {_unknown(key)}; known suffixes are {', '.join(_suffixes())}")
+
+
+def suffix_of(name: str) -> str:
+    """Return the suffix of a file's name, and the one before ``.gz`` with it.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+
+    Returns
+    -------
+    str
+        The suffix with its dot, or an empty text.
+
+    Examples
+    --------
+    >>> suffix_of("points.csv"), suffix_of("points.csv.gz")
+    ('.csv', '.csv.gz')
+    """
+    path = PurePath(name)
+    is_compressed = path.suffix.lower() == ".gz"
+    return "".join(path.suffixes[-2:]) if is_compressed else path.suffix
+
+
+def _compressed(found: Format, name: str) -> Format:
+    if not found.gzip:
+        raise FormatError(
+            f"{name}: {found.name} files are not read compressed with gzip: decompress it first"
+        )
+    return found
 
 
 def as_cloud(source: Any, **options: Any) -> Cloud:

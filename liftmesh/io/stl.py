@@ -180,4 +180,5 @@ FORMAT = Format(
     "STL: triangles in single precision",
     keeps=("faces",),
     needs=("faces", "finite"),
+    gzip=True,
 )

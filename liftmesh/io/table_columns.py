@@ -11,15 +11,11 @@ import warnings
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.io.column_names import Meaning, meaning
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.table_options import LEFT_OUT, TableOptions
-
-if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
 
 PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
@@ -101,15 +97,13 @@ def described(mapping: Mapping[str, str]) -> str:
     )
 
 
-def found_columns(cloud: Cloud) -> dict[str, str]:
+def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
     """Return which columns of a table are the coordinates, colours and normals of a cloud.
 
-    >>> import numpy as np
-    >>> from liftmesh.cloud import Cloud
-    >>> found_columns(Cloud(np.zeros((1, 3)), metadata={"columns": {"x": "E", "y": "N"}}))
+    >>> found_columns({"columns": {"x": "E", "y": "N"}})
     {'x': 'E', 'y': 'N'}
     """
-    found = cloud.metadata.get("columns")  # a file may hold anything of that name
+    found = metadata.get("columns")  # a file may hold anything of that name
     if not isinstance(found, dict) or not {*found} <= {*PARTS}:
         return {}
     return found if all(isinstance(each, str) for each in found.values()) else {}

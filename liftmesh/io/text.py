@@ -16,6 +16,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import kept_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
@@ -259,9 +260,11 @@ class _Meaning:
                 points[:, position] = columns.pop(each)
         if self._columns.negated is not None:
             points[:, 2] = 0.0 - points[:, 2]  # 0 stays 0
+        colors = self._colors(columns)
         return Cloud(
             points,
-            colors=self._colors(columns),
+            colors=colors,
+            color_depth=kept_depth(colors),
             normals=_popped(columns, NORMAL),
             attributes={each: np.ascontiguousarray(values) for each, values in columns.items()},
             metadata=self._metadata(),
@@ -327,4 +330,5 @@ FORMAT = Format(
     read_chunks=read_text_chunks,
     expands=True,
     options=checked,
+    gzip=True,
 )

@@ -1,6 +1,8 @@
 """Formats read and written through trimesh: GLB and glTF.
 
-The origin of single precision (`io.origin`) stands in the ``extras`` of the scene.
+The origin of single precision (`io.origin`) is the translation of the node, so that every viewer
+shows the mesh in its place, and stands in the ``extras`` of the scene as well, where it is exact
+whatever happens to the nodes.
 """
 
 from __future__ import annotations
@@ -12,8 +14,11 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
+from liftmesh.io import gltf_names
 from liftmesh.io.format import Format, Origin
+from liftmesh.io.gltf_file import File
 from liftmesh.io.gltf_reader import read_scene
+from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
 from liftmesh.optional import load
@@ -47,32 +52,31 @@ def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     Parameters
     ----------
     cloud : Cloud
-        The mesh or points; attributes are not written.
+        The mesh or points; named values are written in single precision as ``_NAME``.
 
     Returns
     -------
     tuple of float, or None
-        The origin that was subtracted, as recorded in the extras of the scene.
+        The origin that was subtracted: the translation of the node.
 
     Raises
     ------
     FormatError
         The coordinates do not fit single precision.
     """
-    scene, origin = _scene(cloud, "glb")
-    stream.write(scene.export(file_type="glb"))
+    file, origin = _file(cloud, "glb")
+    stream.write(file.glb())
     return origin
 
 
 def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     """Write a mesh, or points, as a glTF file that contains its buffers; see :func:`write_glb`."""
-    scene, origin = _scene(cloud, "gltf")
-    parts = scene.export(file_type="gltf", merge_buffers=True, embed_buffers=True)
-    stream.write(parts["model.gltf"])
+    file, origin = _file(cloud, "gltf")
+    stream.write(file.gltf())
     return origin
 
 
-def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
+def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
     origin = needed_origin(cloud.points, kind)
     shown = Cloud(
         without_origin(cloud.points, origin),
@@ -81,10 +85,30 @@ def _scene(cloud: Cloud, kind: str) -> tuple[Any, Origin | None]:
         faces=cloud.faces,
     )
     geometry = to_mesh(shown) if _has_faces(cloud) else to_points(shown)
-    metadata: dict[str, Any] = {} if origin is None else {"origin": list(origin)}
-    if cloud.crs is not None:
-        metadata["crs"] = cloud.crs
-    return load("trimesh").Scene(geometry, metadata=metadata), origin
+    file = File.of(load("trimesh").Scene(geometry).export(file_type="glb"))
+    if origin is not None:
+        file.place(origin)
+    values = gltf_names.columns(cloud.attributes)
+    names = gltf_names.keys(values)
+    for name, key in names.items():
+        file.add(key, values[name])
+    if extras := _extras(cloud, origin, gltf_names.note(values, names)):
+        file.tree["scenes"][0]["extras"] = extras
+    return file, origin
+
+
+def _extras(cloud: Cloud, origin: Origin | None, names: dict[str, list[str]]) -> dict[str, Any]:
+    """What the scene says of itself: metadata, crs, and liftmesh's own note."""
+    note = {"origin": None if origin is None else list(origin), "attributes": names}
+    own = {key: value for key, value in note.items() if value}
+    crs = {} if cloud.crs is None else {"crs": cloud.crs}
+    return as_extras(storable(cloud.metadata)) | crs | ({NOTE: own} if own else {})
+
+
+def _renamed(cloud: Cloud) -> dict[str, str]:
+    """The attributes whose names are not just written with an underscore and in capitals."""
+    names = gltf_names.keys(gltf_names.columns(cloud.attributes))
+    return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
 
 
 def _has_faces(cloud: Cloud) -> bool:
@@ -93,8 +117,8 @@ def _has_faces(cloud: Cloud) -> bool:
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Points are written without normals, and normals of meshes with unit length."""
-    kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
-    return () if kept else ("normals",)
+    is_kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
+    return (*gltf_names.lost(cloud.attributes), *(() if is_kept else ("normals",)))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -112,11 +136,18 @@ def _are_unit(normals: Array) -> bool:
     return bool((np.abs(lengths - 1.0) <= TOLERANCE).all())
 
 
+def _check_gltf(cloud: Cloud) -> None:
+    """Raise for coordinates that single precision cannot hold."""
+    needed_origin(cloud.points, "glTF")
+
+
 _GLTF: dict[str, Any] = {
-    "keeps": ("points", "faces", "colors", "alpha", "normals", "crs"),
+    "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
     "needs": ("points", "finite"),
     "loses": _lost_in_gltf,
     "expands": True,
+    "check": _check_gltf,
+    "renames": _renamed,
 }
 
 FORMATS = (

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import kept_depth
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import files
 from liftmesh.io.objects import matplotlib, open3d, trimesh
@@ -287,6 +288,7 @@ class Surface:
             faces=self.faces,
             metadata=self.metadata,
             crs=self.crs,
+            color_depth=kept_depth(self.colors),
         )
 
     def to_trimesh(self) -> trimesh_package.Trimesh:

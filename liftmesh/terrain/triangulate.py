@@ -327,5 +327,5 @@ def _report(
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
-        columns=found_columns(cloud),
+        columns=found_columns(cloud.metadata),
     )

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh import Cloud, FormatError, InputError, read, read_chunks, write
-from liftmesh.io.columns import COLOR
 
 Array = NDArray[Any]
 
@@ -71,8 +70,6 @@ def _check_ply(cloud: Cloud, *, encoding: str) -> None:
     back = _rewritten(cloud, "ply", encoding=encoding, colors="exact")
     if back is None:
         return
-    if set(COLOR) <= cloud.attributes.keys():
-        return  # attributes named like colours: PLY reads them back as colours
     same = _same_bits if encoding == "binary" else _same_values
     demand(same(back.points, cloud.points), f"PLY ({encoding}) changes points")
     _compare(back, cloud, ("colors", "normals", "faces"), f"PLY ({encoding})")
@@ -88,6 +85,7 @@ def _columns(cloud: Cloud) -> list[str]:
     return [
         column
         for name, values in cloud.attributes.items()
+        if values.dtype.kind in "biuf"
         for column in (
             [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(values.shape[1])]
         )

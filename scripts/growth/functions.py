@@ -256,6 +256,12 @@ def halves(points: Points) -> Work:
     return Work(lambda: cloud.select(slice(None, None, 2)), len(points))
 
 
+def deepened(points: Points) -> Work:
+    """Prepare another depth for the colours of a cloud."""
+    cloud = Cloud(points, colors=np.ones((len(points), 3), np.uint16))
+    return Work(lambda: cloud.with_color_depth(16), len(points))
+
+
 def planar_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation, counted families and least size of what works in the plane."""
     yield "delaunay", PLANAR, delaunay(), None
@@ -351,6 +357,7 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.save", SPATIAL, on_surface(saved), TERRAIN
     yield "Cloud", SPATIAL, on_points(Cloud), TERRAIN
     yield "Cloud.select", SPATIAL, halves, TERRAIN
+    yield "Cloud.with_color_depth", SPATIAL, deepened, TERRAIN
     yield "as_cloud of an array", SPATIAL, adapted(np.asfortranarray), TERRAIN
     yield "as_cloud of lists", SPATIAL, adapted(lambda points: points.tolist()), TERRAIN
     yield "as_cloud of a structured array", SPATIAL, adapted(structured), TERRAIN

@@ -19,6 +19,7 @@ from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
 from growth.files.gltf import GLB, GLTF, HEAVY
 from growth.files.ply import PLY
+from growth.files.points import GZIP, NODE, PCD, PTS, XYZN, XYZRGB
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.planar import DEAR
@@ -33,12 +34,17 @@ FILES: dict[str, Families] = {
     "ply": PLY,
     "obj": OBJ,
     "off": OFF,
-    "text": TEXT,
+    "text": {**TEXT, **GZIP},
     "stl": STL,
     "npy": NPY,
     "npz": NPZ,
     "glb": GLB,
     "gltf": GLTF,
+    "pcd": PCD,
+    "pts": PTS,
+    "xyzrgb": XYZRGB,
+    "xyzn": XYZN,
+    "node": NODE,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")

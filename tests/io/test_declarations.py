@@ -14,6 +14,7 @@ import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError, Written
 from liftmesh.io.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT, NEEDS
+from liftmesh.io.metadata import said
 from liftmesh.io.registry import FORMATS
 
 WRITABLE = {each.name: each for each in FORMATS if each.write is not None}
@@ -25,6 +26,7 @@ OPTIONS = {name: [{}] for name in WRITABLE} | {
         {"encoding": "ascii", "colors": "exact"},
     ],
     "npz": [{}, {"compressed": True}],
+    "obj": [{}, {"colors": "comments"}, {"colors": "none"}],
 }
 CALLS = [(name, options) for name, several in OPTIONS.items() for options in several]
 
@@ -36,6 +38,8 @@ NORMALS = np.array([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0.6, 0.8]], dtype=np.fl
 RGB = np.array([[0, 128, 255], [1, 2, 3], [254, 127, 64], [9, 9, 9]], dtype=np.uint8)
 RGBA = np.column_stack([RGB, [255, 10, 0, 128]]).astype(np.uint8)
 DEEP = np.array([[0, 1, 65535], [300, 2, 3], [4, 5, 6], [7, 8, 9]], dtype=np.uint16)
+
+METADATA = {"survey": "Höhe\x7f\n2024", "extent": [0, 1.5, {"a": None}], "comments": ("b", "a")}
 
 MESH = Cloud(POINTS, faces=ALL_FACES)
 
@@ -75,6 +79,7 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
         replace(MESH, crs='PROJCRS["ETRS89 / Gauß",\n  "two lines\\and \x07"]' * 50),
         {"faces", "crs"},
     ),
+    "metadata": (replace(MESH, metadata=METADATA), {"faces", "metadata"}),
     "double precision": (replace(MESH, points=POINTS + 0.1), {"faces", "float64"}),
     "far away": (replace(MESH, points=POINTS / 3 + [450000.1, 5200000.2, 0]), {"faces", "float64"}),
     "everything": (
@@ -86,6 +91,7 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
             normals=NORMALS,
             attributes={"class": np.arange(4, dtype=np.uint8)},
             crs="EPSG:2056",
+            metadata=METADATA,
         ),
         set(CONTENT) - {"alpha"},
     ),
@@ -127,6 +133,7 @@ def kept(back: Cloud, cloud: Cloud) -> dict[str, bool]:
         "attributes": back.attributes.keys() == cloud.attributes.keys()
         and all(np.array_equal(v, cloud.attributes[k]) for k, v in back.attributes.items()),
         "crs": back.crs == cloud.crs,
+        "metadata": said(back.metadata) == dict(cloud.metadata),
         "float64": same_positions(back, cloud),
     }
 
@@ -153,8 +160,9 @@ def equal(ours: np.ndarray | None, theirs: np.ndarray | None) -> bool:
 def expected_drops(cloud: Cloud, lost: set[str]) -> set[str]:
     if "colors" in lost:
         lost -= {"alpha", "deep_colors"}
-    names = {CONTENT[word] for word in lost - {"attributes"}}
-    return names | (set(cloud.attributes) if "attributes" in lost else set())
+    names = {CONTENT[word] for word in lost - {"attributes", "metadata"}}
+    entries = {f"metadata {key}" for key in cloud.metadata} if "metadata" in lost else set()
+    return names | entries | (set(cloud.attributes) if "attributes" in lost else set())
 
 
 @pytest.mark.parametrize("content", CONTENTS)

@@ -33,6 +33,11 @@ KINDS = {
     "stl": (".stl",),
     "glb": (".glb",),
     "gltf": (".gltf",),
+    "pcd": (".pcd",),
+    "pts": (".pts",),
+    "xyzrgb": (".xyzrgb",),
+    "xyzn": (".xyzn",),
+    "node": (".node", ".ele"),
 }
 
 
@@ -80,7 +85,7 @@ def test_unknown_suffixes_list_the_known(tmp_path: Path, name: str) -> None:
         lambda: liftmesh.write(tmp_path / name, full_mesh()),
         lambda: liftmesh.read(io.BytesIO(b"ply"), format=name),
     ):
-        with pytest.raises(FormatError, match=r"known suffixes are \.asc, \.csv, \.glb.*\.ply"):
+        with pytest.raises(FormatError, match=r"known suffixes are \.asc, \.csv, \.ele.*\.ply"):
             call()
     assert not list(tmp_path.iterdir())
 

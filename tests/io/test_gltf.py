@@ -91,7 +91,7 @@ def test_lines_are_named(mode: int, what: str) -> None:
 def test_what_is_not_read_is_named() -> None:
     model = Model(scenes=[{"nodes": []}, {"nodes": [0]}, {}])
     rows = model.accessor(SQUARE)
-    attributes = {"POSITION": rows, "TEXCOORD_0": 0, "_MINE": 0, "JOINTS_0": 0}
+    attributes = {"POSITION": rows, "TEXCOORD_0": 0, "MINE": 0, "JOINTS_0": 0}
     draco = {"KHR_draco_mesh_compression": {}, "KHR_materials_variants": {}}
     one = model.mesh({"attributes": attributes, "mode": 0, "targets": [{}], "extensions": draco})
     instances = {"EXT_mesh_gpu_instancing": {}, "KHR_lights_punctual": {}}
@@ -102,7 +102,7 @@ def test_what_is_not_read_is_named() -> None:
         "1 skin",
         "1 node with EXT_mesh_gpu_instancing",
         "1 primitive with TEXCOORD_0",
-        "1 primitive with _MINE",
+        "1 primitive with MINE",
         "1 primitive with JOINTS_0",
         "1 primitive with KHR_draco_mesh_compression",
         "1 primitive with morph targets",

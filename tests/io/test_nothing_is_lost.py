@@ -41,7 +41,7 @@ def test_binary_ply_with_more_rows_than_promised() -> None:
         ("ply", ()),
         ("npz", ()),
         ("obj", ("age", "class")),
-        ("glb", ("age", "class")),
+        ("glb", ()),
         ("off", ("colors", "normals", "age", "class")),
         ("stl", ("colors", "normals", "age", "class")),
     ],

@@ -82,8 +82,10 @@ def test_files_state_the_origin() -> None:
     assert saved(small_mesh(), "stl")[:80].rstrip(b"\0") == b"liftmesh"
     glb = saved(mesh, "glb")
     tree = json.loads(glb[20 : 20 + struct.unpack_from("<I", glb, 12)[0]])
-    assert tree["scenes"][0]["extras"]["origin"] == [450000.0, 5200000.0, 0.0]
-    assert json.loads(saved(mesh, "gltf"))["scenes"][0]["extras"]["origin"][0] == 450000.0
+    noted = [450000.0, 5200000.0, 0.0]
+    assert tree["scenes"][0]["extras"]["liftmesh"]["origin"] == noted
+    tree = json.loads(saved(mesh, "gltf"))
+    assert tree["scenes"][0]["extras"]["liftmesh"]["origin"] == noted
 
 
 @pytest.mark.parametrize("kind", ["glb", "gltf"])

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     import trimesh
 
 
+# What trimesh notes of the file and of its own work, or older versions did.
+_OWN = ("_ply_raw", "processed", "file_path", "file_name")
+
+
 def to_cloud(source: Any) -> Cloud:
     """Convert a trimesh point cloud, mesh or scene to a cloud.
 
@@ -132,6 +136,9 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
     if np.array_equal(matrix, np.eye(4)):
         return cloud
     linear = matrix[:3, :3]
+    if np.array_equal(linear, np.eye(3)):  # without arithmetic that would round, or touch normals
+        with np.errstate(over="ignore"):
+            return replace(cloud, points=cloud.points + matrix[:3, 3])
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # infinities are results
         points = cloud.points @ linear.T + matrix[:3, 3]
         size = np.abs(linear).max()
@@ -255,11 +262,12 @@ def _metadata(cloud: Cloud) -> dict[str, Any]:
 
 def _described(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Split metadata into a cloud's metadata and its coordinate system."""
-    rest = dict(metadata)
-    crs = rest.pop("crs", None)
-    if is_crs(crs):
-        return {"metadata": rest, "crs": crs}
-    return {"metadata": dict(metadata), "crs": None}
+    rest = {key: value for key, value in metadata.items() if key not in _OWN}
+    crs = rest.get("crs")
+    if not is_crs(crs):
+        return {"metadata": rest, "crs": None}
+    del rest["crs"]
+    return {"metadata": rest, "crs": crs}
 
 
 def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:

@@ -8,19 +8,22 @@ metadata.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Array
+from liftmesh._typing import Array, Rows
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import CloudBuilder, built_in_chunks
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import Format, stated_crs
+from liftmesh.io.format import Format, others, stated_crs
+from liftmesh.io.metadata import stated
 from liftmesh.io.ply.ascii_body import AsciiBody
 from liftmesh.io.ply.binary_body import BinaryBody
 from liftmesh.io.ply.header import Element, read_header
-from liftmesh.io.ply.writer import write_ply
+from liftmesh.io.ply.names import old_names
+from liftmesh.io.ply.writer import check_ply, not_numeric, renamed_properties, write_ply
 from liftmesh.io.ragged import Ragged
 from liftmesh.io.text_tables import shortened
 
@@ -45,9 +48,11 @@ def read_ply(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     -------
     Cloud
         Coordinates as float64; nx, ny, nz as normals, red, green, blue (alpha) as colours, other
-        scalar properties as attributes, all in the file's types; polygons as fans of triangles.
+        scalar properties as attributes, all in the file's types, under the names that comments
+        ``property a_b "a b"`` state; polygons as fans of triangles.
         A comment ``crs "EPSG:25832"`` is the coordinate system.
-        ``metadata`` holds ``comments``, ``obj_info``, and, if there are any, the number of
+        ``metadata`` holds what comments ``metadata {"survey": 2024}`` state, other ``comments``
+        than liftmesh's own, ``obj_info``, and, if there are any, the number of
         ``polygons`` split into triangles, of omitted ``degenerate_faces`` of fewer than three
         vertices, and the names of ``skipped`` properties and elements.
 
@@ -97,6 +102,13 @@ class _Reading:
         )
         self._name = name
         self._skipped: list[str] = []
+        comments = others(self._header.comments, self._crs())
+        self._names, self._comments = old_names(comments, self._properties())
+
+    def _properties(self) -> list[str]:
+        """The properties that become attributes, coordinates, normals and colours."""
+        vertex = (each for each in self._header.elements if each.name == "vertex")
+        return [name for element in vertex for name in _scalars(element)]
 
     def cloud(self) -> Cloud:
         builder, faces = None, None
@@ -112,13 +124,21 @@ class _Reading:
             raise self._no_vertices()
         self._body.check_end()
         triangles = None if faces is None else triangulated(faces, builder.rows, self._name)
-        return builder.cloud(triangles, self._metadata(faces), self._crs())
+        return self._cloud(builder, triangles, self._metadata(faces))
+
+    def _cloud(self, builder: CloudBuilder, faces: Rows | None, metadata: dict[str, Any]) -> Cloud:
+        """Give attributes the names that comments state."""
+        made = builder.cloud(faces, metadata, self._crs())
+        if not self._names:
+            return made
+        named = {self._names.get(key, key): values for key, values in made.attributes.items()}
+        return replace(made, attributes=named)
 
     def chunks(self, rows: int) -> Iterator[Cloud]:
         for element in self._header.elements:
             if element.name == "vertex":
                 for builder in self._vertices(element, rows):
-                    yield builder.cloud(None, self._metadata(None), self._crs())
+                    yield self._cloud(builder, None, self._metadata(None))
                 return
             self._skip_element(element)
         raise self._no_vertices()
@@ -177,12 +197,13 @@ class _Reading:
 
     def _metadata(self, faces: Ragged | None) -> dict[str, Any]:
         found: dict[str, Any] = {
-            "comments": self._header.comments,
             "obj_info": self._header.obj_info,
             "skipped": tuple(self._skipped),
         }
-        return {key: value for key, value in found.items() if value} | (
-            face_counts(faces) if faces is not None else {}
+        return (
+            stated(self._comments)
+            | {key: value for key, value in found.items() if value}
+            | (face_counts(faces) if faces is not None else {})
         )
 
 
@@ -190,8 +211,9 @@ def _scalars(element: Element) -> dict[str, np.dtype]:
     return {each.name: each.dtype for each in element.properties if each.length is None}
 
 
-def _lost(_cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
-    return () if options.get("colors") == "exact" else ("deep_colors",)
+def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+    names = (f"{name} (not numbers)" for name in not_numeric(cloud.attributes))
+    return (*names, *(() if options.get("colors") == "exact" else ("deep_colors",)))
 
 
 FORMAT = Format(
@@ -201,6 +223,9 @@ FORMAT = Format(
     write=write_ply,
     description="PLY, binary or text: float64, colours, normals, attributes, triangles",
     loses=_lost,
+    renames=renamed_properties,
+    check=check_ply,
     read_chunks=read_ply_chunks,
     expands=True,
+    gzip=True,
 )

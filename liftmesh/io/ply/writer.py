@@ -9,7 +9,8 @@ in the smallest of them that holds every value exactly.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
@@ -19,8 +20,10 @@ from liftmesh.choices import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_uint8
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.format import crs_comment
+from liftmesh.io.format import OWN, crs_comment
+from liftmesh.io.metadata import plain_lines, statements, storable
 from liftmesh.io.ply.header import LONGEST_LINE
+from liftmesh.io.ply.names import property_names, statements as old_names
 from liftmesh.io.text_tables import shortened, write_rows
 
 if TYPE_CHECKING:
@@ -46,14 +49,17 @@ def write_ply(
     cloud : Cloud
         Coordinates are written as double. Attributes keep the types uint8, uint16, int32, float and
         double; all others are written in the smallest of these that holds their values. An (n, k)
-        attribute becomes properties name_0 to name_{k-1}.
+        attribute becomes properties name_0 to name_{k-1}. A name that PLY cannot hold is made
+        valid, and the old one stands in a comment, so that reading gives it back. Attributes that
+        are no numbers are left out.
     encoding : {"binary", "ascii"}
         Little-endian binary, or text with digits that round-trip.
     colors : {"uint8", "exact"}
         ``"uint8"`` rounds colours to eight bits, the only type that PLY readers in wide use
         support; colours that came from eight bits lose nothing. ``"exact"`` keeps their type.
     comments : sequence of str
-        Lines for the header: provenance, licence, coordinate system.
+        Further lines for the header: provenance, licence. The comments and ``obj_info`` lines of
+        a PLY file that was read, and other metadata, are written anyway.
 
     Raises
     ------
@@ -65,11 +71,25 @@ def write_ply(
     check_option("encoding", encoding, PlyEncoding)
     check_option("colors", colors, PlyColors)
     columns = _columns(cloud, exact=colors == "exact")
-    stream.write(_header(cloud, columns, _ENCODINGS[encoding], comments))
+    numeric = _numeric(cloud.attributes)
+    names = property_names(_names(numeric), columns)
+    attributes = scalar_columns(numeric)
+    columns |= {names[name]: values for name, values in attributes.items()}
+    lines = _comments(cloud, names, comments)
+    stream.write(_header(cloud, columns, _ENCODINGS[encoding], lines))
     if encoding == "ascii":
         _write_text(stream, cloud, columns)
     else:
         _write_binary(stream, cloud, columns)
+
+
+def check_ply(cloud: Cloud) -> None:
+    """Raise for what PLY cannot hold of a cloud."""
+    numeric = _numeric(cloud.attributes)
+    _names(numeric)
+    scalar_columns(numeric)
+    if cloud.normals is not None:
+        portable(cloud.normals, "normals")
 
 
 def _columns(cloud: Cloud, *, exact: bool) -> dict[str, Array]:
@@ -79,11 +99,20 @@ def _columns(cloud: Cloud, *, exact: bool) -> dict[str, Array]:
     if cloud.colors is not None:
         color = _exact_colors(cloud.colors) if exact else as_uint8(cloud.colors)
         columns |= zip((*COLOR, ALPHA), color.T, strict=False)
-    attributes = scalar_columns(cloud.attributes)
-    taken = columns.keys() & attributes.keys()
-    if taken:
-        raise FormatError(f"attribute {min(taken)!r} has the name of a column of PLY: rename it")
-    return columns | attributes
+    return columns
+
+
+def renamed_properties(cloud: Cloud) -> dict[str, str]:
+    """Return the property of each attribute whose name PLY cannot hold."""
+    found = property_names(_names(_numeric(cloud.attributes)), _columns_of(cloud))
+    return {name: new for name, new in found.items() if name != new}
+
+
+def _columns_of(cloud: Cloud) -> list[str]:
+    """The properties of coordinates, normals and colours."""
+    channels = 0 if cloud.colors is None else cloud.colors.shape[1]
+    normals = () if cloud.normals is None else NORMAL
+    return [*POSITION, *normals, *(*COLOR, ALPHA)[:channels]]
 
 
 def _exact_colors(colors: Array) -> Array:
@@ -97,9 +126,9 @@ def _exact_colors(colors: Array) -> Array:
 
 
 def _header(
-    cloud: Cloud, columns: dict[str, Array], encoding: str, comments: Sequence[str]
+    cloud: Cloud, columns: dict[str, Array], encoding: str, comments: Iterable[str]
 ) -> bytes:
-    lines = ["ply", f"format {encoding} 1.0", *_comments(cloud, comments)]
+    lines = ["ply", f"format {encoding} 1.0", *comments]
     lines.append(f"element vertex {len(cloud)}")
     lines += [f"property {PORTABLE[v.dtype.str[1:]]} {name}" for name, v in columns.items()]
     if cloud.faces is not None:
@@ -108,9 +137,12 @@ def _header(
     return "\n".join([*lines, "end_header", ""]).encode("ascii")
 
 
-def _comments(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
+def _comments(cloud: Cloud, names: Mapping[str, str], comments: Sequence[str]) -> Iterator[str]:
     given = [comments] if isinstance(comments, str) else comments
-    for comment in ["liftmesh", *crs_comment(cloud.crs), *given]:
+    entries = storable(cloud.metadata)
+    infos = plain_lines(entries, "obj_info")
+    own = [OWN, *crs_comment(cloud.crs), *old_names(names), *statements(entries, "comments")]
+    for comment in [*own, *(each for each in given if each not in own)]:
         if not comment.isascii() or not comment.isprintable():
             raise FormatError(f"comment {comment!r} is not one line of ASCII, as PLY requires")
         if len(comment) > LONGEST_LINE // 2:
@@ -119,6 +151,7 @@ def _comments(cloud: Cloud, comments: Sequence[str]) -> Iterator[str]:
                 f"header has at most {LONGEST_LINE // 2:,} here"
             )
         yield f"comment {comment}"
+    yield from (f"obj_info {line}" for line in infos)
 
 
 def _write_text(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> None:
@@ -196,26 +229,47 @@ def scalar_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     Raises
     ------
     FormatError
-        A name cannot be a PLY property, or two columns get the same name.
+        An attribute has no values or cannot be converted, or two columns get the same name.
     """
     columns: dict[str, Array] = {}
     for name, values in attributes.items():
-        _check_name(name)
-        width = math.prod(values.shape[1:])  # reshape cannot infer it without rows
-        if not width:
-            raise FormatError(f"attribute {name!r} has the shape {values.shape}: it has no values")
-        flat = portable(np.asarray(values).reshape(len(values), width), f"attribute {name!r}")
-        names = [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(flat.shape[1])]
-        taken = columns.keys() & set(names)
-        if taken:
-            raise FormatError(f"two attributes are named {min(taken)!r}: rename one")
-        columns |= dict(zip(names, flat.T, strict=True))
+        flat = portable(values.reshape(len(values), _width(name, values)), f"attribute {name!r}")
+        columns |= zip(_split(name, values), flat.T, strict=True)
     return columns
 
 
-def _check_name(name: str) -> None:
-    if not name.isascii() or not name.isprintable() or not name or " " in name:
-        raise FormatError(
-            f"attribute {name!r} cannot be a PLY property: "
-            "rename it to ASCII letters without spaces"
-        )
+def _numeric(attributes: Mapping[str, Array]) -> dict[str, Array]:
+    """The attributes that are numbers: PLY holds no others."""
+    return {name: values for name, values in attributes.items() if values.dtype.kind in "biuf"}
+
+
+def not_numeric(attributes: Mapping[str, Array]) -> list[str]:
+    """Name the attributes that PLY leaves out: texts, dates, complex numbers, Python's objects."""
+    return sorted(attributes.keys() - _numeric(attributes).keys())
+
+
+def _width(name: str, values: Array) -> int:
+    width = math.prod(values.shape[1:])  # reshape cannot infer it without rows
+    if not width:
+        raise FormatError(f"attribute {name!r} has the shape {values.shape}: it has no values")
+    return width
+
+
+def _split(name: str, values: Array) -> list[str]:
+    """Name the columns of an attribute."""
+    return [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(_width(name, values))]
+
+
+def _names(attributes: Mapping[str, Array]) -> list[str]:
+    """Name the columns of all attributes.
+
+    Raises
+    ------
+    FormatError
+        Two of them get the same name.
+    """
+    names = Counter(each for name, values in attributes.items() for each in _split(name, values))
+    twice = next((name for name, count in names.items() if count > 1), None)
+    if twice is not None:
+        raise FormatError(f"two attributes are named {twice!r}: rename one")
+    return [*names]

@@ -9,6 +9,7 @@ from fuzz.structure.gltf import gltf
 from fuzz.structure.numpy_files import npy, npz
 from fuzz.structure.parts import Chance
 from fuzz.structure.ply import ply
+from fuzz.structure.points import compressed, node, pcd, pts, xyzrgb
 from fuzz.structure.text import ascii_stl, binary_stl, obj, off, table
 
 if TYPE_CHECKING:
@@ -24,6 +25,11 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "gltf": gltf,
     "npy": npy,
     "npz": npz,
+    "pcd": pcd,
+    "pts": pts,
+    "xyzrgb": xyzrgb,
+    "node": node,
+    "gzip": compressed,
 }
 
 

@@ -90,6 +90,9 @@ def _add_mesh(model: Model, chance: Chance) -> None:
         if chance.one_in(4):
             red = np.tile(np.array([255, 0, 0, 255], "<u1"), (rows, 1))
             primitive["attributes"]["COLOR_0"] = model.accessor(red, 5121, "VEC4")
+        if chance.one_in(3):
+            values = np.arange(rows, dtype="<f4").reshape(-1, 1)
+            primitive["attributes"]["_VALUE"] = model.accessor(values, 5126, "SCALAR")
         if mode == TRIANGLES and chance.one_in(3):
             del primitive["mode"]
         primitives.append(primitive)

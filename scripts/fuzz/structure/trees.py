@@ -18,6 +18,7 @@ KEYS = ("mesh", "children", "camera", "skin", "extras", "extensions", "extension
 WRONG: tuple[Any, ...] = (
     None, True, False, "", "0", "a" * 99, [], {}, [0], [None], {"a": 0}, 0.0, 1.5, float("nan"),
     float("inf"), ["1", "2", "3"], [10**400, 0, 0], [[[]]], ["KHR_draco_mesh_compression"],
+    {"liftmesh": {"origin": [1, 2, 3]}}, {"liftmesh": {"attributes": {"_VALUE": ["a", "u1"]}}},
     {"origin": [1, 2, 3]}, {"origin": [True, None, 3]}, {"origin": "a"}, {"crs": 3},
     "data:application/octet-stream;base64,AAAA", "data:,", "../a", "http://localhost:1/a",
 )  # fmt: skip

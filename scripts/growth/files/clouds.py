@@ -52,4 +52,12 @@ def everything(n: int) -> Cloud:
     )
 
 
-CLOUDS = named(terrain, long_digits, attributes, wide_attribute, repeated, everything)
+def odd_names(n: int) -> Cloud:
+    """Very many named values whose names become one another where they are made valid."""
+    rows = random().random((8, 3))
+    return Cloud(
+        rows, faces=faces(8), attributes={f"h{chr(0x4E00 + k)}": rows[:, 0] for k in range(n)}
+    )
+
+
+CLOUDS = named(terrain, long_digits, attributes, wide_attribute, repeated, everything, odd_names)

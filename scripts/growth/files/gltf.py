@@ -167,9 +167,36 @@ def flat_json(n: int) -> Tree:
     return scene(triangles(1), extras=[{}] * n)
 
 
+def named_values(n: int) -> Tree:
+    """Eight named values for every point."""
+    rows = triangles(n)
+    count = 3 * n
+    values = random().random((8, count)).astype("<f4").tobytes()
+    tree, _ = scene(rows + values)
+    tree["accessors"][0]["count"] = count
+    views = [{"buffer": 0, "byteLength": len(rows)}]
+    for k in range(8):
+        start = len(rows) + 4 * count * k
+        views.append({"buffer": 0, "byteOffset": start, "byteLength": 4 * count})
+        value = {"bufferView": k + 1, "componentType": 5126, "count": count, "type": "SCALAR"}
+        tree["accessors"].append(value)
+        tree["meshes"][0]["primitives"][0]["attributes"][f"_V{k}"] = k + 1
+    return tree | {"bufferViews": views}, rows + values
+
+
+def shared_values(n: int) -> Tree:
+    """Very many named values that are the same numbers."""
+    tree, rows = scene(triangles(1))
+    numbers = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"}
+    tree["accessors"].append(numbers)
+    names = {f"_{k}": 1 for k in range(min(n, 10_000))}
+    tree["meshes"][0]["primitives"][0]["attributes"] |= names
+    return tree, rows
+
+
 TREES = (
     soup, indexed, chain, moved_chain, instances, meshes, primitives, one_name, unused,
-    unused_meshes, empty_nodes, strip, flat_json, one_address,
+    unused_meshes, empty_nodes, strip, flat_json, one_address, named_values, shared_values,
 )  # fmt: skip
 HEAVY = ("moved chain", "primitives", "one name", "instances", "one address")
 """Each part of these costs thousands of instructions: they are counted at fewer parts."""

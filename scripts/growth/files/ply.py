@@ -198,6 +198,23 @@ def blank_lines_first(n: int) -> bytes:
     return ply("ascii", lines, b"\n" * n + b"0 0\n")
 
 
+def metadata_comments(n: int) -> bytes:
+    """Comments that state metadata, as nested as they may be, and more of them than are read."""
+    entry = "{" + f'"k": [{"[],{}," * 100}0]' + "}"
+    lines = [f"comment metadata {entry}"] * (n // 32 + 1)
+    return ply(
+        "ascii", [*lines, "element vertex 1", "property uchar x", "property uchar y"], b"0 0\n"
+    )
+
+
+def renamed_properties(n: int) -> bytes:
+    """Very many properties, each with a comment that states another name for it."""
+    names = [f'comment property p{k} "p {k % (n // 2 + 1)}"' for k in range(n)]
+    lines = ["element vertex 1", "property uchar x", "property uchar y"]
+    lines += [f"property uchar p{k}" for k in range(n)]
+    return ply("little", [*names, *lines], bytes(n + 2))
+
+
 PLY = named(
     points_in_binary,
     points_as_text,
@@ -225,4 +242,6 @@ PLY = named(
     rows_of_nothing,
     two_byte_rows,
     blank_lines_first,
+    metadata_comments,
+    renamed_properties,
 )

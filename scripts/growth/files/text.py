@@ -95,6 +95,17 @@ def obj_crs_comments(n: int) -> bytes:
     return b"# crs \n" * n + b"v 0 0 0\n"
 
 
+def obj_metadata_comments(n: int) -> bytes:
+    """Comments that state metadata, under a key of their own each."""
+    return b"".join(b'# metadata {"%d": [[]]}\n' % k for k in range(n)) + b"v 0 0 0\n"
+
+
+def obj_painted(n: int) -> bytes:
+    """Comments of ZBrush that hold the colour of a vertex each, and many of none."""
+    painted = b"#MRGB ff010203\n" * n + b"#MRGB\n" * n
+    return positions(n, "v {} {} {}\n").encode() + painted
+
+
 def obj_blank(n: int) -> bytes:
     """Lines of nothing, and lines of a letter."""
     return b"\n" * n + b"v 0 0 0\n" + b"a\n" * n
@@ -134,6 +145,8 @@ OBJ = named(
     obj_polygon_of_pairs,
     obj_polygon_of_triples,
     obj_crs_comments,
+    obj_metadata_comments,
+    obj_painted,
     obj_blank,
     obj_continued_faces,
     obj_continued_polygon,

@@ -1,0 +1,137 @@
+"""The depth of whole-number colours: how many bits per channel their numbers mean.
+
+A type says how much it can hold, not how much was meant. LAS keeps colours in 16 bits, and most
+programs put 8-bit values there; NumPy makes 64-bit integers of any list. So the values decide,
+all of a file's or object's together: colours up to 255 are 8-bit, up to 65,535 16-bit, and larger
+ones use the full range of their type. A part is never judged by itself: a dark corner of a 16-bit
+image holds no value above 255 either.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.errors import InputError
+
+DEPTHS = (8, 16, 32, 64)
+
+
+def judged(colors: Array) -> tuple[Array, int | None]:
+    """Decide the depth of colours from all their values.
+
+    Parameters
+    ----------
+    colors : (n, c) ndarray
+        Colours of any type.
+
+    Returns
+    -------
+    colors : (n, c) ndarray
+        Unsigned integers of that depth; anything else, invalid integers among them, as it is.
+    depth : int or None
+        Bits per channel; None where nothing is to be decided: floats, and 8-bit colours.
+
+    Examples
+    --------
+    >>> judged(np.array([[0, 51, 255]], dtype=np.uint16))
+    (array([[  0,  51, 255]], dtype=uint8), 8)
+    >>> judged(np.array([[0, 51, 256]]))
+    (array([[  0,  51, 256]], dtype=uint16), 16)
+    """
+    if colors.dtype.kind not in "iu" or colors.dtype == np.uint8:
+        return colors, None
+    low, high = (int(colors.min()), int(colors.max())) if colors.size else (0, 0)
+    is_signed = colors.dtype.kind == "i"
+    if low < 0 or (is_signed and high > 65535):
+        return colors, None
+    depth = 8 if high <= 255 else 16 if high <= 65535 else 8 * colors.dtype.itemsize
+    return _of_depth(colors, depth), depth
+
+
+def with_depth(colors: Array, depth: int) -> Array:
+    """Take the numbers of whole-number colours as those of a depth.
+
+    Parameters
+    ----------
+    colors : (n, c) ndarray
+        Colours of any type; floats stay as they are.
+    depth : int
+        Bits per channel: 8, 16, 32 or 64.
+
+    Returns
+    -------
+    (n, c) ndarray
+        The same numbers, as unsigned integers of that depth.
+
+    Raises
+    ------
+    InputError
+        The depth is another, or does not hold a number; the message gives the row.
+
+    Examples
+    --------
+    >>> with_depth(np.array([[0, 51, 255]], dtype=np.uint8), 16)
+    array([[  0,  51, 255]], dtype=uint16)
+    """
+    check_depth(depth)
+    if colors.dtype.kind not in "iu":
+        return colors
+    top = 2**depth - 1
+    if colors.size and (int(colors.min()) < 0 or int(colors.max()) > top):
+        outside = ((colors < 0) | (colors > top)).reshape(len(colors), -1).any(axis=1)
+        row = int(np.argmax(outside))
+        raise InputError(
+            f"row {row} has the colour {colors[row].tolist()}, outside 0..{top}, the range of "
+            f"color_depth={depth}: give another depth, or None to let the values decide"
+        )
+    return _of_depth(colors, depth)
+
+
+def kept_depth(colors: Array | None) -> int | None:
+    """Return the depth that the type of decided colours says, for a part of them or a copy.
+
+    Parameters
+    ----------
+    colors : (n, c) ndarray, optional
+        Colours whose depth was decided before.
+
+    Returns
+    -------
+    int or None
+        The `color_depth` that keeps them as they are.
+
+    Examples
+    --------
+    >>> kept_depth(np.zeros((1, 3), dtype=np.uint16)), kept_depth(np.zeros((1, 3), dtype=np.uint8))
+    (16, None)
+    """
+    is_wide = colors is not None and colors.dtype.kind == "u" and colors.dtype.itemsize > 1
+    return 8 * colors.dtype.itemsize if colors is not None and is_wide else None
+
+
+def check_depth(depth: int | None) -> None:
+    """Raise if an option is no depth.
+
+    Parameters
+    ----------
+    depth : int, optional
+        The option; None lets the values decide.
+
+    Raises
+    ------
+    InputError
+        It is neither None nor 8, 16, 32 or 64.
+
+    Examples
+    --------
+    >>> check_depth(12)
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: color_depth is 12: give 8, 16, 32 or 64 bits, or None
+    """
+    if depth is not None and (isinstance(depth, bool) or depth not in DEPTHS):
+        raise InputError(f"color_depth is {depth!r}: give 8, 16, 32 or 64 bits, or None")
+
+
+def _of_depth(colors: Array, depth: int) -> Array:
+    return colors.astype(f"u{depth // 8}", copy=False)

@@ -1,0 +1,142 @@
+"""Named values in glTF: attributes whose names begin with an underscore, of single precision.
+
+``_INTENSITY`` is written for intensity, as glTF wants it. The scene's extras state the old name
+and type of each, so that reading gives them back; without that a name loses its underscore.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Array
+
+_OTHER = re.compile(r"[^A-Z0-9_]+")
+_WIDEST = 4
+
+
+def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
+    """Return what glTF can hold of attributes: vectors of more than four values are split.
+
+    Examples
+    --------
+    >>> [*columns({"id": np.arange(3), "hist": np.zeros((3, 5)), "text": np.array(["a"] * 3)})]
+    ['id', 'hist_0', 'hist_1', 'hist_2', 'hist_3', 'hist_4']
+    """
+    found: dict[str, Array] = {}
+    for name, values in attributes.items():
+        if reason(values):
+            continue
+        if values.ndim == 1 or (values.ndim == 2 and 2 <= values.shape[1] <= _WIDEST):
+            found[name] = values
+        else:
+            flat = values.reshape(len(values), -1)
+            found |= {f"{name}_{k}": column for k, column in enumerate(flat.T)}
+    return found
+
+
+def reason(values: Array) -> str:
+    """Say why glTF cannot hold an attribute; an empty text if it can.
+
+    Examples
+    --------
+    >>> reason(np.array([1.0, np.nan])), reason(np.arange(2))
+    ('not finite', '')
+    """
+    if values.dtype.kind not in "biuf":
+        return "not numbers"
+    if not values.size:
+        return "no values"
+    return "" if np.isfinite(_single(values)).all() else "not finite"
+
+
+def lost(attributes: Mapping[str, Array]) -> list[str]:
+    """Name the attributes that a file does not hold, or not in full.
+
+    Examples
+    --------
+    >>> lost({"height": np.array([0.1]), "text": np.array(["a"])})
+    ['double precision of height', 'text (not numbers)']
+    """
+    found: list[str] = []
+    for name, values in sorted(attributes.items()):
+        if why := reason(values):
+            found.append(f"{name} ({why})")
+        elif not np.array_equal(_single(values).astype(values.dtype), values):
+            found.append(f"double precision of {name}")
+    return found
+
+
+def keys(names: Mapping[str, Array]) -> dict[str, str]:
+    """Choose the name of each attribute in the file.
+
+    Examples
+    --------
+    >>> keys({"intensity": np.zeros(1), "Scan Angle": np.zeros(1), "scan_angle": np.zeros(1)})
+    {'intensity': '_INTENSITY', 'Scan Angle': '_SCAN_ANGLE', 'scan_angle': '_SCAN_ANGLE_1'}
+    """
+    found: dict[str, str] = {}
+    numbers: Counter[str] = Counter()
+    taken: set[str] = set()
+    for name in names:
+        base = key = f"_{_OTHER.sub('_', name.upper()).strip('_') or 'ATTRIBUTE'}"
+        while key in taken:
+            numbers[base] += 1
+            key = f"{base}_{numbers[base]}"
+        taken.add(key)
+        found[name] = key
+    return found
+
+
+def note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dict[str, list[str]]:
+    """State the old name and type of each attribute.
+
+    Examples
+    --------
+    >>> note({"id": np.zeros(1, np.uint16)}, {"id": "_ID"})
+    {'_ID': ['id', 'uint16']}
+    """
+    return {key: [name, attributes[name].dtype.name] for name, key in names.items()}
+
+
+def restored(attributes: Mapping[str, Array], stated: object) -> dict[str, Array]:
+    """Give attributes their old names and types; what was stated wrongly has no effect.
+
+    Examples
+    --------
+    >>> restored({"_ID": np.ones(1), "_AGE": np.ones(1)}, {"_ID": ["id", "uint16"]})
+    {'id': array([1], dtype=uint16), 'AGE': array([1.])}
+    """
+    noted = stated if isinstance(stated, dict) else {}
+    found: dict[str, Array] = {}
+    for key, values in attributes.items():
+        name, dtype = _stated(noted.get(key), key)
+        if name in found or (name != key and name in attributes):
+            name = key
+        found[name] = values if dtype is None else _converted(values, dtype)
+    return found
+
+
+def _stated(entry: Any, key: str) -> tuple[str, np.dtype | None]:
+    plain = key[1:] or key
+    if not isinstance(entry, list) or len(entry) != 2 or not isinstance(entry[0], str):
+        return plain, None
+    kinds = {np.dtype(code).name: np.dtype(code) for code in "?bBhHiIlLqQefd"}
+    return entry[0], kinds.get(entry[1]) if isinstance(entry[1], str) else None
+
+
+def _converted(values: Array, dtype: np.dtype) -> Array:
+    """Convert values to a type that holds them all, else keep them."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        converted = values.astype(dtype)
+        is_exact = np.array_equal(converted.astype(values.dtype), values)
+    return converted if is_exact else values
+
+
+def _single(values: Array) -> Array:
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        return values.astype(np.float32)

@@ -1,0 +1,289 @@
+"""Metadata in files: what the user or a file said of a cloud as a whole.
+
+What a reader notes of its own file, such as its name or what it skipped, belongs to that file: it
+is never written, so that bytes are a function of the mesh. All else is stored as JSON, one object
+of one entry each: in comments as ``metadata {"survey": "2024"}``, in NPZ as a text, in glTF as
+extras. An entry is stored if JSON holds it without loss (tuples come back as lists) and it is not
+too long; others are named in `Written.dropped`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from liftmesh.io.table_columns import found_columns
+
+# What readers note; `read` sets "source" and "format" of every cloud.
+_LABELS = ("source", "format")
+_OF_TABLES = ("columns", "notes")  # also of tables in memory, which have no labels
+_NOTES = (
+    *_OF_TABLES, "skipped", "polygons", "degenerate_faces", "repeated_vertices", "ignored",
+    "origin",
+)  # fmt: skip
+
+# Lines of a file, which PLY keeps as such.
+LINES = ("comments", "obj_info")
+
+_STATED = "metadata "  # begins the comment that states an entry
+
+# Characters of an entry, and of all: a line of a PLY header is as long at most, and objects of
+# Python take up to 64 times their JSON.
+LONGEST = (1 << 15) - 64
+_MOST = 1 << 18
+_LINE = 40  # more than the characters around a line that is stated by itself
+
+
+def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entries that are not a reader's notes, sorted by their keys.
+
+    Parameters
+    ----------
+    metadata : mapping
+        Of a cloud. Only clouds that were read have notes.
+
+    Returns
+    -------
+    dict
+        What the user or the file said.
+
+    Examples
+    --------
+    >>> said({"source": "a.ply", "format": "ply", "survey": 2024})
+    {'survey': 2024}
+    """
+    is_read = all(each in metadata for each in _LABELS)
+    notes = (*_LABELS, *_NOTES) if is_read else _OF_TABLES if found_columns(metadata) else ()
+    keys = (key for key in sorted(metadata, key=str) if key not in notes)
+    return {key: metadata[key] for key in keys if not _is_skipped(key, metadata[key])}
+
+
+def _is_skipped(key: object, value: object) -> bool:
+    """Whether an entry lists what was not read, of a file or of an object."""
+    return key == "skipped" and isinstance(value, tuple)
+
+
+def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entries that files store, as JSON will give them back.
+
+    Examples
+    --------
+    >>> storable({"survey": 2024, "extent": (0, 1), "where": {1, 2}})
+    {'extent': [0, 1], 'survey': 2024}
+    """
+    found: dict[str, Any] = {}
+    left = _MOST
+    for key, value in said(metadata).items():
+        text = None if key in (*_LABELS, *_NOTES) else _text(key, value)
+        size = 0 if text is None else len(text) + _LINE * (len(value) if is_lines(value) else 0)
+        if text is not None and size <= left and _has_short_lines(key, value, text):
+            found[key] = json.loads(text)[key]
+            left -= size
+    return found
+
+
+def _has_short_lines(key: str, value: Any, text: str) -> bool:
+    """Whether an entry fits in one line, or in as many as it has."""
+    if key not in LINES or not is_lines(value):
+        return len(text) <= LONGEST
+    return all(len(str(_text(key, [each]))) <= LONGEST for each in value)
+
+
+def lost(metadata: Mapping[str, Any]) -> list[str]:
+    """Name the entries that files cannot store, as `Written.dropped` does.
+
+    Examples
+    --------
+    >>> lost({"survey": 2024, "where": {1, 2}})
+    ['metadata where']
+    """
+    stored = storable(metadata)
+    return named(key for key in said(metadata) if key not in stored)
+
+
+def named(keys: Iterable[object]) -> list[str]:
+    """Name entries by their keys.
+
+    Examples
+    --------
+    >>> named(["survey"])
+    ['metadata survey']
+    """
+    return [f"metadata {key}" for key in keys]
+
+
+def statements(entries: Mapping[str, Any], *lines: str) -> list[str]:
+    r"""Comments that state entries, each in one line of ASCII.
+
+    Parameters
+    ----------
+    entries : mapping
+        As `storable` returns them.
+    *lines : str
+        The entries that hold lines to be written as such, if they are printable ASCII.
+
+    Examples
+    --------
+    >>> statements({"survey": "H\u00f6he", "comments": ["by hand"]}, "comments")
+    ['metadata {"survey": "H\\u00f6he"}', 'by hand']
+    """
+    plain = [key for key in lines if key in entries and is_lines(entries[key])]
+    texts = [_text(key, value) for key, value in entries.items() if key not in plain]
+    found = [f"{_STATED}{text}" for text in texts]
+    for key in plain:
+        found += [_line(key, each) for each in entries[key]]
+    return found
+
+
+def _line(key: str, line: str) -> str:
+    """A line as such, or as JSON if other readers would not give it back."""
+    return line if _is_plain(line) else f"{_STATED}{_text(key, [line])}"
+
+
+def _is_plain(line: str) -> bool:
+    is_bare = line.isascii() and line.isprintable() and line == line.strip()
+    is_own = line == "liftmesh" or line.startswith(("crs ", _STATED))
+    is_marked = line.startswith("#") or line.endswith("\\")  # which mean something in OBJ
+    return is_bare and not is_own and not is_marked and len(line) <= LONGEST
+
+
+def plain_lines(entries: dict[str, Any], key: str) -> list[str]:
+    """Remove an entry that holds lines if all can be written as such, and return them.
+
+    Examples
+    --------
+    >>> plain_lines({"obj_info": ["grid 2 2"]}, "obj_info")
+    ['grid 2 2']
+    """
+    lines = entries.get(key)
+    is_written = is_lines(lines) and all(map(_is_plain, lines or ()))
+    return list(entries.pop(key)) if is_written else []
+
+
+def stated(comments: Iterable[str]) -> dict[str, Any]:
+    """Return the entries that comments state; the others stand under "comments", in order.
+
+    Examples
+    --------
+    >>> stated(["made by hand", 'metadata {"survey": 2024}'])
+    {'survey': 2024, 'comments': ('made by hand',)}
+    """
+    entries: dict[str, Any] = {}
+    others: list[str] = []
+    left = _MOST
+    for comment in comments:
+        text = comment.removeprefix(_STATED)
+        is_short = text is not comment and len(text) <= min(left, 2 * LONGEST)
+        entry = parsed(text) if is_short else None
+        left -= len(text) if is_short else 0
+        if entry is None:
+            others.append(comment)
+        elif isinstance(entry.get("comments"), tuple):
+            others += entry.pop("comments")
+        entries |= entry or {}
+    return entries | ({"comments": tuple(others)} if others else {})
+
+
+def parsed(text: str) -> dict[str, Any] | None:
+    """Parse an object of entries; None if a text is anything else. Lines become tuples again.
+
+    Examples
+    --------
+    >>> parsed('{"survey": 2024}'), parsed("[1]")
+    ({'survey': 2024}, None)
+    """
+    try:
+        found = json.loads(text) if len(text) <= _MOST else None
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict):
+        return None
+    return _with_lines({key: found[key] for key in found if key not in (*_LABELS, *_NOTES)})
+
+
+def _with_lines(entries: dict[str, Any]) -> dict[str, Any]:
+    return entries | {key: tuple(entries[key]) for key in LINES if is_lines(entries.get(key))}
+
+
+def as_text(entries: Mapping[str, Any]) -> str:
+    """Write entries as one object.
+
+    Examples
+    --------
+    >>> as_text({"survey": 2024})
+    '{"survey": 2024}'
+    """
+    return json.dumps(dict(entries), sort_keys=True)
+
+
+# What else stands in the extras of a glTF scene.
+NOTE = "liftmesh"  # the origin, and the names of attributes
+_TAKEN = ("origin", "crs", "metadata", NOTE)
+
+
+def as_extras(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Give entries the form of a glTF scene's extras; those of taken names stand in one of them.
+
+    Examples
+    --------
+    >>> as_extras({"survey": 2024, "crs": 25832})
+    {'survey': 2024, 'metadata': {'crs': 25832}}
+    """
+    inner = {key: value for key, value in entries.items() if key in _TAKEN}
+    extras = {key: value for key, value in entries.items() if key not in _TAKEN}
+    return extras | ({"metadata": inner} if inner else {})
+
+
+def of_extras(extras: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entries of a scene's extras.
+
+    Examples
+    --------
+    >>> of_extras({"survey": 2024, "metadata": {"crs": 25832}})
+    {'survey': 2024, 'crs': 25832}
+    """
+    inner = extras.get("metadata")
+    if not isinstance(inner, dict) or not inner.keys() <= set(_TAKEN):
+        return _with_lines(dict(extras))
+    rest = {key: value for key, value in extras.items() if key not in ("metadata", *inner)}
+    return _with_lines(rest | inner)
+
+
+def is_lines(value: object) -> bool:
+    """Whether a value is a sequence of texts, one at least.
+
+    Examples
+    --------
+    >>> is_lines(["a", "b"]), is_lines("ab")
+    (True, False)
+    """
+    if not isinstance(value, list | tuple) or not value:
+        return False
+    return all(isinstance(each, str) for each in value)
+
+
+def _text(key: object, value: object) -> str | None:
+    """An object of one entry as JSON in printable ASCII; None if JSON cannot hold it."""
+    if not isinstance(key, str):
+        return None
+    try:
+        text = json.dumps({key: _plain(value)}, allow_nan=False, sort_keys=True)
+    except (TypeError, ValueError, RecursionError):
+        return None
+    return text.replace("\x7f", "\\u007f")
+
+
+def _plain(value: Any) -> Any:
+    """Replace tuples, mappings and scalars of NumPy by what JSON has."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, Mapping):
+        if not all(isinstance(key, str) for key in value):
+            raise TypeError("JSON has texts for keys")
+        return {key: _plain(each) for key, each in value.items()}
+    return value

@@ -1,0 +1,116 @@
+"""Where is read from and written to: paths and binary streams, and their names for messages."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, BinaryIO, TypeAlias
+
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.gzip_stream import decompressed
+from liftmesh.io.links import check_links
+from liftmesh.io.streams import add_name, remaining, seekable
+
+if TYPE_CHECKING:
+    from liftmesh.io.format import Format
+
+PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
+
+
+def at_home(place: PathOrStream) -> PathOrStream:
+    """Replace ``~`` at the beginning of a path by the home folder; streams stay.
+
+    Raises
+    ------
+    InputError
+        The path holds NUL.
+    """
+    if not isinstance(place, str | os.PathLike):
+        return place
+    path = os.path.expanduser(os.fsdecode(place))  # noqa: PTH111 - Path raises if there is no home
+    if "\0" in path:
+        raise InputError(f"the path {path!r} holds NUL, which no path can")
+    return path
+
+
+def name_of(place: object) -> str:
+    """Return the name of a path or a stream for messages.
+
+    >>> name_of("points.csv"), name_of(io.BytesIO())
+    ('points.csv', '<stream>')
+    """
+    if isinstance(place, str | os.PathLike):
+        return os.fspath(place)
+    name = getattr(place, "name", None)
+    return name if isinstance(name, str) else "<stream>"
+
+
+@contextmanager
+def opened(source: PathOrStream, found: Format, name: str, limit: int | None) -> Iterator[BinaryIO]:
+    """Open a path, or use a stream; yield it as a seekable stream that is not empty.
+
+    Parameters
+    ----------
+    source : path or binary stream
+        Where to read.
+    found : Format
+        The format, which may be one that is read compressed with gzip.
+    name : str
+        The name for messages.
+    limit : int, optional
+        The limit in bytes of what a compressed file may expand to.
+
+    Yields
+    ------
+    binary stream
+        The content, decompressed if need be.
+
+    Raises
+    ------
+    FormatError
+        There is a folder, nothing, or no stream of bytes; or the file expands to too much.
+    OSError
+        The file cannot be opened or read.
+    """
+    if not isinstance(source, str | os.PathLike):
+        check_stream(source, "read")
+        yield _filled(seekable(source), found, name, limit)
+        return
+    try:
+        with open(source, "rb") as stream:  # noqa: PTH123
+            yield _filled(seekable(stream), found, name, limit)
+    except IsADirectoryError as error:
+        raise folder(name) from error
+    except OSError as error:  # of the stream, which knows no name
+        check_links(source)
+        add_name(error, name)
+        raise
+
+
+def folder(name: str) -> FormatError:
+    """The error that a folder is no file."""
+    return FormatError(f"{name}: this is a folder, not a file")
+
+
+def _filled(stream: BinaryIO, found: Format, name: str, limit: int | None) -> BinaryIO:
+    content = decompressed(stream, name, limit) if found.gzip else stream
+    if not remaining(content):
+        raise FormatError(f"{name}: the file is empty (0 bytes)")
+    return content
+
+
+def check_stream(stream: object, method: str) -> None:
+    """Raise unless an object is a binary stream that can be read or written.
+
+    Raises
+    ------
+    FormatError
+        It is anything else, such as a text stream.
+    """
+    if not hasattr(stream, method) or isinstance(stream, io.TextIOBase):
+        raise FormatError(
+            f"a {type(stream).__name__} is neither a path nor a binary stream: "
+            "open files with mode 'rb' or 'wb'"
+        )

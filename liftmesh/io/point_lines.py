@@ -1,0 +1,159 @@
+"""Points as lines of numbers whose columns the format fixes: PTS, XYZRGB and XYZN.
+
+PTS comes from laser scanners. Each scan is a line with its number of points and a line for each
+point: x y z, then an intensity, a colour, or both. XYZRGB and XYZN have x y z and a colour or a
+normal in each line, and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.cloud import Cloud
+from liftmesh.color_depth import kept_depth
+from liftmesh.errors import FormatError
+from liftmesh.io.colors import recognized
+from liftmesh.io.columns import COLOR, NORMAL, POSITION
+from liftmesh.io.format import Format
+from liftmesh.io.lines import BLOCK, Block, Lines, promised
+from liftmesh.io.text_tables import number_table, quoted
+
+_COMMENTS = ("#", "//")
+
+# What the values of a PTS line are, by their number.
+_PTS = {
+    3: POSITION,
+    4: (*POSITION, "intensity"),
+    6: (*POSITION, *COLOR),
+    7: (*POSITION, "intensity", *COLOR),
+}
+
+
+def read_xyzrgb(stream: BinaryIO, name: str) -> Cloud:
+    """Read lines of x y z r g b.
+
+    Returns
+    -------
+    Cloud
+        Colours as in text: uint8 or uint16 if they are whole numbers, floats if none exceeds 1;
+        attributes red, green and blue if they cannot be colours.
+
+    Raises
+    ------
+    FormatError
+        A line is not six numbers; the message gives it.
+    """
+    return _cloud(_table(stream, name, 6), (*POSITION, *COLOR))
+
+
+def read_xyzn(stream: BinaryIO, name: str) -> Cloud:
+    """Read lines of x y z nx ny nz.
+
+    Returns
+    -------
+    Cloud
+        Points and normals.
+
+    Raises
+    ------
+    FormatError
+        A line is not six numbers; the message gives it.
+    """
+    return _cloud(_table(stream, name, 6), (*POSITION, *NORMAL))
+
+
+def read_pts(stream: BinaryIO, name: str) -> Cloud:
+    """Read a PTS file: one scan or several, with or without their numbers of points.
+
+    Returns
+    -------
+    Cloud
+        Points with ``intensity`` and colours, if there are any. ``metadata["scans"]`` counts the
+        scans if there are several.
+
+    Raises
+    ------
+    FormatError
+        A line is invalid, or a scan has fewer points than its first line says.
+    """
+    lines = Lines(stream, name, comments=_COMMENTS)
+    first = lines.take(1)
+    parts: list[Floats] = []
+    scans = 0
+    while len(first):
+        scans += 1
+        count = _count(first)
+        rows = _rest(first, lines) if count is None else promised(lines, count, "points", name)
+        for block in rows:
+            parts.append(number_table(block, name, width=parts[0].shape[1] if parts else None))
+            _check_width(parts[0], block, name)
+        first = lines.take(1)
+    if not parts:
+        raise FormatError(f"{name}: the file has no points")
+    table = np.concatenate(parts)
+    return _cloud(table, _PTS[table.shape[1]], **({"scans": scans} if scans > 1 else {}))
+
+
+def _rest(first: Block, lines: Lines) -> Iterator[Block]:
+    yield first
+    while len(block := lines.take(BLOCK)):
+        yield block
+
+
+def _count(first: Block) -> int | None:
+    """The number of points that a line states; None if it is a point."""
+    word = first.texts[0]
+    return int(word) if word.isascii() and word.isdigit() and len(word) < 19 else None
+
+
+def _check_width(table: Floats, block: Block, name: str) -> None:
+    if table.shape[1] not in _PTS:
+        raise FormatError(
+            f"{name}: line {block.numbers[0]}: {quoted(block.texts[0])} has {table.shape[1]} "
+            "values: a point has x y z, an intensity, and a colour of three values, or fewer"
+        )
+
+
+def _table(stream: BinaryIO, name: str, width: int) -> Floats:
+    lines = Lines(stream, name, comments=_COMMENTS)
+    parts: list[Floats] = []
+    while len(block := lines.take(BLOCK)):
+        parts.append(number_table(block, name, width=width))
+    if not parts:
+        raise FormatError(f"{name}: the file has no points: no line holds numbers")
+    return np.concatenate(parts)
+
+
+def _cloud(table: Floats, names: tuple[str, ...], **metadata: object) -> Cloud:
+    columns = {each: np.ascontiguousarray(table[:, k]) for k, each in enumerate(names) if k > 2}
+    colors = None
+    if "red" in columns:
+        colors = recognized(np.stack([columns[each] for each in COLOR], axis=1))
+    normals = np.stack([columns[each] for each in NORMAL], axis=1) if "nx" in columns else None
+    used = {*NORMAL, *(COLOR if colors is not None else ())}
+    return Cloud(
+        np.ascontiguousarray(table[:, :3]),
+        colors=colors,
+        color_depth=kept_depth(colors),
+        normals=normals,
+        attributes={key: values for key, values in columns.items() if key not in used},
+        metadata=metadata,
+    )
+
+
+FORMATS = (
+    Format(
+        "pts",
+        (".pts",),
+        read_pts,
+        None,
+        "points of laser scanners: x y z, intensity, colour",
+        gzip=True,
+    ),
+    Format("xyzrgb", (".xyzrgb",), read_xyzrgb, None, "lines of x y z r g b", gzip=True),
+    Format("xyzn", (".xyzn",), read_xyzn, None, "lines of x y z nx ny nz", gzip=True),
+)

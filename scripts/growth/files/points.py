@@ -1,0 +1,204 @@
+"""Families of files of points: PCD, PTS, XYZRGB, XYZN, .node, and text compressed with gzip.
+
+Work grows where a header names very many fields, where scans or members are many and empty, where a
+copy of LZF reaches into itself, and where decompression begins anew to go back a little.
+"""
+
+from __future__ import annotations
+
+import gzip
+import struct
+
+import numpy as np
+
+from growth.families import named, random
+from growth.files.text import positions, table
+
+
+class Compressed(bytes):
+    """A file that expands to ``content`` bytes."""
+
+    content = 0
+
+
+def pcd(fields: dict[str, str], points: int, data: str, body: bytes) -> bytes:
+    """Write a PCD file; each field has a type and size such as F4."""
+    lines = [
+        "VERSION 0.7",
+        f"FIELDS {' '.join(fields)}",
+        f"SIZE {' '.join(each[1:] for each in fields.values())}",
+        f"TYPE {' '.join(each[0] for each in fields.values())}",
+        f"WIDTH {points}",
+        "HEIGHT 1",
+        f"POINTS {points}",
+        f"DATA {data}",
+    ]
+    return "\n".join([*lines, ""]).encode() + body
+
+
+XYZ = {"x": "F4", "y": "F4", "z": "F4"}
+
+
+def rows_of_floats(n: int) -> bytes:
+    """The ordinary binary cloud."""
+    return pcd(XYZ, n, "binary", random().random((n, 3)).astype("<f4").tobytes())
+
+
+def pcd_as_text(n: int) -> bytes:
+    """The ordinary cloud as text."""
+    return pcd(XYZ, n, "ascii", positions(n).encode())
+
+
+def colours_as_text(n: int) -> bytes:
+    """Colours in the digits of floats."""
+    return pcd({**XYZ, "rgb": "F4"}, n, "ascii", positions(n, "{} {} {} 4.2108e-38\n").encode())
+
+
+def very_many_fields(n: int) -> bytes:
+    """Fields of a byte each: names must not be compared with all others."""
+    fields = {"x": "U1", "y": "U1", **{f"f{k}": "U1" for k in range(n)}}
+    return pcd(fields, 1, "binary", bytes(n + 2))
+
+
+def bytes_of_points(n: int) -> bytes:
+    """Points of two bytes."""
+    return pcd({"x": "U1", "y": "U1"}, n, "binary", bytes(2 * n))
+
+
+def packed(data: bytes, size: int, n: int) -> bytes:
+    """Compress points of two bytes to some data."""
+    made = Compressed(
+        pcd({"x": "U1", "y": "U1"}, n, "binary_compressed", struct.pack("<II", len(data), size))
+        + data
+    )
+    made.content = max(size, len(made))
+    return made
+
+
+def literal_runs(n: int) -> bytes:
+    """Bytes copied as they are, two at a time."""
+    return packed(b"\x01ab" * n, 2 * n, n)
+
+
+def short_copies(n: int) -> bytes:
+    """Copies of three bytes, each from as far back as may be."""
+    count = max(n, 1) * 2 // 3 * 2
+    start = b"\x1f" + bytes(32)
+    copies = b"\x20\x1f" * ((count - 32) // 3 if count > 32 else 0)
+    size = 32 + 3 * (len(copies) // 2)
+    return packed(start + copies + b"\x00a" * (size % 2), size + size % 2, (size + 1) // 2)
+
+
+def long_copies_of_one(n: int) -> bytes:
+    """Copies of 264 bytes that repeat one byte: what expands the most."""
+    count = n // 132 + 1
+    size = 2 + 264 * count
+    return packed(b"\x01aa" + b"\xe0\xff\x00" * count, size, size // 2)
+
+
+PCD = named(
+    rows_of_floats,
+    pcd_as_text,
+    colours_as_text,
+    very_many_fields,
+    bytes_of_points,
+    literal_runs,
+    short_copies,
+    long_copies_of_one,
+)
+
+
+def one_scan(n: int) -> bytes:
+    """The ordinary scan."""
+    return f"{n}\n{positions(n, '{} {} {} -5 1 2 3' + chr(10))}".encode()
+
+
+def scans_of_nothing(n: int) -> bytes:
+    """Scans without points, and one."""
+    return b"0\n" * n + b"1\n1 2 3\n"
+
+
+def scans_of_one_point(n: int) -> bytes:
+    """Scans of a point each: numbers are parsed line by line."""
+    return b"1\n1 2 3\n" * n
+
+
+def points_without_a_count(n: int) -> bytes:
+    """Points whose number no line states."""
+    return positions(n).encode()
+
+
+PTS = named(one_scan, scans_of_nothing, scans_of_one_point, points_without_a_count)
+
+
+def coloured_points(n: int) -> bytes:
+    """The ordinary cloud with colours."""
+    return positions(n, "{} {} {} 0.4745098039 0.5 1\n").encode()
+
+
+def digits(n: int) -> bytes:
+    """Rows of twelve bytes, and comments behind them."""
+    return b"1 1 1 1 1 1\n" * n + b"# a\n" * n
+
+
+XYZRGB = named(coloured_points, digits)
+
+
+def points_with_normals(n: int) -> bytes:
+    """The ordinary cloud with normals."""
+    return positions(n, "{} {} {} 0.0 0.6 0.8\n").encode()
+
+
+XYZN = named(points_with_normals, digits)
+
+
+def nodes(n: int) -> bytes:
+    """The ordinary points, with an attribute and a marker."""
+    rows = np.round(random().random((n, 2)) * 1000, 5).tolist()
+    return f"{n} 2 1 1\n".encode() + b"".join(
+        f"{k} {x} {y} 7.5 1\n".encode() for k, (x, y) in enumerate(rows, 1)
+    )
+
+
+def nodes_of_few_digits(n: int) -> bytes:
+    """Rows of few bytes, and comments."""
+    rows = b"".join(b"%d 0 0\n# a\n" % k for k in range(n))
+    return b"%d 2 0 0\n" % n + rows
+
+
+def node_attributes(n: int) -> bytes:
+    """One point of very many attributes."""
+    return b"1 2 %d 0\n1 0 0" % n + b" 5" * n + b"\n"
+
+
+def node_blank(n: int) -> bytes:
+    """Lines of nothing before the only point."""
+    return b"1 2 0 0\n" + b"\n" * n + b"1 5 5\n"
+
+
+NODE = named(nodes, nodes_of_few_digits, node_attributes, node_blank)
+
+
+def zipped(data: bytes) -> bytes:
+    """Compress a text."""
+    made = Compressed(gzip.compress(data, mtime=0))
+    made.content = max(len(data), len(made))
+    return made
+
+
+def gzip_table(n: int) -> bytes:
+    """The ordinary table, compressed."""
+    return zipped(table(n))
+
+
+def gzip_members(n: int) -> bytes:
+    """Very many members of nothing, and one of a point."""
+    return gzip.compress(b"", mtime=0) * n + gzip.compress(b"1 2 3\n", mtime=0)
+
+
+def gzip_long_lines(n: int) -> bytes:
+    """Comments as long as what a reader takes at a time: it goes back by nearly as much."""
+    return zipped((b"# " + b"a" * 40 * n + b"\n1 2 3\n") * 16)
+
+
+GZIP = named(gzip_table, gzip_members, gzip_long_lines)

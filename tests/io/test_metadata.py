@@ -1,0 +1,219 @@
+"""Metadata: what the user or a file said comes back or is named, and no path is ever written."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from file_samples import loaded, saved, small_mesh
+from hypothesis import given, settings, strategies as st
+
+import liftmesh
+from liftmesh import Cloud, FormatError
+from liftmesh.io.metadata import said
+
+KEEPING = ("ply", "obj", "npz", "glb", "gltf")
+MESH = small_mesh()
+
+
+def mesh(metadata: dict[str, Any], **more: Any) -> Cloud:
+    return Cloud(MESH.points, faces=MESH.faces, metadata=metadata, **more)
+
+
+def back(kind: str, metadata: dict[str, Any]) -> dict[str, Any]:
+    return said(loaded(saved(mesh(metadata), kind), kind).metadata)
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
+    max_leaves=6,
+)
+ENTRIES = st.dictionaries(
+    st.text() | st.sampled_from(["crs", "origin", "metadata", "comments", "obj_info"]),
+    VALUES,
+    max_size=4,
+)
+
+
+@settings(max_examples=60)
+@given(entries=ENTRIES, kind=st.sampled_from(KEEPING))
+def test_every_entry_comes_back_or_is_named(entries: dict[str, Any], kind: str) -> None:
+    written = liftmesh.write(stream := io.BytesIO(), mesh(entries), format=kind)
+    cloud = loaded(stream.getvalue(), kind)
+    lost = {each.removeprefix("metadata ") for each in written.dropped}
+    assert listed(said(cloud.metadata)) == listed(
+        {key: value for key, value in entries.items() if key not in lost}
+    )
+    assert cloud.crs is None
+
+
+def listed(value: Any) -> Any:
+    """Replace tuples by lists, which JSON gives back."""
+    if isinstance(value, list | tuple):
+        return [listed(each) for each in value]
+    if isinstance(value, dict):
+        return {key: listed(each) for key, each in value.items()}
+    return value
+
+
+LINES = st.lists(
+    st.text(max_size=9)
+    | st.sampled_from(["a\\", "# b", 'metadata {"a": 1}', "", 'crs "X"', "liftmesh"])
+)
+
+
+@settings(max_examples=60)
+@given(lines=LINES, kind=st.sampled_from(("ply", "obj", "npz")))
+def test_every_comment_comes_back_in_its_place(lines: list[str], kind: str) -> None:
+    cloud = mesh({"comments": tuple(lines)} if lines else {})
+    found = loaded(saved(cloud, kind), kind)
+    assert list(found.metadata.get("comments", ())) == lines
+    assert len(found) == len(cloud)
+
+
+@pytest.mark.parametrize("kind", KEEPING)
+def test_bytes_tell_no_path_and_no_format(kind: str, tmp_path: Path) -> None:
+    first, second = tmp_path / "a.ply", tmp_path / "b.npz"
+    liftmesh.write(first, mesh({"survey": 2024}))
+    liftmesh.write(second, mesh({"survey": 2024}))
+    one, other = (saved(liftmesh.read(path), kind) for path in (first, second))
+    assert one == other == saved(mesh({"survey": 2024}), kind)
+
+
+@pytest.mark.parametrize("kind", ["stl", "off"])
+def test_formats_without_a_place_for_it_name_it(kind: str) -> None:
+    cloud = mesh({"survey": 2024, "extent": (0, 1)}, crs="EPSG:2056")
+    written = liftmesh.write(io.BytesIO(), cloud, format=kind)
+    assert written.dropped[-3:] == ("crs", "metadata extent", "metadata survey")
+
+
+@pytest.mark.parametrize("kind", KEEPING)
+@pytest.mark.parametrize(
+    "value",
+    [np.zeros(3), {1: "a"}, float("nan"), {1, 2}, b"bytes", "x" * 40_000, object()],
+    ids=["array", "numbers as keys", "nan", "set", "bytes", "long", "object"],
+)
+def test_what_json_does_not_hold_is_named(kind: str, value: object) -> None:
+    written = liftmesh.write(io.BytesIO(), mesh({"survey": value, "a": 1}), format=kind)
+    assert written.dropped == ("metadata survey",)
+    assert back(kind, {"survey": value, "a": 1}) == {"a": 1}
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj"])
+@pytest.mark.parametrize(
+    ("lines", "dropped"),
+    [
+        ([f"line {k} {'x' * 60}" for k in range(2000)], ()),
+        ([f"line {k} {'x' * 60}" for k in range(9000)], ("metadata comments",)),
+        (["ü"] * 5_000, ()),
+        (["ü"] * 9_000, ("metadata comments",)),
+        (["ü" * 5_440], ()),
+        (["ü" * 5_462], ("metadata comments",)),
+        (["x" * 32_680], ()),
+        (["x" * 32_768], ("metadata comments",)),
+    ],
+)
+def test_lines_are_written_if_each_of_them_fits(
+    kind: str, lines: list[str], dropped: tuple[str, ...]
+) -> None:
+    cloud = mesh({"comments": tuple(lines)})
+    written = liftmesh.write(stream := io.BytesIO(), cloud, format=kind)
+    assert written.dropped == dropped
+    found = loaded(stream.getvalue(), kind).metadata.get("comments", ())
+    assert list(found) == ([] if dropped else lines)
+
+
+def test_deep_nesting_is_named() -> None:
+    deep: list[Any] = []
+    for _ in range(100_000):
+        deep = [deep]
+    assert liftmesh.write(io.BytesIO(), mesh({"a": deep}), format="ply").dropped == ("metadata a",)
+
+
+def test_labels_of_the_user_are_named() -> None:
+    written = liftmesh.write(io.BytesIO(), mesh({"source": "a survey"}), format="ply")
+    assert written.dropped == ("metadata source",)
+
+
+def test_numpy_scalars_and_tuples_come_back_as_json_has_them() -> None:
+    assert back("npz", {"a": np.float64(0.1), "b": np.int64(3), "c": (1, (2,))}) == {
+        "a": 0.1,
+        "b": 3,
+        "c": [1, [2]],
+    }
+
+
+@pytest.mark.parametrize("between", ["obj", "npz", "glb"])
+def test_lines_of_a_ply_file_survive_other_formats(between: str) -> None:
+    data = saved(mesh({}), "ply").replace(
+        b"element vertex",
+        b"comment made by hand\ncomment h\xc3\xb6he\nobj_info 2 2\nelement vertex",
+    )
+    cloud = loaded(data, "ply")
+    assert cloud.metadata["comments"] == ("made by hand", "höhe")
+    again = loaded(saved(loaded(saved(cloud, between), between), "ply"), "ply")
+    assert (again.metadata["comments"], again.metadata["obj_info"]) == (
+        cloud.metadata["comments"],
+        ("2 2",),
+    )
+
+
+def test_a_surface_keeps_what_its_file_said(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_bytes(b"# Survey of 2024\nv 0 0 1\nv 1 0 2\nv 0 1 3\n")
+    liftmesh.triangulate(tmp_path / "a.obj").save(tmp_path / "b.ply")
+    assert b"comment Survey of 2024\n" in (tmp_path / "b.ply").read_bytes()
+
+
+def test_comments_given_again_are_written_once() -> None:
+    cloud = mesh({"comments": ("made by hand",)})
+    text = saved(cloud, "ply", comments=["made by hand", "twice"])
+    assert text.count(b"made by hand") == text.count(b"twice") == 1
+
+
+def test_a_comment_of_obj_may_not_swallow_the_next_line() -> None:
+    with pytest.raises(FormatError, match="not a single line"):
+        saved(MESH, "obj", comments=["path\\"])
+
+
+@pytest.mark.parametrize("text", ['metadata {"a": 1', "metadata [1]", "metadata", "metadata {}x"])
+def test_comments_that_only_look_like_entries_stay_comments(text: str) -> None:
+    data = saved(MESH, "ply").replace(b"element vertex", f"comment {text}\nelement vertex".encode())
+    assert loaded(data, "ply").metadata["comments"] == (text,)
+
+
+def test_an_npz_text_that_states_nothing_is_named() -> None:
+    stream = io.BytesIO()
+    np.savez(stream, points=MESH.points, metadata=np.array("made by hand"))
+    assert loaded(stream.getvalue(), "npz").metadata["skipped"] == ("metadata ()",)
+
+
+def test_chunks_hold_the_metadata() -> None:
+    for kind in ("ply", "npz"):
+        data = saved(mesh({"survey": 2024}), kind)
+        chunks = liftmesh.read_chunks(io.BytesIO(data), rows=3, format=kind)
+        assert [chunk.metadata["survey"] for chunk in chunks] == [2024, 2024]
+
+
+@pytest.mark.parametrize("kind", KEEPING)
+def test_what_was_found_of_a_table_is_not_written(kind: str) -> None:
+    text = b"Easting;Northing;Height;code\n0,5;0;5;a\n1;0;6;b\n0;1;7;c\n"
+    named = np.array([(0, 0, 5), (1, 0, 6), (0, 1, 7)], [("E", "f8"), ("N", "f8"), ("H", "f8")])
+    tables = [liftmesh.read(io.BytesIO(text), format="csv"), liftmesh.as_cloud(named)]
+    for cloud in tables:
+        surface = liftmesh.triangulate(cloud)
+        assert "columns" in surface.metadata
+        written = liftmesh.write(stream := io.BytesIO(), surface, format=kind)
+        assert not [each for each in written.dropped if each.startswith("metadata")]
+        assert said(loaded(stream.getvalue(), kind).metadata) == {}
+    assert not any(said(cloud.metadata) for cloud in tables)
+    assert tables[0].metadata["notes"]
+
+
+def test_columns_and_notes_of_the_user_are_named_if_they_are_no_tables() -> None:
+    cloud = mesh({"notes": "by hand", "columns": 7})
+    written = liftmesh.write(io.BytesIO(), cloud, format="ply")
+    assert written.dropped == ("metadata columns", "metadata notes")
