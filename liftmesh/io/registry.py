@@ -292,6 +292,7 @@ def rows_of(source: Any) -> Any:
 
     Examples
     --------
+    >>> import numpy as np
     >>> rows_of([[0, 0]]), rows_of(Cloud(np.zeros((1, 3))))
     ([[0, 0]], array([[0., 0., 0.]]))
     """
