@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, fits_eight_bits, recognized
@@ -40,8 +41,8 @@ _MOST_KEYWORDS = 1000
 
 _RUN = 1 << 16  # corners compared at a time
 
-# k/255 in the digits of single precision: readers that use floats get exactly this number.
-_EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=object)
+# k/255 in the shortest digits of single precision: readers that use floats get this number.
+_EIGHT_BITS = (np.arange(256) / 255).astype(np.float32)
 
 
 def read_obj(stream: BinaryIO, name: str) -> Cloud:
@@ -95,14 +96,13 @@ class _Reading:
 
     def _sorted(self, block: Block) -> tuple[Block, ...]:
         """Return the values of the lines of each relevant keyword, and count the other lines."""
-        masks = [_begin_with(block, keyword) for keyword in _KEYWORDS]
-        for text, number in block[~np.any(masks, axis=0)]:
+        found = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
+        for text, number in block[found < 0]:
             if text in _KEYWORDS:
                 raise FormatError(f"{self.name}: line {number}: {text!r} without values")
             self._ignore(shortened(text.split(None, 1)[0]))
         return tuple(
-            Block([text[len(keyword) + 1 :] for text in found.texts], found.numbers)
-            for keyword, found in zip(_KEYWORDS, (block[mask] for mask in masks), strict=True)
+            block[found == k].behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
         )
 
     def _ignore(self, keyword: str) -> None:
@@ -158,11 +158,6 @@ class _Reading:
         if not self.normals:
             return None
         return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
-
-
-def _begin_with(block: Block, keyword: str) -> Mask:
-    begins = (f"{keyword} ", f"{keyword}\t")
-    return np.fromiter((text.startswith(begins) for text in block.texts), bool, len(block))
 
 
 def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
@@ -243,7 +238,8 @@ def write_obj(stream: BinaryIO, cloud: Cloud, *, comments: Sequence[str] = ()) -
         if not comment.isprintable():
             raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
         stream.write(f"# {comment}\n".encode())
-    write_rows(stream, [cloud.points, *_color_columns(cloud)], prefix="v ")
+    eight_bits = cloud.colors is not None and cloud.colors.dtype == np.uint8
+    write_rows(stream, [cloud.points, *_color_columns(cloud)], prefix="v ", shortest=eight_bits)
     if cloud.normals is not None:
         write_rows(stream, [cloud.normals], prefix="vn ")
     if cloud.faces is not None:
@@ -265,7 +261,8 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
     counted = faces.astype(np.int64) + 1
     if normals:
         a, b, c = counted.T
-        write_rows(stream, [a, a, b, b, c, c], template="f %d//%d %d//%d %d//%d\n")
+        slashes = ("//", " ", "//", " ", "//")
+        write_rows(stream, [a, a, b, b, c, c], prefix="f ", between=slashes)
     else:
         write_rows(stream, [counted], prefix="f ")
 

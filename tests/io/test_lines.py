@@ -60,7 +60,7 @@ def test_blocks_end_where_they_may(data: bytes, size: int, continued: bool) -> N
 
 @pytest.mark.parametrize("shift", range(-3, 4))
 def test_a_line_is_continued_beyond_a_block(shift: int) -> None:
-    for block in (1 << 19, 1 << 22):
+    for block in (1 << 19, 1 << 21, 1 << 22):
         before = b"v 0 0 0\nv 1 0 0\nv 1 1 0\n#"
         face = b"\nf 1 2 3 \\\n 1 2 3\n"
         filling = b"x" * (block + shift - len(before) - face.index(b"\\") - 1)
