@@ -65,7 +65,7 @@ def incircle(
     canonical: bool,
 ) -> None: ...
 def find_lines(
-    data: bytes, comments: Sequence[str], threads: int
+    data: bytes, comments: Sequence[str], keep_tabs: bool, threads: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]: ...
 def find_keywords(
     data: bytes, lines: NDArray[np.int64], keywords: Sequence[str]

@@ -63,10 +63,11 @@ nb::object writable(liftmesh::Buffer<T> values, std::vector<std::size_t> shape) 
     return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.data(), owner));
 }
 
-nb::tuple find_lines(const nb::bytes& data, const Words& comments, unsigned threads) {
+nb::tuple find_lines(const nb::bytes& data, const Words& comments, bool keep_tabs,
+                     unsigned threads) {
     liftmesh::text::Lines found;
     in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
-        return find_lines(view(data), comments, pool, found);
+        return find_lines(view(data), {comments, keep_tabs}, pool, found);
     });
     auto pairs = liftmesh::reuse<std::int64_t>(std::move(found.lines));
     return nb::make_tuple(writable(std::move(pairs), {found.count, 2}),
@@ -210,7 +211,7 @@ nb::bytes print_rows(const std::vector<Values>& columns, const Words& around, bo
 }  // namespace
 
 void bind_text(nb::module_& m) {
-    m.def("find_lines", &find_lines, "data"_a, "comments"_a, "threads"_a);
+    m.def("find_lines", &find_lines, "data"_a, "comments"_a, "keep_tabs"_a, "threads"_a);
     m.def("find_keywords", &find_keywords, "data"_a, "lines"_a, "keywords"_a);
     m.def("count_values", &count_values, "line"_a, "delimiter"_a);
     m.def("parse_table", &parse_table, "data"_a, "lines"_a, "width"_a, "delimiter"_a, "threads"_a);

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import BinaryIO
 
@@ -59,6 +59,13 @@ class Block:
         """Return a block without lines."""
         return cls(b"", b"", np.empty((0, 2), np.int64), np.empty(0, np.int64), encoding)
 
+    @classmethod
+    def of(cls, texts: Sequence[str], numbers: Integers) -> Block:
+        """Make a block of lines that were changed; they must be stripped and not empty."""
+        data = "\n".join(texts).encode()
+        places, _, _ = _kernel.find_lines(data, (), True, 1)
+        return cls(data, data, places, numbers, "utf-8")
+
     def __len__(self) -> int:
         return len(self.places)
 
@@ -102,7 +109,8 @@ class Lines:
 
     Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
     them, and a ``#`` and the text after it are removed. With ``continued``, a backslash at the end
-    of a line joins it to the next. ``number`` is that of the last line taken.
+    of a line joins it to the next. With ``keep_tabs``, tabs at the ends of lines stay: there they
+    may separate empty values. ``number`` is that of the last line taken.
     """
 
     def __init__(
@@ -114,8 +122,10 @@ class Lines:
         comments: tuple[str, ...] = (),
         continued: bool = False,
         before: int = 0,
+        keep_tabs: bool = False,
     ) -> None:
         self.number = before
+        self._keep_tabs = keep_tabs
         self._stream = stream
         self._name = name
         self._encoding = encoding
@@ -177,7 +187,7 @@ class Lines:
             data = data.replace(b"\\\n", b"  ")
         plain = data if data.isascii() else self._plain(data)
         threads, _ = as_threads(None, len(data) // _BYTES_OF_A_LINE)
-        places, numbers, count = _kernel.find_lines(plain, self._comments, threads)
+        places, numbers, count = _kernel.find_lines(plain, self._comments, self._keep_tabs, threads)
         if last is not None:
             numbers, count = np.flatnonzero(last)[numbers], len(last)
         numbers += self._read + 1

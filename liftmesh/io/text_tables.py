@@ -104,7 +104,7 @@ def _line_errors(
     for text, number in block:
         position = 0
         for position, value in enumerate(_values(text, delimiter), start=1):
-            if not is_number(value) or not value.isascii():
+            if not is_number(value) or not value.strip().isascii():
                 yield FormatError(
                     f"{name}: line {number}, value {position}: {quoted(value)} is not a number"
                 )

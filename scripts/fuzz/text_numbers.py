@@ -24,7 +24,9 @@ from liftmesh import _kernel
 DELIMITERS = ("", ",", ";", "\t")
 COMMENTS: tuple[tuple[str, ...], ...] = ((), ("#",), ("#", "//"))
 THREADS = (1, 2)
-CHOICES = [*product(DELIMITERS, COMMENTS, THREADS)]
+KEEP_TABS = (False, True)
+CHOICES = [*product(DELIMITERS, COMMENTS, THREADS, KEEP_TABS)]
+WHITE = "".join(map(chr, (*range(9, 14), *range(28, 33))))
 
 WHOLE = re.compile(r"-?[0-9]+")
 CORNER = re.compile(r"(-?[0-9]+)(?:/(-?[0-9]+)?(?:/(-?[0-9]+))?)?")
@@ -36,9 +38,11 @@ Places = NDArray[np.int64]
 
 def check(data: bytes) -> None:
     """Raise a FindError if a property does not hold."""
-    delimiter, comments, threads = CHOICES[data[0] % len(CHOICES)] if data else CHOICES[0]
+    delimiter, comments, threads, keep_tabs = (
+        CHOICES[data[0] % len(CHOICES)] if data else CHOICES[0]
+    )
     text = bytes(code & 127 for code in data[1:])
-    places, lines = check_lines(text, comments, threads)
+    places, lines = check_lines(text, comments, threads, keep_tabs=keep_tabs)
     check_table(text, places, lines, delimiter, threads)
     check_numbers(text, places, lines, threads)
     check_corners(text, places, lines, threads)
@@ -57,14 +61,17 @@ def value_of(text: str) -> float | None:
         return None
 
 
-def check_lines(text: bytes, comments: tuple[str, ...], threads: int) -> tuple[Places, list[str]]:
+def check_lines(
+    text: bytes, comments: tuple[str, ...], threads: int, *, keep_tabs: bool
+) -> tuple[Places, list[str]]:
     """Compare the lines that are not empty, and their numbers."""
     every = text.decode("ascii").removesuffix("\n").split("\n") if text else []
-    bare = [line.strip() for line in every]
+    blanks = WHITE.replace("\t", "") if keep_tabs else WHITE
+    bare = [line.strip(blanks) for line in every]
     if comments:
-        bare = ["" if x.startswith(comments) else x.partition("#")[0].rstrip() for x in bare]
+        bare = ["" if x.startswith(comments) else x.partition("#")[0].strip(blanks) for x in bare]
     kept = [(number, line) for number, line in enumerate(bare) if line]
-    places, numbers, count = _kernel.find_lines(text, comments, threads)
+    places, numbers, count = _kernel.find_lines(text, comments, keep_tabs, threads)
     found = [text[begin:end].decode("ascii") for begin, end in places.tolist()]
     demand(count == len(every), "lines are not all counted")
     demand([*zip(numbers.tolist(), found, strict=True)] == kept, "other lines are found")
@@ -170,7 +177,7 @@ def check_halfway(value: float) -> None:
     point = "" if "." in mantissa else "."
     texts = [digits, mantissa + point + "1" + mark + exponent, mantissa[:-1] + mark + exponent]
     text = "\n".join([*texts, f"{middle:.20e}", f"{value:.17g}", f"+{middle:f}"]).encode("ascii")
-    places, _, _ = _kernel.find_lines(text, (), 1)
+    places, _, _ = _kernel.find_lines(text, (), False, 1)
     words = text.decode("ascii").split()
     values = [value_of(word) for word in words]
     table = _kernel.parse_table(text, places, 1, "", 1)

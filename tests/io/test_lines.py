@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh import FormatError
 from liftmesh.io import lines
-from liftmesh.io.lines import Lines
+from liftmesh.io.lines import Block, Lines
 
 TEXT = st.lists(
     st.sampled_from(
@@ -87,3 +87,15 @@ def test_an_obj_file_of_many_keywords_counts_the_first() -> None:
     assert ignored["a0"] == 2
     assert ignored["..."] == 501
     assert len(ignored) == 1001
+
+
+def test_tabs_at_the_ends_of_a_line_may_stay() -> None:
+    data = b" \t1\t\t \n\n\t# a\n"
+    for keep_tabs, texts in ((False, ["1"]), (True, ["\t1\t\t", "\t"])):
+        found = Lines(io.BytesIO(data), "name", comments=("#",), keep_tabs=keep_tabs)
+        assert found.take(9).texts == texts
+
+
+def test_a_block_of_lines_that_were_changed() -> None:
+    texts = ["1,2", "\t3,,\xf6", "x"]
+    assert [*Block.of(texts, np.array([7, 9, 12]))] == [*zip(texts, (7, 9, 12), strict=True)]

@@ -11,9 +11,11 @@ inline bool is_blank(char c) {
     return code == ' ' || (code >= 9 && code <= 13) || (code >= 28 && code <= 31);
 }
 
-inline std::string_view stripped(std::string_view text) {
-    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+// Without the white space around it; with `keep_tabs`, tabs stay.
+inline std::string_view stripped(std::string_view text, bool keep_tabs = false) {
+    const auto goes = [=](char c) { return is_blank(c) && !(keep_tabs && c == '\t'); };
+    while (!text.empty() && goes(text.front())) text.remove_prefix(1);
+    while (!text.empty() && goes(text.back())) text.remove_suffix(1);
     return text;
 }
 

@@ -27,27 +27,26 @@ std::size_t line_begin(std::string_view data, std::size_t from) {
     return end == std::string_view::npos ? data.size() : end + 1;
 }
 
-std::string_view without_comment(std::string_view line, std::span<const std::string> comments) {
-    if (comments.empty()) return line;
-    for (const std::string& mark : comments)
+std::string_view bare(std::string_view line, const Margins& margins) {
+    line = stripped(line, margins.keep_tabs);
+    if (margins.comments.empty()) return line;
+    for (const std::string& mark : margins.comments)
         if (line.starts_with(mark)) return line.substr(0, 0);
-    return stripped(line.substr(0, line.find('#')));
+    return stripped(line.substr(0, line.find('#')), margins.keep_tabs);
 }
 
 // Takes the lines that begin in [begin, end).
-void take_lines(std::string_view data, std::size_t begin, std::size_t end,
-                std::span<const std::string> comments, Piece& piece) {
-    for (std::size_t at = begin; at < end;) {
-        const std::size_t stop = std::min(data.find('\n', at), data.size());
-        const std::string_view line =
-            without_comment(stripped(data.substr(at, stop - at)), comments);
-        if (!line.empty()) {
-            const std::int64_t first = line.data() - data.data();
-            piece.lines.push_back({first, first + static_cast<std::int64_t>(line.size())});
-            piece.numbers.push_back(static_cast<std::int64_t>(piece.all));
-        }
-        ++piece.all;
-        at = stop + 1;
+void take_lines(std::string_view data, std::size_t begin, std::size_t end, const Margins& margins,
+                Piece& piece) {
+    for (std::size_t at = begin, stop = 0; at < end; at = stop + 1, ++piece.all) {
+        stop = at;
+        if (data[at] == '\n') continue;
+        stop = std::min(data.find('\n', at), data.size());
+        const std::string_view line = bare(data.substr(at, stop - at), margins);
+        if (line.empty()) continue;
+        const std::int64_t first = line.data() - data.data();
+        piece.lines.push_back({first, first + static_cast<std::int64_t>(line.size())});
+        piece.numbers.push_back(static_cast<std::int64_t>(piece.all));
     }
 }
 
@@ -62,13 +61,12 @@ void place(Piece& piece, Lines& found) {
 
 }  // namespace
 
-bool find_lines(std::string_view data, std::span<const std::string> comments, ThreadPool& pool,
-                Lines& found) {
+bool find_lines(std::string_view data, const Margins& margins, ThreadPool& pool, Lines& found) {
     std::vector<Piece> pieces(data.size() / piece_size + 1);
     const bool taken = pool.run(pieces.size(), [&](std::size_t task) {
         const std::size_t begin = line_begin(data, task * piece_size);
         const std::size_t end = line_begin(data, std::min((task + 1) * piece_size, data.size()));
-        take_lines(data, begin, task + 1 == pieces.size() ? data.size() : end, comments,
+        take_lines(data, begin, task + 1 == pieces.size() ? data.size() : end, margins,
                    pieces[task]);
     });
     if (!taken) return false;

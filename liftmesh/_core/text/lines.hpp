@@ -36,11 +36,17 @@ struct Lines {
     std::size_t all = 0;
 };
 
-// Finds lines, each ended by a line feed; the last need not be. Lines that begin with one of
-// `comments` count as empty, and if there are any such marks, a # and what follows it are left out.
-// False if the interrupt ended it early.
-bool find_lines(std::string_view data, std::span<const std::string> comments, ThreadPool& pool,
-                Lines& found);
+// What does not belong to a line. Lines that begin with one of `comments` count as empty, and if
+// there are any such marks, a # and what follows it are left out. With `keep_tabs`, tabs at the
+// ends of a line stay: there they may separate empty values.
+struct Margins {
+    std::span<const std::string> comments;
+    bool keep_tabs = false;
+};
+
+// Finds lines, each ended by a line feed; the last need not be. False if the interrupt ended it
+// early.
+bool find_lines(std::string_view data, const Margins& margins, ThreadPool& pool, Lines& found);
 
 // The position of the first of `keywords` with which each line begins, followed by a blank or a tab
 // and more; -1 if there is none.

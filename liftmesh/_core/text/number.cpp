@@ -130,9 +130,24 @@ char* print_finite(char* out, Float value) {
     return print_fixed(out, {digits, static_cast<std::size_t>(digits_end - digits)}, point);
 }
 
+// Whole numbers that int64 and double hold exactly, but for -0.
+bool is_whole(double value) {
+    return std::abs(value) < 1e15 && value == std::trunc(value) &&
+           (value != 0 || !std::signbit(value));
+}
+
+// Of other numbers from 0.001 on the shorter of the two notations, which std::to_chars writes, is
+// that without an exponent: as Python's.
+bool has_plain_digits(double value) {
+    const double magnitude = std::abs(value);
+    return magnitude >= 0.001 && magnitude < 1e15;
+}
+
 }  // namespace
 
 char* print_shortest(char* out, double value) {
+    if (is_whole(value)) return copied(print_whole(out, static_cast<std::int64_t>(value)), ".0");
+    if (has_plain_digits(value)) return std::to_chars(out, out + longest_number, value).ptr;
     return std::isfinite(value) ? print_finite(out, value) : print_non_finite(out, value);
 }
 

@@ -35,17 +35,17 @@ const char* behind_blanks(const char* at, const char* end, Separation separation
     return at;
 }
 
-// Parses a row of numbers; null if it is none, else where the next value would begin, or the end.
 bool parse_row(std::string_view line, Separation separation, std::size_t width, double* row) {
-    const char* at = line.data();
-    const char* const end = at + line.size();
+    const char* const end = line.data() + line.size();
+    const char* at = behind_blanks(line.data(), end, separation);
     for (std::size_t k = 0; k < width; ++k) {
-        const char* const stop = parse_number(behind_blanks(at, end, separation), end, row[k]);
+        const char* const stop = parse_number(at, end, row[k]);
         if (!stop) return false;
         at = behind_blanks(stop, end, separation);
         if (k + 1 == width) break;
         if (separation.by_blanks ? at == stop : at == end || *at++ != separation.delimiter)
             return false;
+        at = behind_blanks(at, end, separation);
     }
     return at == end;
 }
