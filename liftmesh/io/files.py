@@ -231,7 +231,7 @@ def write(
         Name or suffix of the format; by default the suffix of the file's name.
     **options
         Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``comments`` for
-        OBJ, ``compressed`` for NPZ.
+        OBJ, ``compressed`` for NPZ, ``delimiter`` for text.
 
     Returns
     -------
@@ -263,6 +263,8 @@ def write(
     """
     name = _name(target)
     found = _find(target, format, name)
+    suffix = "." + (format or Path(name).suffix).lower().removeprefix(".")
+    options = {**found.suffix_options.get(suffix, {}), **options}
     writer = _writer(found, name, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:

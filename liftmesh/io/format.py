@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -85,6 +85,8 @@ class Format:
         Whether a file can take far more memory than its bytes: compressed, by repetition, or for
         many columns. Then ``read`` and ``read_chunks`` take ``max_bytes=``: the limit in bytes of
         what it may expand to, or None for the format's own.
+    suffix_options : mapping, optional
+        Options for ``write`` that a suffix stands for, by suffix; those of the caller come first.
 
     Raises
     ------
@@ -111,6 +113,7 @@ class Format:
     loses: Losses | None = None
     read_chunks: ChunkReader | None = None
     expands: bool = False
+    suffix_options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, words, known in (

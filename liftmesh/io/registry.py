@@ -25,7 +25,7 @@ import numpy as np
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.interruption import deferred, kept
-from liftmesh.io import numpy_files, obj, off, ply, stl, text, trimesh_files
+from liftmesh.io import numpy_files, obj, off, ply, stl, text_writer, trimesh_files
 from liftmesh.io.format import ChunkReader, Format
 from liftmesh.io.objects import open3d, plain, trimesh
 from liftmesh.io.objects.plain import qualified_name
@@ -91,7 +91,7 @@ def _refuse_path(path: object) -> Cloud:
 FORMATS: tuple[Format, ...] = (
     ply.FORMAT,
     obj.FORMAT,
-    text.FORMAT,
+    text_writer.FORMAT,
     numpy_files.NPY,
     numpy_files.NPZ,
     off.FORMAT,
