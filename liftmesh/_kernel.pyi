@@ -80,9 +80,10 @@ def parse_numbers(
 def parse_corners(
     data: bytes, lines: NDArray[np.int64], threads: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32] | None] | None: ...
-def print_rows(
-    columns: Sequence[NDArray[Any]], around: Sequence[str], shortest: bool, threads: int
-) -> bytes: ...
+
+class Printer:
+    def __init__(self, around: Sequence[str], shortest: bool) -> None: ...
+    def print(self, columns: Sequence[NDArray[Any]], threads: int) -> list[bytes]: ...
 
 class Locator:
     def __init__(

@@ -68,6 +68,16 @@ def test_lines_and_words_are_found_as_python_finds_them(choice: int, text: str) 
     check(bytes([choice]) + text.encode())
 
 
+def test_doubles_of_all_bits_are_printed_as_python_does() -> None:
+    rng = np.random.default_rng(11)
+    bits = rng.integers(0, 2**64, 100_000, dtype=np.uint64).view(np.float64)
+    powers = 2.0 ** np.arange(-1074, 1024)  # where the interval around a double is lopsided
+    short = np.round(rng.normal(size=50_000), 2) * 10.0 ** rng.integers(-8, 20, 50_000)
+    values = np.concatenate([bits, powers, np.nextafter(powers, 0), -powers, short])
+    text = b"".join(_kernel.Printer(["", "\n"], False).print([values], 2)).decode()
+    assert text.split() == [*map(repr, values.tolist())]
+
+
 def test_a_difference_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fuzz.text_numbers.float", lambda text: float(text) or 0.0, raising=False)
     with pytest.raises(FindError, match="a table has other values"):
@@ -87,7 +97,10 @@ def test_all_threads_make_the_same(threads: int) -> None:
     rng = np.random.default_rng(threads)
     values = rng.normal(size=(20_000, 3)) * 10.0 ** rng.integers(-300, 300, (20_000, 3))
     counts = rng.integers(-(2**31), 2**31, 20_000)
-    text = _kernel.print_rows([*values.T, counts], ["", ",", " ,", ", ", "\n"], False, threads)
+    printer = _kernel.Printer(["", ",", " ,", ", ", "\n"], False)
+    text = b"".join(printer.print([*values.T, counts], threads))
+    fewer = b"".join(printer.print([*values[:9].T, counts[:9]], threads))
+    assert fewer.splitlines() == text.splitlines()[:9]
     rows = [[*row, count] for row, count in zip(values.tolist(), counts.tolist(), strict=True)]
     assert text == "".join("{!r},{!r} ,{!r}, {}\n".format(*row) for row in rows).encode()
     found = table(text, 4, ",", threads)
@@ -126,9 +139,9 @@ def test_columns_of_every_type_and_stride() -> None:
         values = np.array([limits.min, 0, limits.max], code)
         assert printed(values[::-1]) == f"<{limits.max}>\n<0>\n<{limits.min}>\n"
     rows = np.arange(12.0).reshape(4, 3)[::2]
-    assert _kernel.print_rows([*rows.T], ["", " ", " ", "\n"], False, 1) == (
-        b"0.0 1.0 2.0\n6.0 7.0 8.0\n"
-    )
+    printer = _kernel.Printer(["", " ", " ", "\n"], False)
+    assert printer.print([*rows.T], 1) == [b"0.0 1.0 2.0\n6.0 7.0 8.0\n"]
+    assert printer.print([*rows[:0].T], 1) == []
 
 
 def test_memory_is_in_proportion_to_the_text() -> None:
@@ -141,11 +154,11 @@ def test_arguments_are_checked() -> None:
     with pytest.raises(ValueError, match="a line is not within the text"):
         _kernel.parse_table(b"1 2", beyond, 2, "", 1)
     with pytest.raises(ValueError, match="a row needs a value, and text around each"):
-        _kernel.print_rows([np.zeros(1)], ["\n"], False, 1)
+        _kernel.Printer(["\n"], False).print([np.zeros(1)], 1)
     with pytest.raises(ValueError, match="lengths differ"):
-        _kernel.print_rows([np.zeros(1), np.zeros(2)], ["", "", "\n"], False, 1)
+        _kernel.Printer(["", "", "\n"], False).print([np.zeros(1), np.zeros(2)], 1)
     with pytest.raises(ValueError, match="columns must be"):
-        _kernel.print_rows([np.zeros(1, complex)], ["", "\n"], False, 1)
+        _kernel.Printer(["", "\n"], False).print([np.zeros(1, complex)], 1)
 
 
 def test_other_threads_run_meanwhile() -> None:

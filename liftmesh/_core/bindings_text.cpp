@@ -6,9 +6,9 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
-#include <cstring>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/floating_point.hpp"
@@ -182,31 +182,37 @@ liftmesh::text::Column column(const Values& values, bool shortest) {
             values.stride(0) * static_cast<std::ptrdiff_t>(size), kind, size};
 }
 
-// The rows of all columns as text; `around` stands around the values of each row.
-nb::bytes print_rows(const std::vector<Values>& columns, const Words& around, bool shortest,
-                     unsigned threads) {
-    if (columns.empty() || around.size() != columns.size() + 1)
-        throw std::invalid_argument("a row needs a value, and text around each");
-    std::vector<liftmesh::text::Column> typed;
-    for (const Values& values : columns) {
-        if (values.shape(0) != columns[0].shape(0)) throw std::invalid_argument("lengths differ");
-        typed.push_back(column(values, shortest));
+// Prints rows as text; `around` stands around the values of each row.
+class Printer {
+ public:
+    Printer(Words around, bool shortest) : around_(std::move(around)), shortest_(shortest) {}
+    Printer(const Printer&) = delete;
+    Printer& operator=(const Printer&) = delete;
+
+    // The text of some rows, in parts.
+    nb::list print(const std::vector<Values>& columns, unsigned threads) {
+        if (columns.empty() || around_.size() != columns.size() + 1)
+            throw std::invalid_argument("a row needs a value, and text around each");
+        std::vector<liftmesh::text::Column> typed;
+        for (const Values& values : columns) {
+            if (values.shape(0) != columns[0].shape(0))
+                throw std::invalid_argument("lengths differ");
+            typed.push_back(column(values, shortest_));
+        }
+        in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
+            return print_rows({typed, around_, columns[0].shape(0)}, pool, parts_);
+        });
+        nb::list texts;
+        for (const liftmesh::text::Part& part : parts_)
+            if (part.size != 0) texts.append(nb::bytes(part.text.get(), part.size));
+        return texts;
     }
-    std::vector<liftmesh::text::Part> parts;
-    in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
-        return print_rows({typed, around, columns[0].shape(0)}, pool, parts);
-    });
-    std::size_t size = 0;
-    for (const liftmesh::text::Part& part : parts) size += part.size;
-    PyObject* const text = PyBytes_FromStringAndSize(nullptr, static_cast<Py_ssize_t>(size));
-    if (!text) throw nb::python_error();
-    char* out = PyBytes_AsString(text);
-    for (const liftmesh::text::Part& part : parts) {
-        std::memcpy(out, part.text.get(), part.size);
-        out += part.size;
-    }
-    return nb::steal<nb::bytes>(text);
-}
+
+ private:
+    Words around_;
+    bool shortest_;
+    std::vector<liftmesh::text::Part> parts_;
+};
 
 }  // namespace
 
@@ -217,7 +223,9 @@ void bind_text(nb::module_& m) {
     m.def("parse_table", &parse_table, "data"_a, "lines"_a, "width"_a, "delimiter"_a, "threads"_a);
     m.def("parse_numbers", &parse_numbers, "data"_a, "lines"_a, "threads"_a);
     m.def("parse_corners", &parse_corners, "data"_a, "lines"_a, "threads"_a);
-    m.def("print_rows", &print_rows, "columns"_a, "around"_a, "shortest"_a, "threads"_a);
+    nb::class_<Printer>(m, "Printer")
+        .def(nb::init<Words, bool>(), "around"_a, "shortest"_a)
+        .def("print", &Printer::print, "columns"_a, "threads"_a);
 }
 
 }  // namespace bindings

@@ -143,7 +143,7 @@ def quoted(text: str) -> str:
     return repr(shortened(text))
 
 
-_VALUES = 1 << 18  # printed at a time
+_VALUES = 1 << 17  # printed at a time
 
 
 def write_rows(
@@ -162,12 +162,13 @@ def write_rows(
     """
     flat = [part for each in columns for part in ([each] if each.ndim == 1 else each.T)]
     marks = [between] * (len(flat) - 1) if isinstance(between, str) else between
-    around = [prefix, *marks, "\n"]
+    printer = _kernel.Printer([prefix, *marks, "\n"], shortest)
     rows = max(_VALUES // len(flat), 1)
     for start in range(0, len(flat[0]), rows):
         some = [_printable(each[start : start + rows]) for each in flat]
         threads, _ = as_threads(None, len(some) * len(some[0]))
-        stream.write(_kernel.print_rows(some, around, shortest, threads))
+        for text in printer.print(some, threads):  # noqa: FURB122 - streams may only `write`
+            stream.write(text)
 
 
 def _printable(column: Array) -> Array:

@@ -163,7 +163,8 @@ def check_printing(data: bytes) -> None:
 
 def printed(values: NDArray[np.generic], *, shortest: bool = False) -> str:
     """Print one column."""
-    return _kernel.print_rows([values], ["<", ">\n"], shortest, 1).decode("ascii")
+    parts = _kernel.Printer(["<", ">\n"], shortest).print([values], 1)
+    return b"".join(parts).decode("ascii")
 
 
 def check_halfway(value: float) -> None:

@@ -1,12 +1,16 @@
 #include "text/number.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <system_error>
+
+#include "text/shortest.hpp"
 
 namespace liftmesh::text {
 
@@ -101,58 +105,135 @@ char* print_non_finite(char* out, double value) {
     return copied(out, value < 0 ? "-inf" : "inf");
 }
 
-// Digits without a point, which stands behind the first `point` of them.
-char* print_fixed(char* out, std::string_view digits, std::ptrdiff_t point) {
-    const auto count = static_cast<std::ptrdiff_t>(digits.size());
-    if (point <= 0) return copied(filled(copied(out, "0."), -point), digits);
-    if (point >= count) return copied(filled(copied(out, digits), point - count), ".0");
-    const auto before = static_cast<std::size_t>(point);
-    return copied(copied(copied(out, digits.substr(0, before)), "."), digits.substr(before));
+// Sixteen characters in two registers, the first in the least byte: text that was just stored in
+// pieces is slow to load as a whole.
+struct Characters {
+    std::uint64_t early, late;
+
+    Characters behind(std::ptrdiff_t count) const {
+        const auto bits = static_cast<unsigned>(8 * count);
+        if (bits == 0) return *this;
+        if (bits >= 64) return {late >> (bits - 64), 0};
+        return {early >> bits | late << (64 - bits), late >> bits};
+    }
+};
+
+void store(char* out, std::uint64_t text) {
+    if constexpr (std::endian::native == std::endian::little)
+        std::memcpy(out, &text, sizeof text);
+    else
+        for (std::size_t k = 0; k < sizeof text; ++k, text >>= 8) out[k] = static_cast<char>(text);
 }
 
-// Python writes an exponent where the point would stand behind the sixteenth digit, or behind three
+void store(char* out, Characters text) {
+    store(out, text.early);
+    store(out + 8, text.late);
+}
+
+// The digits of a number, without zeros at the end, and behind how many of them the point stands.
+struct Digits {
+    char first;
+    Characters rest;
+    std::ptrdiff_t count, point;
+};
+
+// All are written, and more behind them.
+char* print_all(char* out, const Digits& digits) {
+    *out = digits.first;
+    store(out + 1, digits.rest);
+    return out + digits.count;
+}
+
+// Python writes an exponent where the point would stand behind the sixteenth digit, or behind four
 // zeros after "0.".
-template <class Float>
-char* print_finite(char* out, Float value) {
+char* print_digits(char* out, const Digits& digits) {
+    const std::ptrdiff_t count = digits.count, point = digits.point;
+    if (point > 0 && point < count) {
+        print_all(out, digits);
+        out[point] = '.';
+        store(out + point + 1, digits.rest.behind(point - 1));
+        return out + count + 1;
+    }
+    if (point > -4 && point <= 0) {
+        std::memcpy(out, "0.000", 5);
+        return print_all(out + 2 - point, digits);
+    }
+    if (point > 0 && point <= 16)
+        return copied(filled(print_all(out, digits), point - count), ".0");
+    *out++ = digits.first;
+    if (count > 1) {
+        *out = '.';
+        store(out + 1, digits.rest);
+        out += count;
+    }
+    const std::ptrdiff_t exponent = std::abs(point - 1);
+    out = copied(out, point < 1 ? "e-" : "e+");
+    if (exponent < 10) *out++ = '0';
+    return std::to_chars(out, out + 3, exponent).ptr;
+}
+
+// The digits of a number below 10^8, each halving in all parts at once: 4 and 4, 2 and 2, 1 and 1.
+// n / 100 is n * 5243 / 2^19 up to 9999, and n / 10 is n * 103 / 2^10 up to 99.
+std::uint64_t eight_digits(std::uint64_t value) {
+    const std::uint64_t fours = value / 10000 | value % 10000 << 32;
+    const std::uint64_t hundreds = fours * 5243 >> 19 & 0x0000007F'0000007F;
+    const std::uint64_t twos = hundreds | (fours - 100 * hundreds) << 16;
+    const std::uint64_t tens = twos * 103 >> 10 & 0x000F000F'000F000F;
+    return tens | (twos - 10 * tens) << 8;
+}
+
+// All seventeen digits that a double may have; those at the end that are 0 do not count.
+Digits digits_of(Decimal decimal) {
+    constexpr std::uint64_t eight = 100'000'000, sixteen = eight * eight;
+    constexpr int most_digits = 17;
+    while (decimal.digits < sixteen) {
+        decimal.digits *= 10;
+        --decimal.exponent;
+    }
+    const std::uint64_t rest = decimal.digits % sixteen;
+    const std::uint64_t high = eight_digits(rest / eight), low = eight_digits(rest % eight);
+    const int zeros = low != 0 ? std::countl_zero(low) / 8 : 8 + std::countl_zero(high) / 8;
+    constexpr std::uint64_t characters = 0x30303030'30303030;
+    return {static_cast<char>('0' + decimal.digits / sixteen),
+            {high | characters, low | characters},
+            most_digits - zeros,
+            most_digits + decimal.exponent};
+}
+
+// From what std::to_chars writes with an exponent.
+Digits digits_of(float value) {
     char text[longest_number];
     const char* const end =
         std::to_chars(text, text + longest_number, value, std::chars_format::scientific).ptr;
-    const char* first = text;
-    if (*first == '-') *out++ = *first++;
-    const char* const mark = std::find(first, end, 'e');
-    const std::ptrdiff_t point = exponent(mark + 1, end) + 1;
-    if (point <= -4 || point > 16)
-        return copied(out, {first, static_cast<std::size_t>(end - first)});
-    char digits[longest_number];
-    digits[0] = *first;
-    const char* const rest = std::min(first + 2, mark);  // behind the point
-    const char* const digits_end = std::copy(rest, mark, digits + 1);
-    return print_fixed(out, {digits, static_cast<std::size_t>(digits_end - digits)}, point);
+    const char* const mark = std::find(static_cast<const char*>(text), end, 'e');
+    Digits digits{text[0], {0, 0}, std::max<std::ptrdiff_t>(mark - text - 1, 1), 0};
+    for (std::ptrdiff_t k = digits.count; k > 1; --k)  // nine digits at most
+        digits.rest.early = digits.rest.early << 8 | static_cast<unsigned char>(text[k]);
+    digits.point = exponent(mark + 1, end) + 1;
+    return digits;
 }
 
-// Whole numbers that int64 and double hold exactly, but for -0.
+// Whole numbers that double holds exactly, but for -0.
 bool is_whole(double value) {
-    return std::abs(value) < 1e15 && value == std::trunc(value) &&
-           (value != 0 || !std::signbit(value));
-}
-
-// Of other numbers from 0.001 on the shorter of the two notations, which std::to_chars writes, is
-// that without an exponent: as Python's.
-bool has_plain_digits(double value) {
-    const double magnitude = std::abs(value);
-    return magnitude >= 0.001 && magnitude < 1e15;
+    return std::abs(value) < 1e15 &&
+           std::bit_cast<std::uint64_t>(value) ==
+               std::bit_cast<std::uint64_t>(static_cast<double>(static_cast<std::int64_t>(value)));
 }
 
 }  // namespace
 
 char* print_shortest(char* out, double value) {
+    if (!std::isfinite(value)) return print_non_finite(out, value);
     if (is_whole(value)) return copied(print_whole(out, static_cast<std::int64_t>(value)), ".0");
-    if (has_plain_digits(value)) return std::to_chars(out, out + longest_number, value).ptr;
-    return std::isfinite(value) ? print_finite(out, value) : print_non_finite(out, value);
+    if (std::signbit(value)) *out++ = '-';
+    if (value == 0) return copied(out, "0.0");
+    return print_digits(out, digits_of(shortest_decimal(std::abs(value))));
 }
 
 char* print_shortest(char* out, float value) {
-    return std::isfinite(value) ? print_finite(out, value) : print_non_finite(out, value);
+    if (!std::isfinite(value)) return print_non_finite(out, value);
+    if (std::signbit(value)) *out++ = '-';
+    return value == 0 ? copied(out, "0.0") : print_digits(out, digits_of(std::abs(value)));
 }
 
 char* print_nine_digits(char* out, float value) {

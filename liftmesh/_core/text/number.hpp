@@ -19,8 +19,8 @@ const char* parse_number(const char* at, const char* end, double& value);
 // largest and smallest int64 and all beyond.
 bool parse_whole(std::string_view word, std::int64_t& value);
 
-// The longest text of a value, of any type.
-inline constexpr int longest_number = 32;
+// The room that a value may take while it is written, of any type: more than its text.
+inline constexpr int longest_number = 48;
 
 // These write a value and return its end.
 

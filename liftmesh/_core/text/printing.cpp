@@ -54,6 +54,10 @@ char* print_value(char* out, const Column& column, const std::byte* place) {
 }
 
 char* copied(char* out, const std::string& text) {
+    if (text.size() == 1) {  // most often, and not worth a call
+        *out = text[0];
+        return out + 1;
+    }
     std::memcpy(out, text.data(), text.size());
     return out + text.size();
 }
@@ -74,12 +78,16 @@ std::size_t longest_row(const Rows& rows) {
     return size;
 }
 
-Part printed(const Rows& rows, std::size_t first, std::size_t last, std::size_t longest) {
-    Part part{allocate<char>((last - first) * longest)};
+void print_part(const Rows& rows, std::size_t first, std::size_t last, std::size_t longest,
+                Part& part) {
+    const std::size_t room = (last - first) * longest;
+    if (part.room < room) {
+        part.text = allocate<char>(room);
+        part.room = room;
+    }
     char* out = part.text.get();
     for (std::size_t i = first; i < last; ++i) out = print_row(out, rows, i);
     part.size = static_cast<std::size_t>(out - part.text.get());
-    return part;
 }
 
 }  // namespace
@@ -87,10 +95,12 @@ Part printed(const Rows& rows, std::size_t first, std::size_t last, std::size_t 
 bool print_rows(const Rows& rows, ThreadPool& pool, std::vector<Part>& parts) {
     const std::size_t longest = longest_row(rows);
     const std::size_t size = std::max<std::size_t>(values_of_a_task / rows.columns.size(), 1);
-    parts.resize((rows.count + size - 1) / size);
-    return pool.run(parts.size(), [&](std::size_t task) {
+    const std::size_t tasks = (rows.count + size - 1) / size;
+    for (Part& part : parts) part.size = 0;
+    if (parts.size() < tasks) parts.resize(tasks);
+    return pool.run(tasks, [&](std::size_t task) {
         const std::size_t first = task * size;
-        parts[task] = printed(rows, first, std::min(first + size, rows.count), longest);
+        print_part(rows, first, std::min(first + size, rows.count), longest, parts[task]);
     });
 }
 

@@ -32,10 +32,11 @@ struct Rows {
 // A part of the text, in the order of the rows.
 struct Part {
     Buffer<char> text;
-    std::size_t size = 0;
+    std::size_t size = 0, room = 0;
 };
 
-// False if the interrupt ended it early.
+// False if the interrupt ended it early. The memory of `parts` is used again: memory that is new
+// takes the system nearly as long as the numbers take.
 bool print_rows(const Rows& rows, ThreadPool& pool, std::vector<Part>& parts);
 
 }  // namespace liftmesh::text
