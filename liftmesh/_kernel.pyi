@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -64,6 +64,26 @@ def incircle(
     signs: NDArray[np.int8],
     canonical: bool,
 ) -> None: ...
+def find_lines(
+    data: bytes, comments: Sequence[str], keep_tabs: bool, threads: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], int]: ...
+def find_keywords(
+    data: bytes, lines: NDArray[np.int64], keywords: Sequence[str]
+) -> NDArray[np.int8]: ...
+def count_values(line: bytes, delimiter: str) -> int: ...
+def parse_table(
+    data: bytes, lines: NDArray[np.int64], width: int, delimiter: str, threads: int
+) -> NDArray[np.float64] | None: ...
+def parse_numbers(
+    data: bytes, lines: NDArray[np.int64], threads: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64] | NDArray[np.float64]] | None: ...
+def parse_corners(
+    data: bytes, lines: NDArray[np.int64], threads: int
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32] | None] | None: ...
+
+class Printer:
+    def __init__(self, around: Sequence[str], shortest: bool) -> None: ...
+    def print(self, columns: Sequence[NDArray[Any]], threads: int) -> list[bytes]: ...
 
 class Locator:
     def __init__(

@@ -1,14 +1,13 @@
 // The Python bindings: arrays in, arrays out, with the GIL released in between.
 
+#include "bindings.hpp"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <chrono>
-#include <new>
 #include <stdexcept>
+#include <vector>
 
 #include "base/floating_point.hpp"
 #include "delaunay/delaunay.hpp"
@@ -22,6 +21,8 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using bindings::adopt;
+using bindings::PythonInterrupt;
 
 namespace {
 
@@ -44,66 +45,6 @@ Input read(const PlanarRows& rows) {
     const auto size = static_cast<std::ptrdiff_t>(rows.itemsize());
     return {static_cast<const std::byte*>(rows.data()), rows.shape(0), rows.stride(0) * size,
             rows.stride(1) * size, single};
-}
-
-// Checks for pending signals and reports progress, about twenty times a second. Python delivers
-// signals to its main thread only; on any other thread only an exception from `progress` ends a
-// run.
-class PythonInterrupt final : public liftmesh::Interrupt {
- public:
-    explicit PythonInterrupt(nb::handle progress = nb::none()) : progress_(progress) {}
-
-    bool requested() override {
-        const Clock::time_point now = Clock::now();
-        if (requested_ || now < due_) return requested_;
-        due_ = now + std::chrono::milliseconds(50);
-        const nb::gil_scoped_acquire gil;
-        requested_ = PyErr_CheckSignals() != 0 || !report_progress() || forked();
-        return requested_;
-    }
-    void expect(std::size_t work) override { expected_ = work; }
-    void advance(std::size_t work) override { done_ += work; }
-
- private:
-    using Clock = std::chrono::steady_clock;
-
-    bool report_progress() const {
-        if (progress_.is_none() || done_ >= expected_) return true;
-        try {
-            progress_(static_cast<double>(done_) / static_cast<double>(expected_));
-            return true;
-        } catch (nb::python_error& error) {
-            error.restore();
-        } catch (const std::bad_alloc&) {
-            PyErr_NoMemory();
-        }
-        return false;
-    }
-
-    // The child of a fork made by a signal handler, or by `progress`, cannot continue: it has none
-    // of the run's threads.
-    bool forked() const {
-        if (getpid() == process_) return false;
-        PyErr_SetString(PyExc_RuntimeError,
-                        "the process was forked during a run, which continues in the parent only: "
-                        "fork before or after it");
-        return true;
-    }
-
-    nb::handle progress_;
-    pid_t process_ = getpid();
-    Clock::time_point due_ = Clock::now() + std::chrono::milliseconds(50);
-    bool requested_ = false;
-    std::size_t expected_ = 0;
-    std::atomic<std::size_t> done_ = 0;
-};
-
-template <class T>
-nb::object adopt(liftmesh::Buffer<T> values, std::size_t rows, std::size_t columns) {
-    const nb::capsule owner(values.get(), [](void* p) noexcept { liftmesh::Free()(p); });
-    T* data = values.release();
-    const std::size_t shape[2] = {rows, columns};
-    return nb::cast(nb::ndarray<nb::numpy, const T>(data, columns == 1 ? 1 : 2, shape, owner));
 }
 
 // Most results have no skipped rows or duplicates: they share one empty array, read-only as all
@@ -339,6 +280,7 @@ NB_MODULE(_kernel, m) {
           "progress"_a.none());
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
+    bindings::bind_text(m);
     nb::class_<PyLocator>(m, "Locator")
         .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
         .def("find", &PyLocator::find, "queries"_a, "found"_a);

@@ -286,7 +286,7 @@ def write(
         Name or suffix of the format; by default the suffix of the file's name.
     **options
         Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
-        ``comments`` for OBJ, ``compressed`` for NPZ.
+        ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text.
 
     Returns
     -------
@@ -321,6 +321,8 @@ def write(
     found = _find(target, format, name)
     if (format or name).lower().endswith(".gz"):
         raise FormatError(f"{name}: gzip is read only: write {found.name} and compress the file")
+    suffix = "." + (format or suffix_of(name)).lower().removeprefix(".")
+    options = {**found.suffix_options.get(suffix, {}), **options}
     writer = _writer(found, name, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:

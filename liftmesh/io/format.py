@@ -13,7 +13,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias, TypeVar
 
@@ -107,6 +107,8 @@ class Format:
     gzip : bool
         Whether files may be compressed with gzip, and ``.gz`` follow the suffix: the reader gets
         the text, and should read it from the beginning on.
+    suffix_options : mapping, optional
+        Options for ``write`` that a suffix stands for, by suffix; those of the caller come first.
 
     Raises
     ------
@@ -137,6 +139,7 @@ class Format:
     renames: Callable[[Cloud], Mapping[str, str]] | None = None
     check: Callable[[Cloud], None] | None = None
     gzip: bool = False
+    suffix_options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, words, known in (

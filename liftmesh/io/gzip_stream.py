@@ -1,7 +1,7 @@
 """Text compressed with gzip, decompressed as it is read.
 
 Readers go back a little, to the end of the last whole line, and a few times to the beginning: the
-last megabyte is held for the one, and the other begins anew. So memory is bounded, whatever the
+last megabytes are held for the one, and the other begins anew. So memory is bounded, whatever the
 file expands to. What it does expand to is counted once, before anything is read, and limited.
 """
 
@@ -25,7 +25,7 @@ _GROWTH = 20  # by default text may take so many times the file
 
 _BLOCK = 1 << 16
 _COMPRESSED = 1 << 13  # bytes of the file at a time, which every member in them copies
-_HELD = 24  # blocks: more than readers take at a time, and the buffer before them
+_HELD = 40  # blocks: more than readers take at a time, and the buffer before them
 _GZIP = 31  # zlib's windowBits for gzip
 
 

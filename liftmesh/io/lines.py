@@ -2,25 +2,38 @@
 
 A block of bytes ends with the last line end in it, whether the file ends its lines with LF, CR LF
 or CR: so a block is small, and only a line longer than that makes it larger. Its lines are found,
-stripped and numbered together.
+stripped and numbered by the kernel; they become strings only where a reader looks at their words.
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 import numpy as np
 
+from liftmesh import _kernel
 from liftmesh._typing import Integers, Mask
 from liftmesh.errors import FormatError
+from liftmesh.threads import as_threads
 
 BLOCK = 1 << 17  # lines taken at a time, at most
 
-_BYTES = 1 << 19
+_BYTES = 1 << 21
+_LONG = 1 << 19  # bytes of a line
+
+# White space beyond ASCII, in the encodings that files are read in.
+_WIDE_BLANKS = {
+    "latin-1": re.compile(rb"[\x85\xa0]"),
+    "utf-8": re.compile(
+        rb"\xc2[\x85\xa0]|\xe1\x9a\x80|\xe2\x80[\x80-\x8a\xa8\xa9\xaf]|\xe2\x81\x9f|\xe3\x80\x80"
+    ),
+}
+
+_BYTES_OF_A_LINE = 16  # about: decides how many threads look for lines
 
 _BLANKS_BEHIND = re.compile(rb"\\[ \t\v\f]+(?=\n|\Z)")
 
@@ -29,24 +42,66 @@ _BLANKS_BEHIND = re.compile(rb"\\[ \t\v\f]+(?=\n|\Z)")
 class Block:
     """Stripped lines, and the number of each in the file, counted from 1.
 
-    ``long`` tells that a line may be longer than a block is by itself.
+    ``places`` tells where each line begins and ends in ``data``. ``plain`` is the same with ASCII
+    blanks for any other white space: numbers are parsed from it. ``long`` tells that a line is
+    so long that its words must not all become strings.
     """
 
-    texts: list[str]
+    data: bytes
+    plain: bytes
+    places: Integers
     numbers: Integers
+    encoding: str
     long: bool = False
 
+    @classmethod
+    def empty(cls, encoding: str = "latin-1") -> Block:
+        """Return a block without lines."""
+        return cls(b"", b"", np.empty((0, 2), np.int64), np.empty(0, np.int64), encoding)
+
+    @classmethod
+    def of(cls, texts: Sequence[str], numbers: Integers) -> Block:
+        """Make a block of lines that were changed; they must be stripped and not empty."""
+        data = "\n".join(texts).encode()
+        places, _, _ = _kernel.find_lines(data, (), True, 1)
+        return cls(data, data, places, numbers, "utf-8")
+
     def __len__(self) -> int:
-        return len(self.texts)
+        return len(self.places)
 
     def __iter__(self) -> Iterator[tuple[str, int]]:
         return zip(self.texts, self.numbers.tolist(), strict=True)
 
     def __getitem__(self, rows: slice | Mask) -> Block:
-        if isinstance(rows, slice):
-            return Block(self.texts[rows], self.numbers[rows], self.long)
-        texts = [self.texts[k] for k in np.flatnonzero(rows).tolist()]
-        return Block(texts, self.numbers[rows], self.long)
+        places = np.ascontiguousarray(self.places[rows])
+        return replace(self, places=places, numbers=self.numbers[rows])
+
+    @property
+    def texts(self) -> list[str]:
+        """The lines as strings."""
+        places = self.places.tolist()
+        return [self.data[begin:end].decode(self.encoding) for begin, end in places]
+
+    def behind(self, prefix: int | Integers) -> Block:
+        """Leave out that many bytes at the beginning of each line."""
+        places = self.places.copy()
+        places[:, 0] += prefix
+        return replace(self, places=places)
+
+    def followed_by(self, other: Block) -> Block:
+        """Join the lines of two blocks."""
+        if not len(self):
+            return other
+        begin, end = int(self.places[0, 0]), int(self.places[-1, 1])
+        shift = end - begin
+        return Block(
+            self.data[begin:end] + other.data,
+            self.plain[begin:end] + other.plain,
+            np.concatenate([self.places - begin, other.places + shift]),
+            np.concatenate([self.numbers, other.numbers]),
+            self.encoding,
+            self.long or other.long,
+        )
 
 
 class Lines:
@@ -54,8 +109,8 @@ class Lines:
 
     Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
     them, and a ``#`` and the text after it are removed. With ``continued``, a backslash at the end
-    of a line joins it to the next. ``blanks`` are stripped from both ends of a line, by default all
-    white space. ``number`` is that of the last line taken.
+    of a line joins it to the next. With ``keep_tabs``, tabs at the ends of lines stay: there they
+    may separate empty values. ``number`` is that of the last line taken.
     """
 
     def __init__(
@@ -67,17 +122,17 @@ class Lines:
         comments: tuple[str, ...] = (),
         continued: bool = False,
         before: int = 0,
-        blanks: str | None = None,
+        keep_tabs: bool = False,
     ) -> None:
         self.number = before
-        self._blanks = blanks
+        self._keep_tabs = keep_tabs
         self._stream = stream
         self._name = name
         self._encoding = encoding
         self._comments = comments
         self._continued = continued
         self._read = before
-        self._held = Block([], np.empty(0, dtype=np.int64))
+        self._held = Block.empty(encoding)
         self._taken = 0
 
     def take(self, count: int) -> Block:
@@ -97,7 +152,7 @@ class Lines:
             return ""
         self.number = int(self._held.numbers[self._taken])
         self._taken += 1
-        return self._held.texts[self._taken - 1]
+        return self._held[self._taken - 1 : self._taken].texts[0]
 
     def _fill(self) -> bool:
         """Hold lines that are not taken; False at the end."""
@@ -122,9 +177,32 @@ class Lines:
                 break
         return b"".join(parts)
 
-    def _decoded(self, data: bytes) -> str:
+    def _block(self, data: bytes) -> Block:
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        last: Mask | None = None
+        if self._continued and b"\\" in data:
+            data = _BLANKS_BEHIND.sub(rb"\\", data.removesuffix(b"\n")).removesuffix(b"\\")
+            last = _last_of_lines(data)
+            data = data.replace(b"\\\n", b"  ")
+        plain = data if data.isascii() else self._plain(data)
+        threads, _ = as_threads(None, len(data) // _BYTES_OF_A_LINE)
+        places, numbers, count = _kernel.find_lines(plain, self._comments, self._keep_tabs, threads)
+        if last is not None:
+            numbers, count = np.flatnonzero(last)[numbers], len(last)
+        numbers += self._read + 1
+        self._read += count
+        long = bool((places[:, 1] - places[:, 0] > _LONG).any())
+        return Block(data, plain, places, numbers, self._encoding, long)
+
+    def _plain(self, data: bytes) -> bytes:
+        """Put blanks in place of white space that is not ASCII, byte by byte."""
+        self._check_encoding(data)
+        return _WIDE_BLANKS[self._encoding].sub(lambda found: b" " * len(found[0]), data)
+
+    def _check_encoding(self, data: bytes) -> None:
         try:
-            return data.decode(self._encoding)
+            data.decode(self._encoding)
         except UnicodeDecodeError as error:
             begin = data.rfind(b"\n", 0, error.start) + 1
             line = self._read + 1 + data.count(b"\n", 0, error.start)
@@ -133,28 +211,6 @@ class Lines:
                 f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text, or if it "
                 "is Windows-1252, read it with encoding='cp1252'"
             ) from error
-
-    def _block(self, data: bytes) -> Block:
-        if b"\r" in data:
-            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        data, last = data.removesuffix(b"\n"), None
-        if self._continued and b"\\" in data:
-            data = _BLANKS_BEHIND.sub(rb"\\", data).removesuffix(b"\\")
-            last = _last_of_lines(data)
-            data = data.replace(b"\\\n", b"  ")
-        text = self._decoded(data)
-        texts = [line.strip(self._blanks) for line in text.split("\n")]
-        numbers = np.arange(self._read + 1, self._read + 1 + len(texts if last is None else last))
-        self._read += len(numbers)
-        if any(mark in text for mark in self._comments):
-            texts = [self._bare(line) for line in texts]
-        block = Block(texts, numbers if last is None else numbers[last], len(data) > _BYTES)
-        return block if all(texts) else block[np.fromiter(map(bool, texts), bool, len(texts))]
-
-    def _bare(self, text: str) -> str:
-        return (
-            "" if text.startswith(self._comments) else text.partition("#")[0].rstrip(self._blanks)
-        )
 
 
 def _continues(data: bytes) -> bool:

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.choices import ObjColors, check_option
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
@@ -112,14 +113,13 @@ class _Reading:
 
     def _sorted(self, block: Block) -> tuple[Block, ...]:
         """Return the values of the lines of each relevant keyword, and count the other lines."""
-        masks = [_begin_with(block, keyword) for keyword in _KEYWORDS]
-        for text, number in block[~np.any(masks, axis=0)]:
+        found = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
+        for text, number in block[found < 0]:
             if text in _KEYWORDS:
                 raise FormatError(f"{self.name}: line {number}: {text!r} without values")
             self._ignore(shortened(text.split(None, 1)[0]))
         return tuple(
-            Block([text[len(keyword) + 1 :] for text in found.texts], found.numbers)
-            for keyword, found in zip(_KEYWORDS, (block[mask] for mask in masks), strict=True)
+            block[found == k].behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
         )
 
     def _ignore(self, keyword: str) -> None:
@@ -186,11 +186,6 @@ class _Reading:
         if not self.normals:
             return None
         return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
-
-
-def _begin_with(block: Block, keyword: str) -> Mask:
-    begins = (f"{keyword} ", f"{keyword}\t")
-    return np.fromiter((text.startswith(begins) for text in block.texts), bool, len(block))
 
 
 def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
@@ -285,7 +280,8 @@ def write_obj(
         stream.write(f"# {comment}\n".encode())
     held = None if colors == "none" else cloud.colors
     values = [] if held is None or colors == "comments" else [color_columns(held)]
-    write_rows(stream, [cloud.points, *values], prefix="v ")
+    eight_bits = held is not None and held.dtype == np.uint8
+    write_rows(stream, [cloud.points, *values], prefix="v ", shortest=eight_bits)
     if held is not None and colors == "comments":
         write_comments(stream, held)
     if cloud.normals is not None:
@@ -298,7 +294,8 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
     counted = faces.astype(np.int64) + 1
     if normals:
         a, b, c = counted.T
-        write_rows(stream, [a, a, b, b, c, c], template="f %d//%d %d//%d %d//%d\n")
+        slashes = ("//", " ", "//", " ", "//")
+        write_rows(stream, [a, a, b, b, c, c], prefix="f ", between=slashes)
     else:
         write_rows(stream, [counted], prefix="f ")
 

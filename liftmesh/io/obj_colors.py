@@ -20,8 +20,8 @@ _PER_LINE = 64
 _BYTES = 1 << 19
 _OPAQUE = 255
 
-# k/255 in the digits of single precision: readers that use floats get exactly this number.
-_EIGHT_BITS = np.array([str(np.float32(k / 255)) for k in range(256)], dtype=object)
+# k/255 in the shortest digits of single precision: readers that use floats get this number.
+_EIGHT_BITS = (np.arange(256) / 255).astype(np.float32)
 
 
 def color_columns(colors: Array) -> Array:

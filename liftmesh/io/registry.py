@@ -33,7 +33,7 @@ from liftmesh.io import (
     ply,
     point_lines,
     stl,
-    text,
+    text_writer,
     triangle_files,
     trimesh_files,
 )
@@ -102,7 +102,7 @@ def _refuse_path(path: object) -> Cloud:
 FORMATS: tuple[Format, ...] = (
     ply.FORMAT,
     obj.FORMAT,
-    text.FORMAT,
+    text_writer.FORMAT,
     numpy_files.NPY,
     numpy_files.NPZ,
     off.FORMAT,

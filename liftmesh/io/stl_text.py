@@ -19,10 +19,12 @@ are taken in large blocks, and all numbers of a block are parsed at once.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import BinaryIO
 
 import numpy as np
 
+from liftmesh import _kernel
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
 from liftmesh.io.lines import BLOCK, Block, Lines
@@ -59,16 +61,12 @@ def read_corners(stream: BinaryIO, name: str) -> tuple[Floats, int]:
 
 def _facets(lines: Lines, solids: _Solids) -> Iterator[Block]:
     """Yield the lines of whole facets, without those of the solids around them."""
-    left = Block([], np.empty(0, dtype=np.int64))
+    left = Block.empty()
     while len(block := lines.take(BLOCK)):
-        facets, left = solids.split(_joined(left, solids.without_colors(block)))
+        facets, left = solids.split(left.followed_by(solids.without_colors(block)))
         yield facets  # errors in them come first
         solids.check()
     solids.finish(left, lines.number)
-
-
-def _joined(one: Block, other: Block) -> Block:
-    return Block([*one.texts, *other.texts], np.concatenate([one.numbers, other.numbers]))
 
 
 class _Solids:
@@ -82,7 +80,7 @@ class _Solids:
 
     def without_colors(self, block: Block) -> Block:
         """Leave out the colours of facets, which may stand anywhere."""
-        if "color" not in "\n".join(block.texts).lower():
+        if b"color" not in block.data.lower():
             return block
         kept = [text[:6].rstrip().lower() != "color" for text in block.texts]
         self.colors += len(block) - sum(kept)
@@ -90,15 +88,16 @@ class _Solids:
 
     def split(self, block: Block) -> tuple[Block, Block]:
         """Return the lines of the whole facets, and those of an unfinished one at the end."""
+        texts = block.texts
         facets: list[slice] = []
         at = 0
         while at < len(block):
-            end = self._end_of_facets(block.texts, at)
+            end = self._end_of_facets(texts, at)
             facets.append(slice(at, end))
             at = end
-            if at == len(block) or self._within_facet(block.texts[at]):
+            if at == len(block) or self._within_facet(texts[at]):
                 break
-            if not self._take(block.texts[at], int(block.numbers[at])):
+            if not self._take(texts[at], int(block.numbers[at])):
                 break
             at += 1
         return _cut(block, facets), block[at:]
@@ -144,26 +143,31 @@ def _cut(block: Block, runs: list[slice]) -> Block:
     """Join some runs of lines."""
     if len(runs) == 1:
         return block[runs[0]]
-    texts = [text for run in runs for text in block.texts[run]]
-    numbers = [block.numbers[run] for run in runs]
-    return Block(texts, np.concatenate([block.numbers[:0], *numbers]))
+    kept = np.zeros(len(block), dtype=bool)
+    for run in runs:
+        kept[run] = True
+    return block[kept]
 
 
 def _corners(facets: Block, name: str) -> Floats:
     """Parse the lines of whole facets."""
-    parts = [Block(facets.texts[k::_LINES], facets.numbers[k::_LINES]) for k in range(_LINES)]
+    parts = [facets[k::_LINES] for k in range(_LINES)]
     _check_alone(parts[1], ("outer loop",), name)
     values = [_values(part, name) for part in parts[_VERTICES]]
     _check_alone(parts[5], ("endloop", "end loop"), name)
     _check_alone(parts[6], ("endfacet", "end facet"), name)
-    texts = [text for corners in zip(*values, strict=True) for text in corners]
-    numbers = np.column_stack([part.numbers for part in parts[_VERTICES]]).reshape(-1)
-    return number_table(Block(texts, numbers), name, width=3)
+    corners = replace(
+        facets,
+        places=np.stack([part.places for part in values], axis=1).reshape(-1, 2),
+        numbers=np.stack([part.numbers for part in values], axis=1).reshape(-1),
+    )
+    return number_table(corners, name, width=3)
 
 
 def _check_alone(lines: Block, words: tuple[str, ...], name: str) -> None:
     """Raise if a line is not a keyword alone."""
-    if not {*map(_plain, {*lines.texts})} <= {*words}:
+    texts = lines.texts
+    if not {*map(_plain, {*texts})} <= {*words}:
         text, number = next(each for each in lines if _plain(each[0]) not in words)
         raise _unexpected(name, number, text, repr(words[0]))
 
@@ -173,17 +177,19 @@ def _plain(text: str) -> str:
     return " ".join(text.lower().split(None, 2))
 
 
-def _values(lines: Block, name: str) -> list[str]:
+def _values(lines: Block, name: str) -> Block:
     """Return what follows the keyword ``vertex`` in each line."""
-    values = [text[7:] for text in lines.texts if text[:7] == "vertex "]
-    return values if len(values) == len(lines) else [_value(*line, name) for line in lines]
+    if not _kernel.find_keywords(lines.data, lines.places, ["vertex"]).any():
+        return lines.behind(len("vertex"))
+    return lines.behind(np.array([_prefix(*line, name) for line in lines]))
 
 
-def _value(text: str, number: int, name: str) -> str:
+def _prefix(text: str, number: int, name: str) -> int:
+    """Count the characters before the numbers of a vertex, a byte each in this encoding."""
     word, *numbers = text.split(None, 1)
     if word.lower() != "vertex" or not numbers:
         raise _unexpected(name, number, text, "'vertex' with three numbers")
-    return numbers[0]
+    return len(text) - len(numbers[0])
 
 
 def _unexpected(name: str, number: int, text: str, expected: str) -> FormatError:

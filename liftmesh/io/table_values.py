@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from liftmesh.io.table_options import TableOptions
 
 _NAN = "nan"
-_ODD_COMMA = re.compile(r",(?![0-9])|,[0-9]+,")
+_ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]+,")
 _MISSING = ("na", "n/a", "null", "none", "-", "--", "*", "?", "#n/a", "nodata", "no data")
 
 
@@ -115,25 +115,28 @@ class TableValues:
 
     def _with_points(self, block: Block) -> Block | None:
         """Return a block of numbers with points only; None if its values must be looked at."""
-        text = "\n".join(block.texts)  # to look at once, not line by line
-        if '"' in text:
+        text = _bytes_of(block)
+        if b'"' in text:
             return None
         if self._delimiter == ",":
             return block
-        pointed, commas = "." in text, "," in text
+        pointed, commas = b"." in text, b"," in text
         if not commas:
             doubtful = self._decimal == "," or (self._decimal is None and self.commas is not None)
             return None if pointed and doubtful else block
         said = self._decimal or ("," if self._delimiter and self._point is None else None)
         if said != "," or pointed or _ODD_COMMA.search(text):
             return None
-        return Block(text.replace(",", ".").split("\n"), block.numbers, block.long)
+        return replace(
+            block, data=block.data.replace(b",", b"."), plain=block.plain.replace(b",", b".")
+        )
 
     def _notice_marks(self, block: Block) -> None:
         """Remember the first number with a point, or with a comma and one for decimals only."""
         if self._delimiter == "," or self._point is not None or self._ungrouped:
             return
-        for text, line in block:
+        marks = _bytes_of(block)
+        for text, line in block if b"." in marks or b"," in marks else ():
             if "." in text:
                 self._point = Found(text, line)
             if self._ungrouped or self._point is not None:
@@ -151,7 +154,7 @@ class TableValues:
         ]
         lines = [",".join(values) for values in zip(*columns, strict=True)]
         return number_table(
-            Block(lines, block.numbers), self._name, width=self._width, delimiter=","
+            Block.of(lines, block.numbers), self._name, width=self._width, delimiter=","
         )
 
     def _row(self, text: str, line: int) -> Sequence[str]:
@@ -255,3 +258,13 @@ class TableValues:
             f"{self._name}: line {found.line}, value {k + 1}: {quoted(found.value)} is not a "
             f"number{hint}"
         )
+
+
+def _bytes_of(block: Block) -> bytes:
+    """Return the lines of a block, to look at once; as strings only if comments are among them."""
+    if not len(block):
+        return b""
+    text = block.data[int(block.places[0, 0]) : int(block.places[-1, 1])]
+    if b"#" in text or b"//" in text:
+        return "\n".join(block.texts).encode()
+    return text

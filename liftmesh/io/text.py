@@ -31,7 +31,6 @@ from liftmesh.io.text_encoding import as_utf8, skip_lines
 from liftmesh.io.text_tables import quoted
 
 _COMMENTS = ("#", "//")
-_BLANKS = " \r\v\f"  # around lines whose values are separated by tabs
 _PLAIN = TableOptions()
 
 
@@ -128,9 +127,9 @@ class _Table:
         self._stream = stream
         self._begin = stream.tell()
         self._max_bytes = max_bytes
-        self.layout = self._sniffed(options.delimiter, None)
+        self.layout = self._sniffed(options.delimiter, keep_tabs=False)
         if self.layout.delimiter == "\t":  # where the ends of a line may be empty values
-            self.layout = self._sniffed("\t", _BLANKS)
+            self.layout = self._sniffed("\t", keep_tabs=True)
         self.columns = self._named()
         self.values = TableValues(name, self.layout, self.columns, options)
 
@@ -147,7 +146,7 @@ class _Table:
                 return
             block = self._lines.take(BLOCK)
 
-    def _sniffed(self, delimiter: str | None, blanks: str | None) -> Layout:
+    def _sniffed(self, delimiter: str | None, *, keep_tabs: bool) -> Layout:
         """Take the first line that is no comment, and detect the layout."""
         self._stream.seek(self._begin)
         remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
@@ -158,7 +157,7 @@ class _Table:
             encoding="utf-8",
             comments=_COMMENTS,
             before=self.options.skip_rows,
-            blanks=blanks,
+            keep_tabs=keep_tabs,
         )
         self._first = self._lines.take(1)
         if len(self._first) and (stated := stated_separator(self._first.texts[0])):
@@ -184,9 +183,12 @@ class _Table:
     def _until_end(self, block: Block) -> Block:
         """Cut off the line that the caller calls the end, and what follows."""
         end = self.options.end
-        if end is None or end not in block.texts:
+        if end is None or end.encode() not in block.data:  # before all lines become strings
             return block
-        at = block.texts.index(end)
+        texts = block.texts
+        if end not in texts:
+            return block
+        at = texts.index(end)
         if len(block) > at + 1 or len(self._lines.take(1)):
             line = int(block.numbers[at])
             self.notes.append(f"line {line} ends the table: the lines that follow are not read")

@@ -1,9 +1,9 @@
-"""Tables of numbers as text: lines are parsed in blocks, rows written in blocks.
+"""Tables of numbers as text: lines are parsed in blocks, rows printed in blocks, by the kernel.
 
-Reading: ``numpy.loadtxt`` is fast, and rounds every number exactly as Python does. When it rejects
-a block of lines, they are examined one by one to report the line and the value.
+Reading: every number is rounded as Python's `float` rounds it. When the kernel refuses a block of
+lines, they are examined one by one to report the line and the value.
 
-Writing: doubles are written by Python's ``repr``, the shortest digits that round-trip. Single
+Writing: doubles are written as by Python's ``repr``, the shortest digits that round-trip. Single
 precision gets nine significant digits: these round-trip even if a reader rounds to double first,
 which the shortest digits do not guarantee.
 """
@@ -11,15 +11,16 @@ which the shortest digits do not guarantee.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
-from itertools import chain
-from typing import TYPE_CHECKING, Any, BinaryIO
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
+from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError
 from liftmesh.io.limits import MOST_COLUMNS
+from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block
@@ -36,22 +37,17 @@ def number_table(
     FormatError
         A line has a different number of values, or a value is not a number.
     """
-    if not block.texts:
+    if not len(block):
         return np.empty((0, width or 0))
     if block.long:
         _check_widths(block, name, width, delimiter)
-    texts = block.texts
-    if delimiter and any('"' in text for text in texts):
-        # At lines of nothing NumPy only warns; a delimiter has a value on either side.
-        texts = [text.replace('"', "") or delimiter for text in texts]
-    try:
-        table = np.loadtxt(texts, delimiter=delimiter, comments=None, ndmin=2, dtype=float)
-    except ValueError as error:
-        _raise_for_line(block, name, width, delimiter)
-        raise FormatError(f"{name}: line {block.numbers[0]} or later: {error}") from error
-    if table.shape != (len(block), width or table.shape[1]):
-        _raise_for_line(block, name, width, delimiter)
-        raise FormatError(f"{name}: line {block.numbers[0]} or later: a line is invalid")
+    begin, end = block.places[0].tolist()
+    mark = delimiter or ""
+    columns = width or _kernel.count_values(block.plain[begin:end], mark)
+    threads, _ = as_threads(None, len(block))
+    table = _kernel.parse_table(block.plain, block.places, columns, mark, threads)
+    if table is None:
+        raise line_error(block, name, columns, delimiter)
     return table
 
 
@@ -95,24 +91,25 @@ def exact_values(
     return converted
 
 
-def _raise_for_line(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
-    """Raise for the first line that is not a row of numbers of the expected width."""
-    raise_for_numbers(block, name, width or len(fields(block.texts[0], delimiter)), delimiter)
-
-
-def raise_for_numbers(
+def line_error(
     block: Block, name: str, expected: int | None = None, delimiter: str | None = None
-) -> None:
-    """Raise for the first line that is not a row of numbers, of the expected width if any."""
+) -> FormatError:
+    """Describe the first line that is not a row of numbers, of the expected width if any."""
+    return next(_line_errors(block, name, expected, delimiter))
+
+
+def _line_errors(
+    block: Block, name: str, expected: int | None, delimiter: str | None
+) -> Iterator[FormatError]:
     for text, number in block:
         position = 0
         for position, value in enumerate(_values(text, delimiter), start=1):
-            if not is_number(value):
-                raise FormatError(
+            if not is_number(value) or not value.strip().isascii():
+                yield FormatError(
                     f"{name}: line {number}, value {position}: {quoted(value)} is not a number"
                 )
         if expected is not None and position != expected:
-            raise FormatError(
+            yield FormatError(
                 f"{name}: line {number}: expected {expected} values, found {position}"
             )
 
@@ -146,31 +143,42 @@ def quoted(text: str) -> str:
     return repr(shortened(text))
 
 
-ROWS = 1 << 15
+_VALUES = 1 << 17  # printed at a time
 
 
 def write_rows(
-    stream: BinaryIO, columns: Sequence[Array], *, prefix: str = "", template: str = ""
+    stream: BinaryIO,
+    columns: Sequence[Array],
+    *,
+    prefix: str = "",
+    between: str | Sequence[str] = " ",
+    shortest: bool = False,
 ) -> None:
-    """Write one line per row: ``prefix``, then the values of all columns, separated by spaces.
+    """Write one line per row: ``prefix``, then the values of all columns.
 
-    Columns are (n,) or (n, k) arrays of float, integers, or ready-made strings (dtype object);
-    ``template`` replaces the format of the whole line.
+    Columns are (n,) or (n, k) arrays of floats or integers. ``between`` stands between all values,
+    or is what stands between each and the next. With ``shortest``, single precision too gets the
+    shortest digits.
     """
-    specifiers = " ".join(chain.from_iterable(map(_specifiers, columns)))
-    template = template or f"{prefix}{specifiers}\n"
-    for start in range(0, len(columns[0]), ROWS):
-        flat = [part for each in columns for part in _flat(each[start : start + ROWS])]
-        values = tuple(chain.from_iterable(zip(*flat, strict=True)))
-        stream.write(((template * len(flat[0])) % values).encode("ascii"))
+    flat = [part for each in columns for part in ([each] if each.ndim == 1 else each.T)]
+    marks = [between] * (len(flat) - 1) if isinstance(between, str) else between
+    printer = _kernel.Printer([prefix, *marks, "\n"], shortest)
+    rows = max(_VALUES // len(flat), 1)
+    for start in range(0, len(flat[0]), rows):
+        some = [_printable(each[start : start + rows]) for each in flat]
+        threads, _ = as_threads(None, len(some) * len(some[0]))
+        for text in printer.print(some, threads):  # noqa: FURB122 - streams may only `write`
+            stream.write(text)
 
 
-def _specifiers(column: Array) -> Iterable[str]:
-    kind = column.dtype.kind
-    single = kind == "f" and column.dtype.itemsize < 8
-    specifier = "%.9g" if single else {"f": "%r", "O": "%s"}.get(kind, "%d")
-    return [specifier] * (column.shape[1] if column.ndim == 2 else 1)
-
-
-def _flat(block: Array) -> list[list[Any]]:
-    return [block.tolist()] if block.ndim == 1 else [column.tolist() for column in block.T]
+def _printable(column: Array) -> Array:
+    """Convert a column, if necessary, to a type that the kernel prints."""
+    kind, size = column.dtype.kind, column.dtype.itemsize
+    if kind == "b":
+        column = column.view(np.uint8)
+    elif kind == "f":
+        column = column.astype(np.float64 if size >= 8 else np.float32, copy=False)
+    elif not column.dtype.isnative:
+        column = column.astype(column.dtype.newbyteorder("="))
+    aligned = column.strides[0] % column.itemsize == 0
+    return column if aligned else np.ascontiguousarray(column)

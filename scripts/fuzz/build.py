@@ -97,7 +97,7 @@ def run(command: list[str]) -> str:
 
 def _build(program: Program, folder: Path) -> Path:
     """Compile all sources but the bindings, and link."""
-    kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.name != "bindings.cpp"]
+    kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.parent != KERNEL]
     header = folder / "precompiled.pch"
     command = program.compiled_with(PRECOMPILED)
     run([*command, "-x", "c++-header", str(PRECOMPILED), "-o", str(header)])

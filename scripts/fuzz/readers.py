@@ -1,9 +1,10 @@
-"""The fuzz target of a reader: `python -m fuzz.readers ply|obj|xyz [options of libFuzzer]`.
+"""The fuzz target of a reader: `python -m fuzz.readers ply|obj|xyz|numbers [options of libFuzzer]`.
 
 Atheris counts the branches of liftmesh's Python code while libFuzzer mutates the bytes. Memory and
 time are bounded: a reader that needs `ROOM` bytes of address space beyond the interpreter's raises
 MemoryError, which is a find, as is a run that exceeds libFuzzer's -timeout. Half of the mutations
-are those of `mutator.py`, the other half libFuzzer's own.
+are those of `mutator.py`, the other half libFuzzer's own. `numbers` is no reader, but what those of
+text rest on: there the branches counted are those of the properties, as the kernel is compiled.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from fuzz import text_numbers
 from fuzz.mutator import LineMutator, vocabulary
 from fuzz.round_trip import outcome
 from fuzz.targets import KINDS
@@ -30,6 +32,7 @@ except ImportError as error:
     ) from error
 
 ROOM = 1 << 29
+COUNTED = ("liftmesh.", text_numbers.__name__)
 
 
 def main() -> None:
@@ -43,9 +46,17 @@ def main() -> None:
         "ignore"
     )  # NumPy's, about values that do not fit the types of a broken header
     instrument()
-    atheris.Setup(sys.argv, lambda data: outcome(data, kind), **mutator_options(kind))
+    atheris.Setup(sys.argv, lambda data: tried(data, kind), **mutator_options(kind))
     limit_memory()
     atheris.Fuzz()
+
+
+def tried(data: bytes, kind: str) -> None:
+    """Check the properties of a target."""
+    if kind == "numbers":
+        text_numbers.check(data)
+    else:
+        outcome(data, kind)
 
 
 def mutator_options(kind: str) -> dict[str, Any]:
@@ -67,12 +78,12 @@ def mutator_options(kind: str) -> dict[str, Any]:
 
 
 def instrument() -> None:
-    """Count the branches of liftmesh's functions.
+    """Count the branches of liftmesh's functions, and of the properties of numbers.
 
     One by one, because Atheris's import hook misses packages in editable installs.
     """
     for each in gc.get_objects():
-        if isinstance(each, FunctionType) and (each.__module__ or "").startswith("liftmesh."):
+        if isinstance(each, FunctionType) and (each.__module__ or "").startswith(COUNTED):
             atheris.instrument_func(each)
 
 

@@ -2,8 +2,8 @@
 
 A reader returns a cloud or raises a FormatError whose message begins with the file's name; no other
 exception may escape. A cloud that was read is consistent, and survives a round trip bit for bit:
-as PLY in both encodings, and as OBJ as far as OBJ can represent it. Only the payload of a NaN does
-not survive a text format. Read in chunks, it has the same rows.
+as PLY in both encodings, and as OBJ and CSV as far as these can represent it. Only the payload of a
+NaN does not survive a text format. Read in chunks, it has the same rows.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ def outcome(data: bytes, kind: str) -> Cloud | str:
     _check_ply(cloud, encoding="binary")
     _check_ply(cloud, encoding="ascii")
     _check_obj(cloud)
+    _check_csv(cloud)
     _check_chunks(cloud, data, kind)
     return cloud
 
@@ -99,6 +100,20 @@ def _check_obj(cloud: Cloud) -> None:
     demand(_same_values(back.points, cloud.points), "OBJ changes points")
     names = ("normals", "faces") if _has_wide_colors(cloud) else ("colors", "normals", "faces")
     _compare(back, cloud, names, "OBJ")
+
+
+def _check_csv(cloud: Cloud) -> None:
+    back = _rewritten(cloud, "csv")
+    if back is None:
+        return
+    demand(_same_values(back.points, cloud.points), "CSV changes points")
+    names = ("normals",) if _has_wide_colors(cloud) else ("colors", "normals")
+    _compare(back, cloud, names, "CSV")
+    demand([*back.attributes] == _columns(cloud), "CSV renames attributes")
+    for name, values in cloud.attributes.items():
+        if values.ndim == 1:
+            kept = _same_values(back.attributes[name], values.astype(np.float64))
+            demand(kept, f"CSV changes attribute {name!r}")
 
 
 def _has_wide_colors(cloud: Cloud) -> bool:

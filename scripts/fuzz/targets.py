@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fuzz.build import FUZZ_TARGET, HERE, OUT, ROOT, built
 
-KINDS = ("ply", "obj", "xyz")
+KINDS = ("ply", "obj", "xyz", "numbers")
 SCRIPTS = ROOT / "scripts"
 CORPORA = ROOT / "tests" / "corpus"
 

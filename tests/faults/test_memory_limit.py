@@ -155,7 +155,7 @@ COMMAND_LINE = """
     [
         ("triangulate cloud.npy mesh.ply", 0, 40 * MEGA, 8),
         ("triangulate cloud.npy mesh.ply", 1, 6 * MEGA, 10),
-        ("verify mesh.obj --certificate mesh.json", 1, 20 * MEGA, 8),
+        ("verify mesh.obj --certificate mesh.json", 1, 8 * MEGA, 8),
     ],
 )
 def test_a_command_says_so_in_one_line(

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh import FormatError
 from liftmesh.io import lines
-from liftmesh.io.lines import Lines
+from liftmesh.io.lines import Block, Lines
 
 TEXT = st.lists(
     st.sampled_from(
@@ -60,7 +60,7 @@ def test_blocks_end_where_they_may(data: bytes, size: int, continued: bool) -> N
 
 @pytest.mark.parametrize("shift", range(-3, 4))
 def test_a_line_is_continued_beyond_a_block(shift: int) -> None:
-    for block in (1 << 19, 1 << 22):
+    for block in (1 << 19, 1 << 21, 1 << 22):
         before = b"v 0 0 0\nv 1 0 0\nv 1 1 0\n#"
         face = b"\nf 1 2 3 \\\n 1 2 3\n"
         filling = b"x" * (block + shift - len(before) - face.index(b"\\") - 1)
@@ -87,3 +87,15 @@ def test_an_obj_file_of_many_keywords_counts_the_first() -> None:
     assert ignored["a0"] == 2
     assert ignored["..."] == 501
     assert len(ignored) == 1001
+
+
+def test_tabs_at_the_ends_of_a_line_may_stay() -> None:
+    data = b" \t1\t\t \n\n\t# a\n"
+    for keep_tabs, texts in ((False, ["1"]), (True, ["\t1\t\t", "\t"])):
+        found = Lines(io.BytesIO(data), "name", comments=("#",), keep_tabs=keep_tabs)
+        assert found.take(9).texts == texts
+
+
+def test_a_block_of_lines_that_were_changed() -> None:
+    texts = ["1,2", "\t3,,\xf6", "x"]
+    assert [*Block.of(texts, np.array([7, 9, 12]))] == [*zip(texts, (7, 9, 12), strict=True)]

@@ -15,7 +15,7 @@ FLAGS = ("-std=c++20", "-O3", "-g", "-ffp-contract=off", f"-I{KERNEL}")
 
 def build(folder: Path) -> Path:
     """Compile all sources but the bindings, and link."""
-    sources = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.name != "bindings.cpp"]
+    sources = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.parent != KERNEL]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(lambda source: compiled(source, folder), [DRIVER, *sources]))
     program = folder / "driver"

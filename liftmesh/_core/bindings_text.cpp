@@ -1,0 +1,231 @@
+// The Python interface of text/: bytes in, arrays out; and columns in, bytes out.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/floating_point.hpp"
+#include "bindings.hpp"
+#include "text/lines.hpp"
+#include "text/parsing.hpp"
+#include "text/printing.hpp"
+
+namespace bindings {
+
+using namespace nb::literals;
+
+namespace {
+
+// `lines` are pairs of where a line begins and where it ends.
+
+using LinePairs = nb::ndarray<const std::int64_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Words = std::vector<std::string>;
+
+std::string_view view(const nb::bytes& data) {
+    return {data.c_str(), data.size()};
+}
+
+liftmesh::text::Block block(const nb::bytes& data, const LinePairs& lines) {
+    static_assert(sizeof(liftmesh::text::Line) == 2 * sizeof(std::int64_t));
+    const auto* const first = reinterpret_cast<const liftmesh::text::Line*>(lines.data());
+    const auto size = static_cast<std::int64_t>(data.size());
+    for (std::size_t i = 0; i < lines.shape(0); ++i)
+        if (first[i].begin < 0 || first[i].end < first[i].begin || first[i].end > size)
+            throw std::invalid_argument("a line is not within the text");
+    return {view(data), first, lines.shape(0)};
+}
+
+// Runs work(pool), which returns whether it went to its end, without the GIL.
+template <class Work>
+void in_parallel(unsigned threads, Work work) {
+    PythonInterrupt interrupt;
+    bool done = false;
+    {
+        const nb::gil_scoped_release unlocked;
+        const liftmesh::IeeeArithmetic ieee;
+        liftmesh::ThreadPool pool({threads, true}, interrupt);
+        done = work(pool);
+    }
+    if (!done) throw nb::python_error();
+}
+
+template <class T>
+nb::object writable(liftmesh::Buffer<T> values, std::vector<std::size_t> shape) {
+    const nb::capsule owner(values.get(), [](void* p) noexcept { liftmesh::Free()(p); });
+    T* data = values.release();
+    return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.data(), owner));
+}
+
+nb::tuple find_lines(const nb::bytes& data, const Words& comments, bool keep_tabs,
+                     unsigned threads) {
+    liftmesh::text::Lines found;
+    in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
+        return find_lines(view(data), {comments, keep_tabs}, pool, found);
+    });
+    auto pairs = liftmesh::reuse<std::int64_t>(std::move(found.lines));
+    return nb::make_tuple(writable(std::move(pairs), {found.count, 2}),
+                          writable(std::move(found.numbers), {found.count}), found.all);
+}
+
+nb::object find_keywords(const nb::bytes& data, const LinePairs& lines, const Words& keywords) {
+    auto found = liftmesh::allocate<std::int8_t>(lines.shape(0));
+    find_keywords(block(data, lines), keywords, found.get());
+    return writable(std::move(found), {lines.shape(0)});
+}
+
+liftmesh::text::Separation separation(std::string_view delimiter) {
+    return {delimiter.empty() ? '\0' : delimiter.front(), delimiter.empty()};
+}
+
+std::size_t count_values(const nb::bytes& line, std::string_view delimiter) {
+    return liftmesh::text::count_values(view(line), separation(delimiter));
+}
+
+// None if a line is not a row of `width` numbers.
+nb::object parse_table(const nb::bytes& data, const LinePairs& lines, std::size_t width,
+                       std::string_view delimiter, unsigned threads) {
+    const liftmesh::text::Block rows = block(data, lines);
+    // Of two bytes at least is each value but the last: so the memory is in proportion to the text.
+    if (rows.count != 0 && width > data.size() / rows.count / 2 + 1) return nb::none();
+    auto table = liftmesh::allocate<double>(rows.count * width);
+    auto parsed = liftmesh::text::Parsed::all;
+    in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
+        parsed = parse_table(rows, separation(delimiter), width, pool, table.get());
+        return parsed != liftmesh::text::Parsed::interrupted;
+    });
+    if (parsed == liftmesh::text::Parsed::refused) return nb::none();
+    return writable(std::move(table), {rows.count, width});
+}
+
+// How many words each line has, and what `parse(counts, words, pool)` makes of them.
+template <class Parse>
+liftmesh::text::Parsed parse_words(const liftmesh::text::Block& rows, unsigned threads,
+                                   std::int64_t* counts, Parse parse) {
+    auto parsed = liftmesh::text::Parsed::interrupted;
+    in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
+        std::size_t words = 0;
+        if (count_words(rows, pool, counts, words)) parsed = parse(words, pool);
+        return parsed != liftmesh::text::Parsed::interrupted;
+    });
+    return parsed;
+}
+
+// The words of each line, and all values: int64 if all are whole numbers, else float64. None if one
+// is no number.
+nb::object parse_numbers(const nb::bytes& data, const LinePairs& lines, unsigned threads) {
+    const liftmesh::text::Block rows = block(data, lines);
+    auto counts = liftmesh::allocate<std::int64_t>(rows.count);
+    liftmesh::Buffer<std::int64_t> wholes;
+    liftmesh::Buffer<double> numbers;
+    std::size_t count = 0;
+    const auto parse = [&](std::size_t words, liftmesh::ThreadPool& pool) {
+        count = words;
+        wholes = liftmesh::allocate<std::int64_t>(words);
+        const auto parsed = parse_wholes(rows, counts.get(), pool, wholes.get());
+        if (parsed != liftmesh::text::Parsed::refused) return parsed;
+        numbers = liftmesh::reuse<double>(std::move(wholes));
+        return liftmesh::text::parse_numbers(rows, counts.get(), pool, numbers.get());
+    };
+    const auto parsed = parse_words(rows, threads, counts.get(), parse);
+    if (parsed == liftmesh::text::Parsed::refused) return nb::none();
+    return nb::make_tuple(
+        writable(std::move(counts), {rows.count}),
+        numbers ? writable(std::move(numbers), {count}) : writable(std::move(wholes), {count}));
+}
+
+// The corners of each face, the vertex of each corner, and its normal, or None if none has one.
+// None if a corner is none.
+nb::object parse_corners(const nb::bytes& data, const LinePairs& lines, unsigned threads) {
+    const liftmesh::text::Block rows = block(data, lines);
+    auto counts = liftmesh::allocate<std::int64_t>(rows.count);
+    liftmesh::Buffer<std::int32_t> vertices, normals;
+    std::size_t count = 0;
+    bool named = false;
+    const auto parse = [&](std::size_t words, liftmesh::ThreadPool& pool) {
+        count = words;
+        vertices = liftmesh::allocate<std::int32_t>(words);
+        normals = liftmesh::allocate<std::int32_t>(words);
+        return liftmesh::text::parse_corners(rows, counts.get(), pool, vertices.get(),
+                                             normals.get(), named);
+    };
+    const auto parsed = parse_words(rows, threads, counts.get(), parse);
+    if (parsed == liftmesh::text::Parsed::refused) return nb::none();
+    return nb::make_tuple(writable(std::move(counts), {rows.count}),
+                          writable(std::move(vertices), {count}),
+                          named ? writable(std::move(normals), {count}) : nb::object(nb::none()));
+}
+
+using Values = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
+
+liftmesh::text::Column column(const Values& values, bool shortest) {
+    using liftmesh::text::Kind;
+    const nb::dlpack::dtype type = values.dtype();
+    const auto size = values.itemsize();
+    const auto is = [&](nb::dlpack::dtype_code code) {
+        return type.code == static_cast<std::uint8_t>(code);
+    };
+    Kind kind = is(nb::dlpack::dtype_code::Int) ? Kind::whole : Kind::natural;
+    if (type == nb::dtype<double>())
+        kind = Kind::shortest;
+    else if (type == nb::dtype<float>())
+        kind = shortest ? Kind::shortest_single : Kind::nine_digits;
+    else if (!is(nb::dlpack::dtype_code::Int) && !is(nb::dlpack::dtype_code::UInt))
+        throw std::invalid_argument("columns must be float64, float32 or integers");
+    return {static_cast<const std::byte*>(values.data()),
+            values.stride(0) * static_cast<std::ptrdiff_t>(size), kind, size};
+}
+
+// Prints rows as text; `around` stands around the values of each row.
+class Printer {
+ public:
+    Printer(Words around, bool shortest) : around_(std::move(around)), shortest_(shortest) {}
+    Printer(const Printer&) = delete;
+    Printer& operator=(const Printer&) = delete;
+
+    // The text of some rows, in parts.
+    nb::list print(const std::vector<Values>& columns, unsigned threads) {
+        if (columns.empty() || around_.size() != columns.size() + 1)
+            throw std::invalid_argument("a row needs a value, and text around each");
+        std::vector<liftmesh::text::Column> typed;
+        for (const Values& values : columns) {
+            if (values.shape(0) != columns[0].shape(0))
+                throw std::invalid_argument("lengths differ");
+            typed.push_back(column(values, shortest_));
+        }
+        in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
+            return print_rows({typed, around_, columns[0].shape(0)}, pool, parts_);
+        });
+        nb::list texts;
+        for (const liftmesh::text::Part& part : parts_)
+            if (part.size != 0) texts.append(nb::bytes(part.text.get(), part.size));
+        return texts;
+    }
+
+ private:
+    Words around_;
+    bool shortest_;
+    std::vector<liftmesh::text::Part> parts_;
+};
+
+}  // namespace
+
+void bind_text(nb::module_& m) {
+    m.def("find_lines", &find_lines, "data"_a, "comments"_a, "keep_tabs"_a, "threads"_a);
+    m.def("find_keywords", &find_keywords, "data"_a, "lines"_a, "keywords"_a);
+    m.def("count_values", &count_values, "line"_a, "delimiter"_a);
+    m.def("parse_table", &parse_table, "data"_a, "lines"_a, "width"_a, "delimiter"_a, "threads"_a);
+    m.def("parse_numbers", &parse_numbers, "data"_a, "lines"_a, "threads"_a);
+    m.def("parse_corners", &parse_corners, "data"_a, "lines"_a, "threads"_a);
+    nb::class_<Printer>(m, "Printer")
+        .def(nb::init<Words, bool>(), "around"_a, "shortest"_a)
+        .def("print", &Printer::print, "columns"_a, "threads"_a);
+}
+
+}  // namespace bindings

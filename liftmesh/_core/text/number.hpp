@@ -1,0 +1,38 @@
+// Numbers in text, read and written as Python does.
+//
+// What is a number is what Python's `float` takes without underscores and without digits of other
+// scripts: a sign, then digits with a point and an exponent, or inf, infinity or nan in any case.
+// std::from_chars rounds correctly, but takes no plus sign, takes nan(...), and gives no value
+// beyond the range of doubles.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace liftmesh::text {
+
+// Reads the longest number at the beginning of [at, end), and returns where it ends; null if there
+// is none.
+const char* parse_number(const char* at, const char* end, double& value);
+
+// Reads a whole number: digits, after a sign or not. False for any other word, and for the
+// largest and smallest int64 and all beyond.
+bool parse_whole(std::string_view word, std::int64_t& value);
+
+// The room that a value may take while it is written, of any type: more than its text.
+inline constexpr int longest_number = 48;
+
+// These write a value and return its end.
+
+// The shortest digits that round-trip, as Python's `repr` writes them.
+char* print_shortest(char* out, double value);
+char* print_shortest(char* out, float value);
+
+// Nine significant digits, as "%.9g": they round-trip in single precision even if they are read as
+// a double first, which the shortest ones do not guarantee.
+char* print_nine_digits(char* out, float value);
+
+char* print_whole(char* out, std::int64_t value);
+char* print_whole(char* out, std::uint64_t value);
+
+}  // namespace liftmesh::text

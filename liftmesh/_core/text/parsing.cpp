@@ -1,0 +1,167 @@
+#include "text/parsing.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "text/blanks.hpp"
+#include "text/number.hpp"
+
+namespace liftmesh::text {
+
+namespace {
+
+constexpr std::size_t most_lines_of_a_task = 4096, tasks_per_thread = 8;
+
+// Calls visit(first, last) for runs of lines; all stop after one that returns false.
+template <class Visit>
+Parsed each_run(std::size_t count, ThreadPool& pool, Visit visit) {
+    const std::size_t size =
+        std::clamp<std::size_t>(count / (tasks_per_thread * pool.size()), 1, most_lines_of_a_task);
+    std::atomic<bool> refused = false;
+    const bool done = pool.run((count + size - 1) / size, [&](std::size_t task) {
+        const std::size_t first = task * size;
+        if (!refused && !visit(first, std::min(first + size, count))) refused = true;
+    });
+    if (!done) return Parsed::interrupted;
+    return refused ? Parsed::refused : Parsed::all;
+}
+
+const char* behind_blanks(const char* at, const char* end, Separation separation) {
+    while (at != end && is_blank(*at) && (separation.by_blanks || *at != separation.delimiter))
+        ++at;
+    return at;
+}
+
+bool parse_row(std::string_view line, Separation separation, std::size_t width, double* row) {
+    const char* const end = line.data() + line.size();
+    const char* at = behind_blanks(line.data(), end, separation);
+    for (std::size_t k = 0; k < width; ++k) {
+        const char* const stop = parse_number(at, end, row[k]);
+        if (!stop) return false;
+        at = behind_blanks(stop, end, separation);
+        if (k + 1 == width) break;
+        if (separation.by_blanks ? at == stop : at == end || *at++ != separation.delimiter)
+            return false;
+        at = behind_blanks(at, end, separation);
+    }
+    return at == end;
+}
+
+bool parse_quoted_row(std::string_view line, Separation separation, std::size_t width,
+                      double* row) {
+    if (separation.by_blanks || line.find('"') == std::string_view::npos) return false;
+    std::string plain(line);
+    std::erase(plain, '"');
+    return parse_row(plain, separation, width, row);
+}
+
+// parse(word, k) for the k-th word of all, in parallel.
+template <class Parse>
+Parsed each_word_of_all(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+                        Parse parse) {
+    std::vector<std::size_t> begins(block.count);
+    std::size_t words = 0;
+    for (std::size_t i = 0; i < block.count; ++i) {
+        begins[i] = words;
+        words += static_cast<std::size_t>(counts[i]);
+    }
+    return each_run(block.count, pool, [&](std::size_t first, std::size_t last) {
+        std::size_t k = first < last ? begins[first] : 0;
+        const auto take = [&](std::string_view word) { return parse(word, k++); };
+        for (std::size_t i = first; i < last; ++i)
+            if (!each_word(block[i], take)) return false;
+        return true;
+    });
+}
+
+bool parse_index(std::string_view word, std::int32_t& index) {
+    std::int64_t value = 0;
+    if (!parse_whole(word, value) || value == 0) return false;
+    if (value < std::numeric_limits<std::int32_t>::min() ||
+        value > std::numeric_limits<std::int32_t>::max())
+        return false;
+    index = static_cast<std::int32_t>(value);
+    return true;
+}
+
+bool parse_corner(std::string_view word, std::int32_t& vertex, std::int32_t& normal) {
+    normal = 0;
+    const std::size_t first = word.find('/');
+    if (first == std::string_view::npos) return parse_index(word, vertex);
+    if (!parse_index(word.substr(0, first), vertex)) return false;
+    const std::string_view rest = word.substr(first + 1);
+    const std::size_t second = rest.find('/');
+    const std::string_view texture = rest.substr(0, second);
+    std::int64_t any = 0;
+    if (!texture.empty() && !parse_whole(texture, any)) return false;
+    return second == std::string_view::npos || parse_index(rest.substr(second + 1), normal);
+}
+
+}  // namespace
+
+std::size_t count_values(std::string_view line, Separation separation) {
+    if (separation.by_blanks) return count_words(line);
+    return static_cast<std::size_t>(std::count(line.begin(), line.end(), separation.delimiter)) + 1;
+}
+
+Parsed parse_table(const Block& block, Separation separation, std::size_t width, ThreadPool& pool,
+                   double* rows) {
+    return each_run(block.count, pool, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            double* const row = rows + i * width;
+            if (!parse_row(block[i], separation, width, row) &&
+                !parse_quoted_row(block[i], separation, width, row))
+                return false;
+        }
+        return true;
+    });
+}
+
+bool count_words(const Block& block, ThreadPool& pool, std::int64_t* counts, std::size_t& words) {
+    std::atomic<std::size_t> sum = 0;
+    const Parsed parsed = each_run(block.count, pool, [&](std::size_t first, std::size_t last) {
+        std::size_t of_run = 0;
+        for (std::size_t i = first; i < last; ++i) {
+            const std::size_t count = count_words(block[i]);
+            counts[i] = static_cast<std::int64_t>(count);
+            of_run += count;
+        }
+        sum += of_run;
+        return true;
+    });
+    words = sum;
+    return parsed == Parsed::all;
+}
+
+Parsed parse_numbers(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+                     double* values) {
+    return each_word_of_all(block, counts, pool, [=](std::string_view word, std::size_t k) {
+        const char* const end = word.data() + word.size();
+        return parse_number(word.data(), end, values[k]) == end;
+    });
+}
+
+Parsed parse_wholes(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+                    std::int64_t* values) {
+    return each_word_of_all(block, counts, pool, [=](std::string_view word, std::size_t k) {
+        return parse_whole(word, values[k]);
+    });
+}
+
+Parsed parse_corners(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+                     std::int32_t* vertices, std::int32_t* normals, bool& named) {
+    std::atomic<bool> any = false;
+    const auto parse = [&, vertices, normals](std::string_view word, std::size_t k) {
+        if (!parse_corner(word, vertices[k], normals[k])) return false;
+        if (normals[k] != 0 && !any.load(std::memory_order_relaxed)) any = true;
+        return true;
+    };
+    const Parsed parsed = each_word_of_all(block, counts, pool, parse);
+    named = any;
+    return parsed;
+}
+
+}  // namespace liftmesh::text

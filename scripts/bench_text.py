@@ -1,0 +1,153 @@
+"""Time reading and writing numbers as text, compared with polars.
+
+    python scripts/bench_text.py                 a million rows of three columns
+    python scripts/bench_text.py --n 10000000    ten million
+    python scripts/bench_text.py --alone         without polars
+
+CSV and XYZ hold x, y, z in 17 digits; OBJ and ASCII PLY the mesh on them, with two faces a row.
+Each call runs in processes of its own, on the default number of threads, and its best time counts.
+The last column is the time for a byte, as a multiple of polars' `read_csv` or `write_csv`: 1.5 is
+the target. What is read is compared with what was written, bit for bit.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from bench_pipeline import BLOCK
+from rich.console import Console
+from rich.table import Table
+
+FILES = {"CSV": "points.csv", "XYZ": "points.xyz", "OBJ": "mesh.obj", "PLY": "mesh.ply"}
+POLARS = {"read": "polars read_csv", "write": "polars write_csv"}
+CALLS = [f"{verb} {kind}" for verb in ("read", "write") for kind in FILES]
+IN_A_PROCESS = 3  # calls, of which the best counts
+
+
+def main() -> None:
+    """Run all calls in turn, and print a table."""
+    options = read_options()
+    calls = [*([] if options.alone else POLARS.values()), *CALLS]
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        prepare(folder, options.n)
+        rounds = [{call: run(call, folder) for call in calls} for _ in range(options.rounds)]
+        best = {call: min(seconds[call] for seconds in rounds) for call in calls}
+        sizes = {kind: (folder / file).stat().st_size for kind, file in FILES.items()}
+    (Console() if os.isatty(1) else Console(width=100)).print(table_of(best, sizes, options.n))
+
+
+def read_options() -> Namespace:
+    """Parse the command line."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    parser.add_argument("--n", type=int, default=1_000_000, metavar="ROWS")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--alone", action="store_true", help="without polars")
+    return parser.parse_args()
+
+
+def prepare(folder: Path, rows: int) -> None:
+    """Write a hilly terrain, the same in every run, in all formats."""
+    liftmesh = import_module("liftmesh")
+    random = np.random.default_rng(20)
+    points = np.empty((rows, 3))
+    for start in range(0, rows, BLOCK):
+        block = points[start : start + BLOCK]
+        block[:, :2] = 1000 * random.random((len(block), 2))
+        block[:, 2] = 20 * np.sin(block[:, 0] / 90) * np.cos(block[:, 1] / 70)
+    np.save(folder / "points.npy", points)
+    faces = liftmesh.delaunay(points[:, :2]).simplices
+    np.save(folder / "faces.npy", faces)
+    for kind, file in FILES.items():
+        liftmesh.write(folder / file, liftmesh.Cloud(points, faces=faces), **options_of(kind))
+
+
+def options_of(kind: str) -> dict[str, Any]:
+    """Return the options for writing a format as text."""
+    return {"encoding": "ascii"} if kind == "PLY" else {}
+
+
+def run(call: str, folder: Path) -> float:
+    """Time a call in a fresh process."""
+    command = [sys.executable, __file__, "--job", call, str(folder)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    return float(json.loads(done.stdout))
+
+
+def job(call: str, folder: Path) -> float:
+    """Prepare a call, and return the best of its times; compare what it read."""
+    make = by_polars if call in POLARS.values() else by_liftmesh
+    work, points_of = make(call, folder)
+    best = float("inf")
+    for _ in range(IN_A_PROCESS):
+        start = perf_counter()
+        found = work()
+        best = min(best, perf_counter() - start)
+    if points_of(found).tobytes() != np.load(folder / "points.npy").tobytes():
+        raise SystemExit(f"{call}: other values")
+    return best
+
+
+Job = tuple[Callable[[], Any], Callable[[Any], Any]]
+
+
+def by_liftmesh(call: str, folder: Path) -> Job:
+    """Make a call of liftmesh, and what gives the points that it read or wrote."""
+    liftmesh = import_module("liftmesh")
+    verb, kind = call.split()
+    source, target = folder / FILES[kind], folder / f"new-{FILES[kind]}"
+    if verb == "read":
+        return lambda: liftmesh.read(source), lambda cloud: cloud.points
+    points, faces = np.load(folder / "points.npy"), np.load(folder / "faces.npy")
+    cloud = liftmesh.Cloud(points, faces=faces)
+    options = options_of(kind)
+    return (
+        lambda: liftmesh.write(target, cloud, **options),
+        lambda _: liftmesh.read(target).points,
+    )
+
+
+def by_polars(call: str, folder: Path) -> Job:
+    """Make a call of polars, and what gives the points that it read or wrote."""
+    polars = import_module("polars")
+    source, target = folder / FILES["CSV"], folder / "polars.csv"
+    if call == POLARS["read"]:
+        return lambda: polars.read_csv(source), lambda frame: np.ascontiguousarray(frame.to_numpy())
+    frame = polars.DataFrame(dict(zip("xyz", np.load(folder / "points.npy").T, strict=True)))
+    return (
+        lambda: frame.write_csv(target),
+        lambda _: np.ascontiguousarray(polars.read_csv(target).to_numpy()),
+    )
+
+
+def table_of(best: dict[str, float], sizes: dict[str, int], rows: int) -> Table:
+    """Make the table: a row for each call."""
+    table = Table("call", title=f"{rows:,} rows", title_justify="left")
+    for column in ("MB", "seconds", "MB/s", "time for a byte"):
+        table.add_column(column, justify="right")
+    for call, seconds in best.items():
+        verb, kind = ("", "CSV") if call in POLARS.values() else call.split()
+        size = sizes[kind]
+        peer = best.get(POLARS.get(verb, ""))
+        ratio = "" if peer is None else f"{seconds / size / (peer / sizes['CSV']):.2f}"
+        shown = f"{size / 1e6:.1f}", f"{seconds:.3f}", f"{size / 1e6 / seconds:.0f}", ratio
+        table.add_row(call, *shown)
+    return table
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--job"]:
+        print(json.dumps(job(sys.argv[2], Path(sys.argv[3]))))
+    else:
+        main()

@@ -1,0 +1,51 @@
+"""The script that times numbers as text."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import bench_text
+import numpy as np
+import pytest
+
+import liftmesh
+
+ROWS = 300
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("text")
+    bench_text.prepare(path, ROWS)
+    return path
+
+
+def test_all_files_hold_the_same_points(folder: Path) -> None:
+    points = np.load(folder / "points.npy")
+    assert points.shape == (ROWS, 3)
+    for file in bench_text.FILES.values():
+        assert np.array_equal(liftmesh.read(folder / file).points, points)
+
+
+@pytest.mark.parametrize("call", bench_text.CALLS)
+def test_every_call_reads_or_writes_them(call: str, folder: Path) -> None:
+    assert bench_text.job(call, folder) > 0
+
+
+def test_other_values_are_noticed(folder: Path) -> None:
+    (folder / "points.xyz").write_bytes((folder / "points.csv").read_bytes()[7:])
+    with pytest.raises(SystemExit, match="read XYZ: other values"):
+        bench_text.job("read XYZ", folder)
+
+
+def test_the_table() -> None:
+    words = ["--n", str(ROWS), "--rounds", "1", "--alone"]
+    command = [sys.executable, bench_text.__file__, *words]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert len(re.findall(r"(?:read|write) (?:CSV|XYZ|OBJ|PLY) .*\d\.\d{3}", told)) == 8
+    best = {"polars read_csv": 0.1, "read OBJ": 0.3}
+    table = bench_text.table_of(best, {"CSV": 50, "OBJ": 100}, ROWS)
+    assert [*table.columns[-1].cells] == ["", "1.50"]
