@@ -67,7 +67,7 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
 def test_what_is_unforeseen_keeps_its_text() -> None:
     option = SimpleNamespace(opts=["-n", "--number"], metavar=None)
     error = typer.BadParameter("a reason", param=option)  # type: ignore[arg-type]
-    assert usage_message(error) == "--number is not valid: a reason"
+    assert usage_message(error) == "--number is not a value that it takes"
     context = SimpleNamespace(command_path="liftmesh info", command=SimpleNamespace(params=[]))
     unknown = SimpleNamespace(message="something else", ctx=context)
     assert usage_message(unknown) == "something else (see liftmesh info --help)"
