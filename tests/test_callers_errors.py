@@ -178,6 +178,8 @@ def test_columns_as_arguments_get_a_sentence(function: Any) -> None:
 def test_other_calls_with_too_many_arguments_keep_pythons_error() -> None:
     with pytest.raises(TypeError, match="takes 1 positional argument but 2"):
         liftmesh.delaunay(PLANAR, "auto")  # type: ignore[misc]
+    with pytest.raises(TypeError, match="takes 1 positional argument but 2"):
+        liftmesh.delaunay([0, 1], [[0], [1, 2]])  # type: ignore[misc]
     assert next(iter(inspect.signature(liftmesh.delaunay).parameters)) == "points"
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
 from commands import failed, liftmesh, process
 
 from liftmesh.cli import exit_codes
+from liftmesh.cli.wording import usage_message
 
 COMMANDS = ["triangulate", "verify", "compare", "info", "paper"]
 FOREIGN = re.compile(
@@ -59,6 +62,15 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
     done = liftmesh(*words)
     failed(done, exit_codes.USAGE, said)
     assert not FOREIGN.search(done.stderr)
+
+
+def test_what_is_unforeseen_keeps_its_text() -> None:
+    option = SimpleNamespace(opts=["-n", "--number"], metavar=None)
+    error = typer.BadParameter("a reason", param=option)  # type: ignore[arg-type]
+    assert usage_message(error) == "--number is not a value that it takes"
+    context = SimpleNamespace(command_path="liftmesh info", command=SimpleNamespace(params=[]))
+    unknown = SimpleNamespace(message="something else", ctx=context)
+    assert usage_message(unknown) == "something else (see liftmesh info --help)"
 
 
 @pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS)])

@@ -14,6 +14,11 @@ def test_points_have_three_columns(shape: tuple[int, ...]) -> None:
         Cloud(np.zeros(shape))
 
 
+def test_points_are_numbers() -> None:
+    with pytest.raises(InputError, match="a cloud needs points of float64, not of <U1"):
+        Cloud(np.full((4, 3), "a"))
+
+
 @pytest.mark.parametrize("part", ["colors", "normals", "attributes"])
 def test_every_part_has_a_row_for_each_point(part: str) -> None:
     rows = np.zeros((2, 3))

@@ -315,6 +315,18 @@ class TestNamedPlanes:
         assert np.array_equal(surface.triangulation.simplices, alone.simplices)
         assert np.shares_memory(surface.triangulation.points, points)
 
+    def test_rows_of_two_columns_are_not_projected(self):
+        frame = resolve_plane("xy", NONE)
+        with pytest.raises(InputError, match="points have two columns: a projection needs x, y"):
+            frame.planar(np.zeros((4, 2)))
+
+    def test_rows_are_raised_along_a_tilted_normal(self):
+        points = rows(5)
+        frame = resolve_plane((1, 2, 3), points)
+        moved = frame.raised(points, frame.heights(points), np.full(5, 7.0))
+        assert np.allclose(frame.heights(moved), 7)
+        assert np.allclose(frame.planar(moved), frame.planar(points))
+
 
 class TestEquations:
     def test_what_plane_fit_returns_is_a_plane(self):

@@ -14,6 +14,7 @@ from clouds import FAMILIES
 
 import liftmesh
 from liftmesh import Cloud, InputError
+from liftmesh.signatures import Readable, make_readable
 
 ROWS = np.random.default_rng(3).random((40, 3))
 
@@ -106,6 +107,9 @@ def test_help_shows_one_parameter_in_a_line() -> None:
 def test_signatures_mean_what_they_did() -> None:
     text = str(inspect.signature(liftmesh.Surface.with_attributes))
     assert " ".join(text.split()).endswith("= None, /, **named: ArrayLike, ) -> Surface")
+    without = Readable([inspect.Parameter("a", inspect.Parameter.VAR_POSITIONAL)])
+    assert str(without) == "(*a)"
+    make_readable(None)
     bound = inspect.signature(liftmesh.delaunay).bind(ROWS, threads=2)
     assert bound.arguments["threads"] == 2
     assert typing.get_type_hints(liftmesh.lower_hull)["return"] is liftmesh.LowerHull

@@ -102,7 +102,7 @@ def _about_value(error: Any) -> str:
     given = name if typed is None else f"{name} {typed!r}"
     if choices:
         return f"{given} is unknown: give {', '.join(choices[:-1])} or {choices[-1]}"
-    return f"{given} is not valid: {error.message}"
+    return f"{given} is not a value that it takes"
 
 
 def _typed(error: Any) -> str | None:
