@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 
 DEPTHS = (8, 16, 32, 64)
@@ -129,8 +130,9 @@ def check_depth(depth: int | None) -> None:
     Traceback (most recent call last):
     liftmesh.errors.InputError: color_depth is 12: give 8, 16, 32 or 64 bits, or None
     """
-    if depth is not None and (isinstance(depth, bool) or depth not in DEPTHS):
-        raise InputError(f"color_depth is {depth!r}: give 8, 16, 32 or 64 bits, or None")
+    is_number = isinstance(depth, int | np.integer) and not isinstance(depth, bool)
+    if depth is not None and not (is_number and depth in DEPTHS):
+        raise InputError(f"color_depth is {shown(depth)}: give 8, 16, 32 or 64 bits, or None")
 
 
 def _of_depth(colors: Array, depth: int) -> Array:

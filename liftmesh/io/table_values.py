@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from liftmesh.io.table_options import TableOptions
 
 _NAN = "nan"
+_STRINGS = 1 << 17  # held at a time
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]+,")
 _MISSING = ("na", "n/a", "null", "none", "-", "--", "*", "?", "#n/a", "nodata", "no data")
 
@@ -147,7 +148,12 @@ class TableValues:
                     self._ungrouped = self._ungrouped or not may_be_grouped(value.strip())
 
     def _split(self, block: Block) -> Floats:
-        """Parse a block whose values may be anything."""
+        """Parse a block whose values may be anything, some rows at a time."""
+        step = max(_STRINGS // self._width, 1)
+        begins = range(0, max(len(block), 1), step)
+        return np.concatenate([self._split_rows(block[k : k + step]) for k in begins])
+
+    def _split_rows(self, block: Block) -> Floats:
         rows = [self._row(text, line) for text, line in block]
         columns = [
             self._column(k, values, block) for k, values in enumerate(zip(*rows, strict=True))

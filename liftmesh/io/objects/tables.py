@@ -40,10 +40,11 @@ def is_table(source: object) -> bool:
 
 def is_other_table(source: object) -> bool:
     """Whether an object looks like a table, but not like one that `to_cloud` takes."""
+    if isinstance(source, dict | type):
+        return False
     kind = type(source)  # whose attributes cost nothing to look up
     named = any(hasattr(kind, name) for name in ("columns", "column_names", "colnames"))
-    is_class = isinstance(source, type)
-    return isinstance(source, Mapping) or (named and hasattr(kind, "__getitem__") and not is_class)
+    return isinstance(source, Mapping) or (named and hasattr(kind, "__getitem__"))
 
 
 def refuse(source: object) -> Cloud:
