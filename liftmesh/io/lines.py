@@ -73,8 +73,8 @@ class Block:
         return zip(self.texts, self.numbers.tolist(), strict=True)
 
     def __getitem__(self, rows: slice | Mask) -> Block:
-        places = np.ascontiguousarray(self.places[rows])
-        return replace(self, places=places, numbers=self.numbers[rows])
+        # Copies: a view of one line would keep the places of all others.
+        return replace(self, places=self.places[rows].copy(), numbers=self.numbers[rows].copy())
 
     @property
     def texts(self) -> list[str]:
