@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, BinaryIO
 
+import numpy as np
+
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.io.format import ChunkReader, Reader
@@ -25,6 +27,7 @@ def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
     """Make a chunk reader that decides the depth of colours once, from all chunks of a file.
 
     A file is read twice if its integer colours have more than 8 bits and no depth is ``known``.
+    Where some are no colours at all, such as negative ones, every chunk stays as it is.
     """
 
     def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
@@ -37,9 +40,15 @@ def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
             yield first
             yield from pieces
             return
-        depth = max([first.color_depth, *(piece.color_depth or 8 for piece in pieces)])
+        depths = [first.color_depth, *map(_depth, pieces)]
+        depth = None if None in depths else max(filter(None, depths))
         stream.seek(begin)
         for piece in chunks(stream, name, rows):
-            yield piece.with_color_depth(depth)
+            yield piece if depth is None else piece.with_color_depth(depth)
 
     return uniform
+
+
+def _depth(piece: Cloud) -> int | None:
+    is_narrow = piece.colors is not None and piece.colors.dtype == np.uint8
+    return 8 if is_narrow else piece.color_depth

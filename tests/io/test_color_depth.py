@@ -109,6 +109,14 @@ def test_chunks_of_8_bit_values_have_the_depth_of_the_file() -> None:
     assert [(chunk.color_depth, chunk.colors.dtype) for chunk in chunks] == [(8, np.uint8)] * 2  # type: ignore[union-attr]
 
 
+def test_chunks_of_a_file_with_negative_colours_stay_as_they_are() -> None:
+    colors = np.array([[1, 2, 3], [4, 5, 6], [300, 0, 0], [-16, 0, 0]], dtype=np.int16)
+    data = npz(colors)
+    chunks = [*liftmesh.read_chunks(io.BytesIO(data), rows=2, format="npz")]
+    assert np.vstack([chunk.colors for chunk in chunks]).tolist() == colors.tolist()  # type: ignore[misc]
+    assert liftmesh.read(io.BytesIO(data), format="npz").color_depth is None
+
+
 def test_a_dark_part_of_a_16_bit_cloud_stays_dark() -> None:
     cloud = Cloud(FIVE, colors=DEEP.astype(np.uint16))
     part = cloud.select(slice(0, 4))
