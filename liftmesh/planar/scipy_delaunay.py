@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import as_coordinates, check_finite
+from liftmesh.arrays import as_coordinates, check_finite, non_finite
 from liftmesh.choices import as_switch
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.qhull_options import check_qhull_options
@@ -50,8 +50,9 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
     SciPy's interpolators, ``tsearch`` and ``delaunay_plot_2d`` take it. Differences from SciPy: the
     triangulation is exact and canonical, and so is `find_simplex`; points are planar only;
-    ``points`` is read-only. As with SciPy, ``simplices`` and ``neighbors`` may be written to or
-    replaced; `find_simplex` keeps to the triangulation as it was computed.
+    ``points`` is read-only; `lift_points`, `plane_distance` and `equations` are of the paraboloid
+    z = x^2 + y^2, which SciPy scales. As with SciPy, ``simplices`` and ``neighbors`` may be written
+    to or replaced; `find_simplex` keeps to the triangulation as it was computed.
 
     Parameters
     ----------
@@ -100,11 +101,12 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         *,
         copy: bool = False,
     ) -> None:
+        rows = _planar(points)  # first: of columns x and y, the second is no option
         if as_switch("furthest_site", furthest_site):
             raise InputError("furthest_site=True is not available: use scipy.spatial.Delaunay")
         check_qhull_options(qhull_options)
         is_growing = as_switch("incremental", incremental)
-        self._triangulate(_planar(points), copy=as_switch("copy", copy) or is_growing)
+        self._triangulate(rows, copy=as_switch("copy", copy) or is_growing)
         self._can_grow = is_growing
 
     def _triangulate(self, rows: Floats, *, copy: bool) -> None:
@@ -112,6 +114,8 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
             solution = solve(rows, copy=copy)
         except DegenerateInputError as error:
             raise DegenerateQhullError(*error.args) from None
+        except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
+            raise non_finite(error.row, rows[error.row], skippable=False) from None
         for name in _COMPUTED_LATER:
             self.__dict__.pop(name, None)
         self._exact = solution["simplices"], solution["neighbors"]
@@ -220,15 +224,17 @@ _COMPUTED_LATER = [
 def _planar(points: ArrayLike) -> Floats:
     """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
     with suppress(ValueError):  # of rows that differ in length, which the conversion names
-        points = np.asanyarray(points)
-    _refuse_space(getattr(points, "shape", ()))
+        array = np.asanyarray(points)
+        points = array if array.ndim else points  # what is no array, the conversion names, too
+    if isinstance(points, np.ndarray):
+        _refuse_space(points.shape)
     rows = as_coordinates(points)
     return np.ascontiguousarray(rows, dtype=np.float64)
 
 
 def _refuse_space(shape: tuple[int, ...]) -> None:
     """Raise for points of more than two columns, unless rows and columns seem exchanged."""
-    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 2 or shape[1] == 3):
+    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
         raise InputError(
             f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
             "points[:, :2] to triangulate their first two, or use scipy.spatial.Delaunay for "

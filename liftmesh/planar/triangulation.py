@@ -291,7 +291,8 @@ class Triangulation:
         array([ True])
         """
         normals, offsets = self.equations[:, :3], self.equations[:, 3]
-        distances: Floats = self.lift_points(xi) @ normals.T + offsets
+        with np.errstate(all="ignore"):
+            distances: Floats = self.lift_points(xi) @ normals.T + offsets
         return distances
 
     def find_simplex(
