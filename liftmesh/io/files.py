@@ -371,7 +371,7 @@ def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
 def _find(place: object, wanted: str | None, name: str) -> Format:
     if wanted is None and isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
         raise folder(name)
-    return find_format(wanted or suffix_of(name), name)
+    return find_format(suffix_of(name) if wanted is None else wanted, name)
 
 
 def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:

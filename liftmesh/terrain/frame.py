@@ -18,6 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.arrays import as_coordinates
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
@@ -161,9 +162,11 @@ class Frame:
         array([[1., 2., 9.]])
         """
         points = _rows(points)
-        shapes = [getattr(heights, "shape", None) for heights in (old, new)]
-        if shapes != [(len(points),)] * 2:
-            raise InputError(f"{len(points)} rows need arrays of as many heights, not {shapes}")
+        for heights in (old, new):
+            if not isinstance(heights, np.ndarray) or heights.dtype.kind not in "iuf":
+                raise InputError(f"heights are {shown(heights)}: give arrays of numbers")
+            if heights.shape != (len(points),):
+                raise InputError(f"{len(points)} rows need as many heights, not {heights.shape}")
         along = np.flatnonzero(self.normal)
         if len(along) == 1 and not self.origin.any():
             moved: Floats = points.copy()
