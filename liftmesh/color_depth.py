@@ -84,7 +84,7 @@ def with_depth(colors: Array, depth: int) -> Array:
         row = int(np.argmax(outside))
         raise InputError(
             f"row {row} has the colour {colors[row].tolist()}, outside 0..{top}, the range of "
-            f"color_depth={depth}: give another depth, or None to let the values decide"
+            f"color_depth={depth}: give another depth, or none: the values decide"
         )
     return _of_depth(colors, depth)
 

@@ -175,7 +175,9 @@ def _with_command_options(message: str) -> str:
     message = re.sub(
         r"\b(columns|nodata|end|decimal|delimiter|encoding)='([^']*)'", _as_option, message
     )
+    message = re.sub(r"\b(columns|nodata|end|decimal|delimiter|encoding)= ", r"--\1 ", message)
     message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
+    message = re.sub(r"\bcolor_depth=(\d+)", r"--color-depth \1", message)
     return message.replace("flat=True", "--flat")
 
 
