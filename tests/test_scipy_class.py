@@ -158,6 +158,23 @@ class TestWrites:
         np.testing.assert_allclose(ours.transform, again.transform[same], rtol=1e-5, atol=1e-7)
         compare_neighbors(ours.vertex_neighbor_vertices, again.vertex_neighbor_vertices)
 
+    def test_edges_follow_the_corners(self, points) -> None:
+        expected = {*map(tuple, liftmesh.delaunay(points).edges.tolist())}
+        for change in (
+            lambda tri: tri.simplices.sort(),
+            lambda tri: tri.neighbors.fill(-1),
+            lambda tri: setattr(tri, "simplices", tri.simplices[::-1]),
+        ):
+            tri = liftmesh.Delaunay(points)
+            change(tri)
+            assert len(tri.edges) == len(expected)
+            assert {*map(tuple, tri.edges.tolist())} == expected
+            assert not tri.edges.flags.writeable
+        tri = liftmesh.Delaunay(points)
+        tri.simplices = tri.simplices[7:9]
+        ends = [sorted(pair) for corners in tri.simplices.tolist() for pair in sides(corners)]
+        assert tri.edges.tolist() == [*map(list, dict.fromkeys(map(tuple, ends)))]
+
     def test_leaving_out_triangles(self, points) -> None:
         for tri in liftmesh.Delaunay(points), scipy.spatial.Delaunay(points):
             a, b, c = (points[corner] for corner in tri.simplices.T)
@@ -196,6 +213,11 @@ class TestWrites:
             for array in tri.points, tri.duplicates, tri.skipped:
                 with pytest.raises(ValueError, match="read-only"):
                     array[...] = 0
+
+
+def sides(corners: list[int]) -> list[tuple[int, int]]:
+    a, b, c = corners
+    return [(b, c), (c, a), (a, b)]
 
 
 def compare_neighbors(actual, expected) -> None:

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import as_coordinates, check_finite, non_finite
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.arrays import as_coordinates, check_finite, non_finite, read_only
 from liftmesh.choices import as_switch
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
@@ -128,6 +128,9 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         for array in (*self._exact, self._hull, self.duplicates, self.skipped):
             array.setflags(write=False)
 
+    def _kept(self, array: Array) -> Array:
+        return array  # SciPy's users write to it
+
     def add_points(
         self,
         points: ArrayLike,
@@ -199,14 +202,27 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         return super().good
 
     @cached_property
+    def edges(self) -> Rows:
+        """The edges, (e, 2) int32: each once, with its lesser row first, in order of the triangles.
+
+        For arrays of the two ends, as for plotting: ``points[edges]`` has the shape (e, 2, 2).
+        """
+        return _edges_in(self.simplices) if self._is_rewritten() else super().edges
+
+    @cached_property
     def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
         """The neighbours of each row: indptr, (n + 1,) int32, and indices, int32.
 
         Those of row i are ``indices[indptr[i]:indptr[i + 1]]``.
         """
-        if np.array_equal(self.simplices, self._exact[0]):
-            return super().vertex_neighbor_vertices
-        return _neighbors_in(self.simplices, self.npoints)
+        if self._is_rewritten():
+            return _neighbors_in(self.simplices, self.npoints)
+        return super().vertex_neighbor_vertices
+
+    def _is_rewritten(self) -> bool:
+        """Whether the caller has changed the triangles or their neighbours."""
+        given = (self.simplices, self.neighbors)
+        return not all(map(np.array_equal, given, self._exact))
 
     @cached_property
     def _locator(self) -> _kernel.Locator:
@@ -240,6 +256,13 @@ def _refuse_space(shape: tuple[int, ...]) -> None:
             "points[:, :2] to triangulate their first two, or use scipy.spatial.Delaunay for "
             f"simplices in {shape[1]} dimensions"
         )
+
+
+def _edges_in(simplices: Rows) -> Rows:
+    """Return the edges of any triangles, in the order in which these have them first."""
+    ends = np.sort(simplices[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    _, first = np.unique(ends.astype(np.int64) @ (1 << 32, 1), return_index=True)
+    return read_only(ends[np.sort(first)])
 
 
 def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:
