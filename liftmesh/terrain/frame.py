@@ -20,6 +20,7 @@ from liftmesh._typing import Floats
 from liftmesh.arrays import as_coordinates
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
+from liftmesh.frozen import constructed_from, freeze
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 
@@ -34,7 +35,7 @@ NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A projection plane with its axes: converts points to planar coordinates and heights.
+    """A projection plane with its axes, read-only: converts points to coordinates and heights.
 
     Parameters
     ----------
@@ -57,6 +58,12 @@ class Frame:
     name: str
     origin: Floats
     axes: Floats
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
 
     @property
     def normal(self) -> Floats:
