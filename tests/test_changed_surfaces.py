@@ -87,6 +87,16 @@ def test_writing_to_a_result_does_not_reach_the_caller() -> None:
     source.colors[0] = 0
 
 
+def test_columns_of_the_callers_rows_are_read_only() -> None:
+    rows = ROWS.copy()
+    frame = liftmesh.triangulate(rows).frame
+    for columns in liftmesh.project(rows), frame.planar(rows), frame.heights(rows):
+        assert np.shares_memory(columns, rows)
+        with pytest.raises(ValueError, match="read-only"):
+            columns[...] = 0
+    assert rows.flags.writeable
+
+
 def test_results_become_dictionaries() -> None:
     report = liftmesh.triangulate(ROWS).report
     values = dataclasses.asdict(report)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_coordinates, as_reals, as_rows3
+from liftmesh.arrays import as_coordinates, as_reals, as_rows3, read_only
 from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
@@ -152,7 +152,7 @@ def project(points: ArrayLike) -> Floats:
     Returns
     -------
     (n, 2) ndarray of float64
-        Their x and y.
+        Their x and y: a read-only view if the points are float64.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def project(points: ArrayLike) -> Floats:
     >>> project(lift([[3, 4]], q=(1, 1)))
     array([[3., 4.]])
     """
-    return as_rows3(rows_of(points))[:, :2]
+    return read_only(as_rows3(rows_of(points))[:, :2])
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_coordinates
+from liftmesh.arrays import as_coordinates, read_only
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
@@ -90,7 +90,8 @@ class Frame:
         Returns
         -------
         (n, 2) ndarray of float64
-            For ``"xy"``, ``"xz"`` and ``"yz"`` a view of these columns; rounded products otherwise.
+            For ``"xy"``, ``"xz"`` and ``"yz"`` a read-only view of these columns; rounded products
+            otherwise.
 
         Raises
         ------
@@ -104,7 +105,7 @@ class Frame:
         """
         points = _rows(points)
         if self.name in _COLUMNS:
-            return points[:, _COLUMNS[self.name]]
+            return read_only(points[:, _COLUMNS[self.name]])
         planar = np.empty((len(points), 2))
         self._project(points, 0, planar[:, 0])
         self._project(points, 1, planar[:, 1])
@@ -121,8 +122,8 @@ class Frame:
         Returns
         -------
         (n,) ndarray of float64
-            For ``"xy"`` a view of z, for ``"yz"`` of x; for ``"xz"`` -y; rounded products for other
-            planes.
+            For ``"xy"`` a read-only view of z, for ``"yz"`` of x; for ``"xz"`` -y; rounded products
+            for other planes.
 
         Raises
         ------
@@ -136,7 +137,7 @@ class Frame:
         """
         points = _rows(points)
         if self.name in _COLUMNS and self.normal.max() == 1:
-            return points[:, int(self.normal.argmax())]
+            return read_only(points[:, int(self.normal.argmax())])
         heights = np.empty(len(points))
         self._project(points, 2, heights)
         return heights
