@@ -81,7 +81,7 @@ def as_switch(name: str, value: object) -> bool:
     """
     try:
         return {True: True, False: False}[value]  # type: ignore[index]
-    except (KeyError, TypeError) as error:  # arrays cannot be looked up
+    except (KeyError, TypeError, ValueError) as error:  # arrays cannot be looked up
         raise InputError(f"{name} is {shown(value)}: give True or False") from error
 
 

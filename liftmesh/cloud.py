@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.arrays import as_rows3
 from liftmesh.choices import shown
-from liftmesh.color_depth import judged, with_depth
+from liftmesh.color_depth import check_depth, judged, with_depth
 from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict, constructed_from
 
@@ -24,7 +25,7 @@ class Cloud:
     Parameters
     ----------
     points : (n, 3) ndarray of float64
-        Coordinates, one row per point.
+        Coordinates, one row per point. Integers are converted if float64 holds them exactly.
     colors : (n, 3) or (n, 4) ndarray, optional
         RGB or RGBA: integers of any type, or floats in [0, 1]. Integers wider than 8 bits, such as
         those of LAS files, are 8-bit colours if none exceeds 255, 16-bit colours if none exceeds
@@ -42,14 +43,15 @@ class Cloud:
         written if the format supports it, but not interpreted.
     color_depth : int, optional
         Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
-        values decide, and this field says what they decided: None if there was nothing to decide.
-        Parts of a cloud keep the depth of the whole.
+        values decide, and this field says what they decided: None if there was nothing to decide,
+        as for unsigned 8-bit integers, whatever is given. Parts of a cloud keep the depth of the
+        whole.
 
     Raises
     ------
     InputError
-        An array does not have one row per point, a part has another type, or a colour is too large
-        for ``color_depth``.
+        An array does not have one row per point, a part has another shape or type, or a colour is
+        too large for ``color_depth``.
 
     Examples
     --------
@@ -69,13 +71,32 @@ class Cloud:
     color_depth: int | None = None
 
     def __post_init__(self) -> None:
-        _check_array("points", self.points)
-        if self.points.ndim != 2 or self.points.shape[1] != 3:
-            raise InputError(f"a cloud needs points of shape (n, 3), not {self.points.shape}")
-        if self.points.dtype.kind not in "fiu":
-            raise InputError(f"a cloud needs points of float64, not of {self.points.dtype}")
-        for name in ("attributes", "metadata"):
-            _check_mapping(name, getattr(self, name))
+        self._take_points()
+        self._check_parts()
+        if self.crs is not None and not is_crs(self.crs):
+            raise InputError(f"crs is {shown(self.crs)}: give WKT or 'EPSG:n' as a string, or None")
+        self._decide_depth()
+        object.__setattr__(self, "attributes", FrozenDict(self.attributes))
+        object.__setattr__(self, "metadata", FrozenDict(self.metadata))
+
+    def _take_points(self) -> None:
+        """Check the points, and convert numbers other than float64 and float32."""
+        points = self.points
+        _check_array("points", points)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise InputError(f"a cloud needs points of shape (n, 3), not {points.shape}")
+        if points.dtype.kind not in "fiu":
+            raise InputError(f"a cloud needs points of float64, not of {points.dtype}")
+        if points.dtype not in (np.float64, np.float32):
+            object.__setattr__(self, "points", as_rows3(points))
+
+    def _check_parts(self) -> None:
+        """Check types, shapes and names; the values are for those who use them."""
+        _check_mapping("metadata", self.metadata)
+        _check_mapping("attributes", self.attributes)
+        _check_names(self.attributes)
+        _check_columns("colors", self.colors, (3, 4))
+        _check_columns("normals", self.normals, (3,))
         if self.faces is not None:
             _check_array("faces", self.faces)
         for name, values in self._per_row():
@@ -85,11 +106,6 @@ class Cloud:
                     f"{name} has {len(values)} rows for {len(self.points)} points: "
                     "give one row per point"
                 )
-        if self.crs is not None and not is_crs(self.crs):
-            raise InputError(f"crs is {self.crs!r}: give WKT or 'EPSG:n' as a string, or None")
-        self._decide_depth()
-        object.__setattr__(self, "attributes", FrozenDict(self.attributes))
-        object.__setattr__(self, "metadata", FrozenDict(self.metadata))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return constructed_from(self)
@@ -115,6 +131,7 @@ class Cloud:
     def _decide_depth(self) -> None:
         """Convert integer colours to the type of their depth; 8-bit ones have it already."""
         colors, depth = self.colors, self.color_depth
+        check_depth(depth)
         if colors is None or colors.dtype.kind not in "iu":
             depth = None
         elif depth is None:
@@ -212,11 +229,30 @@ def _check_array(name: str, values: object) -> None:
         raise InputError(f"{name} of a cloud are one value: give an array of one row per point")
 
 
+def _check_columns(name: str, values: Array | None, widths: tuple[int, ...]) -> None:
+    """Check an array of numbers in columns."""
+    if values is None:
+        return
+    _check_array(name, values)
+    if values.ndim != 2 or values.shape[1] not in widths or values.dtype.kind not in "uif":
+        shapes = " or ".join(f"(n, {width})" for width in widths)
+        raise InputError(
+            f"{name} of a cloud need the shape {shapes} and numbers, not {values.shape} of "
+            f"{values.dtype}"
+        )
+
+
 def _check_mapping(name: str, values: object) -> None:
     if not isinstance(values, Mapping):
         raise InputError(
             f"{name} of a cloud are a {type(values).__name__}: give a dict of names and values"
         )
+
+
+def _check_names(attributes: Mapping[Any, Array]) -> None:
+    for name in attributes:
+        if not isinstance(name, str):
+            raise InputError(f"an attribute of a cloud is named {shown(name)}: give a string")
 
 
 def is_crs(value: object) -> bool:

@@ -75,7 +75,7 @@ def with_depth(colors: Array, depth: int) -> Array:
     >>> with_depth(np.array([[0, 51, 255]], dtype=np.uint8), 16)
     array([[  0,  51, 255]], dtype=uint16)
     """
-    check_depth(depth)
+    check_depth(depth, is_optional=False)
     if colors.dtype.kind not in "iu":
         return colors
     top = 2**depth - 1
@@ -84,7 +84,7 @@ def with_depth(colors: Array, depth: int) -> Array:
         row = int(np.argmax(outside))
         raise InputError(
             f"row {row} has the colour {colors[row].tolist()}, outside 0..{top}, the range of "
-            f"color_depth={depth}: give another depth, or None to let the values decide"
+            f"color_depth={depth}: give another depth, or none: the values decide"
         )
     return _of_depth(colors, depth)
 
@@ -111,13 +111,15 @@ def kept_depth(colors: Array | None) -> int | None:
     return 8 * colors.dtype.itemsize if colors is not None and is_wide else None
 
 
-def check_depth(depth: int | None) -> None:
+def check_depth(depth: int | None, *, is_optional: bool = True) -> None:
     """Raise if an option is no depth.
 
     Parameters
     ----------
     depth : int, optional
         The option; None lets the values decide.
+    is_optional : bool, default True
+        Whether it may be None.
 
     Raises
     ------
@@ -130,9 +132,11 @@ def check_depth(depth: int | None) -> None:
     Traceback (most recent call last):
     liftmesh.errors.InputError: color_depth is 12: give 8, 16, 32 or 64 bits, or None
     """
-    is_number = isinstance(depth, int | np.integer) and not isinstance(depth, bool)
-    if depth is not None and not (is_number and depth in DEPTHS):
-        raise InputError(f"color_depth is {shown(depth)}: give 8, 16, 32 or 64 bits, or None")
+    if depth is None and is_optional:
+        return
+    if not isinstance(depth, int | np.integer) or depth not in DEPTHS:
+        none = ", or None" if is_optional else ""
+        raise InputError(f"color_depth is {shown(depth)}: give 8, 16, 32 or 64 bits{none}")
 
 
 def _of_depth(colors: Array, depth: int) -> Array:

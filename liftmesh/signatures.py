@@ -10,6 +10,7 @@ import inspect
 from typing import Any
 
 _WIDTH = 72
+_PACKAGE = __name__.partition(".")[0]
 
 
 class _Unquoted(str):
@@ -63,7 +64,7 @@ def _unquoted(annotation: Any) -> Any:
 
 
 def make_readable(value: Any) -> None:
-    """Give a function, or the public methods of a class, a signature that `help` shows well.
+    """Give a function, or a class and its public methods, signatures that `help` shows well.
 
     Parameters
     ----------
@@ -77,8 +78,15 @@ def make_readable(value: Any) -> None:
     (value: Any) -> None
     """
     if inspect.isclass(value):
-        for name, member in vars(value).items():
-            if inspect.isfunction(member) and not name.startswith("_"):
-                make_readable(member)
+        for kind in value.__mro__:
+            if kind.__module__.partition(".")[0] == _PACKAGE:
+                _make_methods_readable(kind)
     elif inspect.isfunction(value):
         value.__signature__ = Readable.from_callable(value)  # type: ignore[attr-defined]
+
+
+def _make_methods_readable(kind: type) -> None:
+    for name, member in vars(kind).items():
+        function = getattr(member, "__func__", member)  # of a class method
+        if inspect.isfunction(function) and (name == "__init__" or not name.startswith("_")):
+            make_readable(function)

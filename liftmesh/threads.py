@@ -7,6 +7,7 @@ import os
 from typing import Any
 
 from liftmesh import _kernel
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 
 VARIABLE = "LIFTMESH_NUM_THREADS"
@@ -65,7 +66,7 @@ def _checked(threads: Any, name: str, given: object) -> int:
         count = 0
     if 1 <= count <= MOST_THREADS:
         return count
-    raise InputError(f"{name} is {given!r}: give a whole number from 1 to {MOST_THREADS}")
+    raise InputError(f"{name} is {shown(given)}: give a whole number from 1 to {MOST_THREADS}")
 
 
 def _cores() -> int:

@@ -43,6 +43,7 @@ RESULTS: dict[str, Callable[[], Any]] = {
     "report": lambda: liftmesh.triangulate(np.vstack([ROWS, ROWS])).report,
     "lower hull": lambda: liftmesh.lower_hull(ROWS.copy()),
     "lifted": lambda: liftmesh.delaunay(ROWS).lifted(),
+    "frame": lambda: liftmesh.triangulate(ROWS, plane=(1, 2, 3)).frame,
     "comparison": lambda: liftmesh.compare(ROWS),
     "cloud of an array": lambda: liftmesh.as_cloud(ROWS.copy()),
     "cloud of a surface": lambda: liftmesh.triangulate(full()).to_cloud(),
@@ -60,6 +61,20 @@ def test_arrays_of_results_are_read_only(what: str, again: Callable[[Any], Any])
     assert {name for name, values in found.items() if values.flags.writeable} == set()
 
 
+COMPUTED = ["transform", "equations", "vertex_to_simplex", "min_bound", "max_bound", "edges"]
+
+
+@pytest.mark.parametrize(
+    "again", [lambda it: it, WAYS[2], WAYS[3]], ids=["itself", "copy", "pickle"]
+)
+def test_what_a_triangulation_computes_is_read_only(again: Callable[[Any], Any]) -> None:
+    tri = liftmesh.delaunay(ROWS)
+    for name in COMPUTED:
+        assert not getattr(tri, name).flags.writeable
+    assert not any(array.flags.writeable for array in tri.vertex_neighbor_vertices)
+    assert not any(getattr(again(tri), name).flags.writeable for name in COMPUTED)
+
+
 def test_writing_to_a_result_does_not_reach_the_caller() -> None:
     source = full()
     for result in (liftmesh.triangulate(source), liftmesh.as_cloud(source.points)):
@@ -70,6 +85,16 @@ def test_writing_to_a_result_does_not_reach_the_caller() -> None:
     source.points[0] = 0  # it stays the caller's
     assert source.colors is not None
     source.colors[0] = 0
+
+
+def test_columns_of_the_callers_rows_are_read_only() -> None:
+    rows = ROWS.copy()
+    frame = liftmesh.triangulate(rows).frame
+    for columns in liftmesh.project(rows), frame.planar(rows), frame.heights(rows):
+        assert np.shares_memory(columns, rows)
+        with pytest.raises(ValueError, match="read-only"):
+            columns[...] = 0
+    assert rows.flags.writeable
 
 
 def test_results_become_dictionaries() -> None:

@@ -48,6 +48,31 @@ def test_the_mapping_is_said_on_stderr_in_info_and_in_json(survey: Path) -> None
     assert (found["columns"], found["notes"][0]) == (names, said)
 
 
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ("x=x,y=y,z=h", "--columns names 'h', which is not one of the columns"),
+        ("x=x,y=y,z=x", "--columns takes 'x' for 'x' and for 'z': give two columns"),
+        ("x=-x,y=y,z=z", "--columns gives 'x' a sign"),
+        ("x,y", "--columns names 2 columns, and the table has 3"),
+    ],
+)
+def test_messages_about_columns_name_the_option(tmp_path: Path, columns: str, said: str) -> None:
+    path = tmp_path / "plain.csv"
+    path.write_text("x,y,z\n0,0,1\n1,0,2\n0,1,3\n")
+    done = liftmesh("info", path, "--columns", columns)
+    assert done.returncode == exit_codes.BAD_INPUT
+    assert f"{path}: line 1: {said}" in done.stderr
+
+
+def test_a_depth_that_is_too_small_names_the_option(tmp_path: Path) -> None:
+    path = tmp_path / "colors.csv"
+    path.write_text("x,y,z,red,green,blue\n0,0,1,300,0,0\n1,0,2,0,0,0\n0,1,3,0,0,0\n")
+    done = liftmesh("triangulate", path, tmp_path / "mesh.ply", "--color-depth", "8")
+    assert done.returncode == exit_codes.BAD_INPUT
+    assert "range of --color-depth 8: give another depth" in done.stderr
+
+
 def test_plain_names_are_not_worth_a_line(tmp_path: Path) -> None:
     path = tmp_path / "plain.csv"
     path.write_text("X,Y,Z\n0,0,1\n1,0,2\n0,1,3\n")

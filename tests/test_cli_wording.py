@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import shellingham
 import typer
 from commands import failed, liftmesh, process
 
@@ -36,6 +37,9 @@ WRONG = [
     ),
     ([*TRIANGULATE, "--nonfinite", "x"], "--nonfinite 'x' is unknown: give error or skip"),
     ([*TRIANGULATE, "--plane", "up"], "--plane 'up' is neither a known name nor a file: give xy"),
+    ([*TRIANGULATE, "--plane", ""], "--plane '' is neither a known name nor a file: give xy"),
+    ([*TRIANGULATE, "--skip-rows", "two"], "--skip-rows is 'two': give a whole number from 0"),
+    ([*TRIANGULATE, "--skip-rows", "-2"], "--skip-rows is -2: give a whole number from 0"),
     (["info"], "FILE is missing: give liftmesh info FILE (see liftmesh info --help)"),
     (["info", "a.ply", "--json=5"], "--json takes no value"),
     (["info", "a.ply", "--js"], "there is no option --js: did you mean --json?"),
@@ -108,6 +112,50 @@ def test_the_script_for_a_shell_is_shown() -> None:
     assert done.returncode == 0
     assert "complete -o default -F _liftmesh_completion liftmesh" in done.stdout
     assert "--show-completion" in liftmesh("--help").stdout
+
+
+@pytest.mark.parametrize(
+    ("shell", "first"),
+    [("bash", "_liftmesh_completion() {"), ("zsh", "#compdef liftmesh"), ("fish", "complete --c"),
+     ("pwsh", "Import-Module PSReadLine")],
+)  # fmt: skip
+def test_a_shell_can_be_named(shell: str, first: str) -> None:
+    done = liftmesh("--show-completion", shell)
+    assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
+    assert done.stdout.startswith(first)
+
+
+def test_completion_is_installed_for_the_shell_that_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    done = liftmesh("--install-completion", "fish")
+    script = tmp_path / ".config" / "fish" / "completions" / "liftmesh.fish"
+    assert done.stdout.startswith(f"{script}: completion for fish, in terminals that")
+    assert "complete --command liftmesh" in script.read_text()
+
+
+@pytest.mark.parametrize("option", ["--show-completion", "--install-completion"])
+def test_a_shell_without_completion_is_wrong_usage(option: str) -> None:
+    for words in ["tcsh"], ["zsh", "fish"]:
+        said = f"there is no completion for {' '.join(words)}: give liftmesh {option} SHELL"
+        failed(liftmesh(option, *words), exit_codes.USAGE, said)
+
+
+def test_the_shell_at_hand_is_the_one_that_runs_the_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("shellingham.detect_shell", lambda: ("zsh", "/bin/zsh"))
+    assert liftmesh("--show-completion").stdout.startswith("#compdef liftmesh")
+    monkeypatch.setattr("shellingham.detect_shell", lambda: ("dash", "/bin/dash"))
+    failed(liftmesh("--show-completion"), exit_codes.USAGE, "no completion for dash: give")
+
+    def undetected() -> None:
+        raise shellingham.ShellDetectionFailure
+
+    monkeypatch.setattr("shellingham.detect_shell", undetected)
+    said = "no completion for a shell that is not known: give"
+    failed(liftmesh("--show-completion"), exit_codes.USAGE, said)
 
 
 def test_a_tilde_in_words_is_the_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

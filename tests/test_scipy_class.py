@@ -92,6 +92,13 @@ def test_scipys_own_functions_take_it(ours) -> None:
     mpl.pyplot.close(figure)
 
 
+@pytest.mark.filterwarnings("error")
+def test_distances_of_points_that_are_not_finite(ours, theirs) -> None:
+    rows = np.array([[np.nan, 0], [np.inf, 0], [-np.inf, np.inf]])
+    assert not np.isfinite(ours.plane_distance(rows)).any()
+    assert not np.isfinite(theirs.plane_distance(rows)).any()
+
+
 def test_scipys_search_finds_what_ours_finds(ours) -> None:
     found = scipy.spatial.Delaunay.find_simplex(ours, queries(2000))
     np.testing.assert_array_equal(found, ours.find_simplex(queries(2000)))
@@ -151,6 +158,23 @@ class TestWrites:
         np.testing.assert_allclose(ours.transform, again.transform[same], rtol=1e-5, atol=1e-7)
         compare_neighbors(ours.vertex_neighbor_vertices, again.vertex_neighbor_vertices)
 
+    def test_edges_follow_the_corners(self, points) -> None:
+        expected = {*map(tuple, liftmesh.delaunay(points).edges.tolist())}
+        for change in (
+            lambda tri: tri.simplices.sort(),
+            lambda tri: tri.neighbors.fill(-1),
+            lambda tri: setattr(tri, "simplices", tri.simplices[::-1]),
+        ):
+            tri = liftmesh.Delaunay(points)
+            change(tri)
+            assert len(tri.edges) == len(expected)
+            assert {*map(tuple, tri.edges.tolist())} == expected
+            assert not tri.edges.flags.writeable
+        tri = liftmesh.Delaunay(points)
+        tri.simplices = tri.simplices[7:9]
+        ends = [sorted(pair) for corners in tri.simplices.tolist() for pair in sides(corners)]
+        assert tri.edges.tolist() == [*map(list, dict.fromkeys(map(tuple, ends)))]
+
     def test_leaving_out_triangles(self, points) -> None:
         for tri in liftmesh.Delaunay(points), scipy.spatial.Delaunay(points):
             a, b, c = (points[corner] for corner in tri.simplices.T)
@@ -189,6 +213,11 @@ class TestWrites:
             for array in tri.points, tri.duplicates, tri.skipped:
                 with pytest.raises(ValueError, match="read-only"):
                     array[...] = 0
+
+
+def sides(corners: list[int]) -> list[tuple[int, int]]:
+    a, b, c = corners
+    return [(b, c), (c, a), (a, b)]
 
 
 def compare_neighbors(actual, expected) -> None:
@@ -270,9 +299,38 @@ class TestErrors:
         with pytest.raises(liftmesh.InputError, match=f"{columns} columns.*scipy.spatial.Delaunay"):
             liftmesh.Delaunay(form(np.random.default_rng(0).random((20, columns))))
 
-    def test_exchanged_rows_and_columns_are_not_taken_for_points_in_space(self) -> None:
-        with pytest.raises(liftmesh.InputError, match=r"not \(2, 50\)"):
-            liftmesh.Delaunay(np.zeros((2, 50)))
+    @pytest.mark.parametrize("columns", [2, 3])
+    def test_exchanged_rows_and_columns_are_not_taken_for_points_in_space(self, columns) -> None:
+        with pytest.raises(liftmesh.InputError, match=rf"not \({columns}, 50\).*give points.T"):
+            liftmesh.Delaunay(np.zeros((columns, 50)))
+
+    def test_columns_as_arguments_are_to_be_joined(self, points) -> None:
+        with pytest.raises(liftmesh.InputError, match=r"np.column_stack\(\[x, y\]\) joins"):
+            liftmesh.Delaunay(*points.T)
+
+    @pytest.mark.parametrize(
+        ("given", "said"),
+        [
+            (None, "points are None: give an array"),
+            ("hill.csv", "points are a str: give an array; liftmesh.read"),
+            ({"x": [0, 1, 0], "y": [0, 0, 1]}, r"column_stack\(\[points\['x'\], points\['y'\]\]\)"),
+            (iter([[0, 0], [1, 0], [0, 1]]), r"give list\(points\)"),
+            ({(0, 0), (1, 0), (0, 1)}, "points are a set, which has no order"),
+            (np.ndarray, "points are a type"),
+        ],
+    )
+    def test_what_is_no_array_gets_a_sentence(self, given, said: str) -> None:
+        with pytest.raises(liftmesh.InputError, match=said):
+            liftmesh.Delaunay(given)
+        with pytest.raises(liftmesh.InputError, match=said):
+            liftmesh.Delaunay(np.eye(3, 2), incremental=True).add_points(given)
+
+    @pytest.mark.parametrize("value", [np.nan, np.inf])
+    def test_rows_that_are_not_finite_cannot_be_skipped(self, points, value: float) -> None:
+        rows = np.vstack([points, (value, 0)])
+        with pytest.raises(liftmesh.NonFiniteError, match=r"remove such rows first$") as caught:
+            liftmesh.Delaunay(rows)
+        assert caught.value.row == len(points)
 
     def test_rows_of_different_lengths_are_named(self) -> None:
         with pytest.raises(liftmesh.InputError, match="row 2 has 1 values"):

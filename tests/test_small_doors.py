@@ -87,10 +87,10 @@ def help_of(name: str) -> list[str]:
 
 @pytest.mark.parametrize("name", sorted(set(liftmesh.__all__) - {"__version__"}))
 def test_help_fits_a_terminal_and_shows_types_as_they_are(name: str) -> None:
-    shown = help_of(name)
-    if inspect.isfunction(getattr(liftmesh, name)):
-        assert max(map(len, shown)) <= 104  # lines of a docstring, indented
-        assert not any(re.search(r": '|-> '", line) for line in shown)
+    shown = [line for line in help_of(name) if "keeps: tuple" not in line]  # ten words by default
+    assert max(map(len, shown)) <= 104  # lines of a docstring, indented
+    own = [line for line in shown if not re.match(r" \|  __(?!init__)", line)]
+    assert not any(re.search(r"\w: '|-> '", line) for line in own)
     assert len(shown) < 400
 
 
@@ -102,6 +102,7 @@ def test_help_shows_one_parameter_in_a_line() -> None:
     methods = [line.removeprefix(" |  ") for line in help_of("Surface")]
     at = methods.index("replace(")
     assert methods[at + 1 : at + 3] == ["    self,", "    *,"]
+    assert methods[3:6] == ["Surface(", "    vertices: Floats,", "    faces: Rows,"]
 
 
 def test_signatures_mean_what_they_did() -> None:

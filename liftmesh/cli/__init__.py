@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
+from typing import Any
 
 from liftmesh.cli import exit_codes
 from liftmesh.cli.memory import out_of_memory
@@ -22,6 +23,8 @@ from liftmesh.cli.watchdog import Watchdog
 from liftmesh.errors import LiftmeshError
 
 __all__ = ["main", "program"]
+
+_COMPLETION = ("--show-completion", "--install-completion")
 
 
 def program() -> int:
@@ -95,8 +98,7 @@ def _run(
 def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     """Run a command; convert an exception to its exit code and one line, unless a signal came."""
     try:
-        app = import_module("liftmesh.cli.application").app
-        code = app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
+        code = _app(words)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit) as error:
         if isinstance(error, SystemExit) and not error.code:  # after shell completion
@@ -111,6 +113,14 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     if code == exit_codes.INTERRUPTED and ending.number is None:  # typer's, of another handler
         _print_error("interrupted")
     return int(code)
+
+
+def _app(words: Sequence[str]) -> Any:
+    """Run a command; its errors are exceptions."""
+    if words and words[0] in _COMPLETION:
+        return import_module("liftmesh.cli.completion").complete(words[0], words[1:])
+    app = import_module("liftmesh.cli.application").app
+    return app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
 
 
 def _fail(error: BaseException, *, debug: bool) -> int:
@@ -175,7 +185,9 @@ def _with_command_options(message: str) -> str:
     message = re.sub(
         r"\b(columns|nodata|end|decimal|delimiter|encoding)='([^']*)'", _as_option, message
     )
+    message = re.sub(r"\b(columns|nodata|end|decimal|delimiter|encoding)= ", r"--\1 ", message)
     message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
+    message = re.sub(r"\bcolor_depth=(\d+)", r"--color-depth \1", message)
     return message.replace("flat=True", "--flat")
 
 

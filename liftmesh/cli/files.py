@@ -79,7 +79,10 @@ def read(
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {_listed(not_read)}")
     if color_depth is None and cloud.color_depth == 8:
-        note(f"{name}: no colour exceeds 255: they are read as 8-bit colours (see --color-depth)")
+        note(
+            f"{name}: no colour exceeds 255: they are read as 8-bit colours "
+            "(liftmesh triangulate has --color-depth)"
+        )
     return cloud
 
 

@@ -31,7 +31,7 @@ def run(
     flat: options.Flat = False,
     delimiter: options.Delimiter = None,
     decimal: options.Decimal = None,
-    skip_rows: options.SkipRows = 0,
+    skip_rows: options.SkipRows = "0",
     no_header: options.NoHeader = False,
     nodata: options.NoData = None,
     end: options.End = None,

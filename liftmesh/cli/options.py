@@ -67,7 +67,7 @@ Decimal: TypeAlias = Annotated[
     str | None, typer.Option(metavar="MARK", help="Tables: the decimal mark, . or ,")
 ]
 SkipRows: TypeAlias = Annotated[
-    int, typer.Option("--skip-rows", metavar="N", help="Tables: skip the first N lines.")
+    str, typer.Option("--skip-rows", metavar="N", help="Tables: skip the first N lines.")
 ]
 NoHeader: TypeAlias = Annotated[
     bool, typer.Option("--no-header", help="Tables: the first line is a row.")
@@ -123,7 +123,7 @@ def parse_plane(text: str) -> Any:
     if text in {"xy", "xz", "yz", "fit"}:
         return text
     numbers = _numbers(text, 3) or _numbers(text, 4)
-    return _matrix(Path(text)) if numbers is None else numbers
+    return _matrix(text) if numbers is None else numbers
 
 
 def parse_q(text: str) -> Any:
@@ -195,7 +195,7 @@ def parse_table(
     flat: bool,
     delimiter: str | None,
     decimal: str | None,
-    skip_rows: int,
+    skip_rows: str,
     no_header: bool,
     nodata: str | None,
     end: str | None,
@@ -220,7 +220,7 @@ def parse_table(
 
     Examples
     --------
-    >>> parse_table("id,x,y,z", False, None, None, 2, False, None, None, None)
+    >>> parse_table("id,x,y,z", False, None, None, "2", False, None, None, None)
     {'columns': 'id,x,y,z', 'skip_rows': 2}
     """
     from liftmesh.io.table_options import checked  # noqa: PLC0415 - help and --version do without
@@ -230,11 +230,12 @@ def parse_table(
     given: dict[str, Any] = {k: word for k, word in words.items() if word is not None}
     given |= {"flat": True} if flat else {}
     given |= {"header": False} if no_header else {}
-    given |= {"skip_rows": skip_rows} if skip_rows else {}
+    lines = parse_count("--skip-rows", skip_rows, 0)
+    given |= {"skip_rows": lines} if lines else {}
     try:
         checked(**given)
     except InputError as error:
-        raise typer.BadParameter(f"--{error}".replace("skip_rows", "skip-rows")) from error
+        raise typer.BadParameter(f"--{error}") from error
     return given
 
 
@@ -358,13 +359,14 @@ def _read_npy(path: Path) -> Any:
         return read_array(stream, path.name)
 
 
-def _matrix(path: Path) -> Any:
+def _matrix(text: str) -> Any:
     """Read a 4x4 matrix from a text or .npy file."""
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
+    path = Path(text)
     if not path.is_file():
         raise typer.BadParameter(
-            f"--plane {str(path)!r} is neither a known name nor a file: "
+            f"--plane {text!r} is neither a known name nor a file: "
             "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
         )
     try:

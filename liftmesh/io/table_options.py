@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 
 ColumnChoice: TypeAlias = str | Mapping[str, str] | Sequence[str] | None
@@ -141,14 +142,14 @@ def _parsed(text: str) -> dict[str, str] | list[str]:
 
 def _invalid(columns: object) -> InputError:
     return InputError(
-        f"columns is {columns!r}: give columns='x=..,y=..,z=..' with the names of the table's "
+        f"columns is {shown(columns)}: give columns='x=..,y=..,z=..' with the names of the table's "
         "columns, or the names of all columns in order, as columns='id,x,y,z'"
     )
 
 
 def _check_flag(name: str, value: object) -> None:
     if not isinstance(value, bool):
-        raise InputError(f"{name} is {value!r}: give True or False")
+        raise InputError(f"{name} is {shown(value)}: give True or False")
 
 
 def _count(name: str, value: Any) -> int:
@@ -157,13 +158,13 @@ def _count(name: str, value: Any) -> int:
     except TypeError:
         count = -1
     if count < 0:
-        raise InputError(f"{name} is {value!r}: give a whole number from 0")
+        raise InputError(f"{name} is {shown(value)}: give a whole number from 0")
     return count
 
 
 def _text(name: str, value: object) -> str | None:
     if value is not None and (not isinstance(value, str) or not value.strip()):
-        raise InputError(f"{name} is {value!r}: give a text")
+        raise InputError(f"{name} is {shown(value)}: give a text")
     return None if value is None else value.strip()
 
 

@@ -49,7 +49,8 @@ def delaunay(
         Planar points, n at most 357,913,941; a third column is ignored. float64 and float32 arrays
         of any strides are read in place; integers must be exactly representable as float64. Masked
         entries count as not finite. Of clouds and meshes of trimesh and Open3D, also as tensors,
-        and of a `Cloud`, x and y are taken.
+        of tables whose columns have names, such as DataFrames and arrays of records, and of a
+        `Cloud`, x and y are taken.
     method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
         The algorithm. All give the same triangles; "auto" is divide and conquer. The others
         construct the lower hull of the lifted points facet by facet (gift wrapping): "lf" and

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_coordinates, as_reals, as_rows3
+from liftmesh.arrays import as_coordinates, as_reals, as_rows3, read_only
+from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
@@ -84,14 +85,14 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
     if isinstance(q, str):
         if q in ("origin", "median"):
             return None
-        raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)")
+        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
     try:
         with np.errstate(all="ignore"):
             pair = as_reals(q)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"q is {q!r}: give 'origin', 'median' or a point (qx, qy)") from error
+        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)") from error
     if pair.shape != (2,) or not np.isfinite(pair).all():
-        raise InputError(f"q is {q!r}: give 'origin', 'median' or a finite point (qx, qy)")
+        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
     return float(pair[0]), float(pair[1])
 
 
@@ -151,7 +152,7 @@ def project(points: ArrayLike) -> Floats:
     Returns
     -------
     (n, 2) ndarray of float64
-        Their x and y.
+        Their x and y: a read-only view if the points are float64.
 
     Raises
     ------
@@ -163,7 +164,7 @@ def project(points: ArrayLike) -> Floats:
     >>> project(lift([[3, 4]], q=(1, 1)))
     array([[3., 4.]])
     """
-    return as_rows3(rows_of(points))[:, :2]
+    return read_only(as_rows3(rows_of(points))[:, :2])
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -22,7 +22,7 @@ def rows_of(points: Any) -> Any:
     Returns
     -------
     array_like
-        For arrays and lists, the same object.
+        For lists, and arrays without named fields, the same object.
 
     Raises
     ------
@@ -35,7 +35,8 @@ def rows_of(points: Any) -> Any:
     >>> rows_of(liftmesh.Cloud(np.zeros((1, 3))))
     array([[0., 0., 0.]])
     """
-    if isinstance(points, np.ndarray | list | tuple):
+    is_record = isinstance(points, np.ndarray) and points.dtype.names is not None
+    if isinstance(points, np.ndarray | list | tuple) and not is_record:
         return points
     from liftmesh.io import registry  # noqa: PLC0415 - arrays do without
 

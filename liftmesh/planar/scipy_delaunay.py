@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import as_coordinates, check_finite
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.arrays import as_coordinates, check_finite, non_finite, read_only
 from liftmesh.choices import as_switch
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.qhull_options import check_qhull_options
@@ -50,8 +50,9 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
     SciPy's interpolators, ``tsearch`` and ``delaunay_plot_2d`` take it. Differences from SciPy: the
     triangulation is exact and canonical, and so is `find_simplex`; points are planar only;
-    ``points`` is read-only. As with SciPy, ``simplices`` and ``neighbors`` may be written to or
-    replaced; `find_simplex` keeps to the triangulation as it was computed.
+    ``points`` is read-only; `lift_points`, `plane_distance` and `equations` are of the paraboloid
+    z = x^2 + y^2, which SciPy scales. As with SciPy, ``simplices`` and ``neighbors`` may be written
+    to or replaced; `find_simplex` keeps to the triangulation as it was computed.
 
     Parameters
     ----------
@@ -100,11 +101,12 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         *,
         copy: bool = False,
     ) -> None:
+        rows = _planar(points)  # first: of columns x and y, the second is no option
         if as_switch("furthest_site", furthest_site):
             raise InputError("furthest_site=True is not available: use scipy.spatial.Delaunay")
         check_qhull_options(qhull_options)
         is_growing = as_switch("incremental", incremental)
-        self._triangulate(_planar(points), copy=as_switch("copy", copy) or is_growing)
+        self._triangulate(rows, copy=as_switch("copy", copy) or is_growing)
         self._can_grow = is_growing
 
     def _triangulate(self, rows: Floats, *, copy: bool) -> None:
@@ -112,6 +114,8 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
             solution = solve(rows, copy=copy)
         except DegenerateInputError as error:
             raise DegenerateQhullError(*error.args) from None
+        except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
+            raise non_finite(error.row, rows[error.row], skippable=False) from None
         for name in _COMPUTED_LATER:
             self.__dict__.pop(name, None)
         self._exact = solution["simplices"], solution["neighbors"]
@@ -123,6 +127,9 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
     def _protect(self) -> None:
         for array in (*self._exact, self._hull, self.duplicates, self.skipped):
             array.setflags(write=False)
+
+    def _kept(self, array: Array) -> Array:
+        return array  # SciPy's users write to it
 
     def add_points(
         self,
@@ -195,14 +202,27 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         return super().good
 
     @cached_property
+    def edges(self) -> Rows:
+        """The edges, (e, 2) int32: each once, with its lesser row first, in order of the triangles.
+
+        For arrays of the two ends, as for plotting: ``points[edges]`` has the shape (e, 2, 2).
+        """
+        return _edges_in(self.simplices) if self._is_rewritten() else super().edges
+
+    @cached_property
     def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
         """The neighbours of each row: indptr, (n + 1,) int32, and indices, int32.
 
         Those of row i are ``indices[indptr[i]:indptr[i + 1]]``.
         """
-        if np.array_equal(self.simplices, self._exact[0]):
-            return super().vertex_neighbor_vertices
-        return _neighbors_in(self.simplices, self.npoints)
+        if self._is_rewritten():
+            return _neighbors_in(self.simplices, self.npoints)
+        return super().vertex_neighbor_vertices
+
+    def _is_rewritten(self) -> bool:
+        """Whether the caller has changed the triangles or their neighbours."""
+        given = (self.simplices, self.neighbors)
+        return not all(map(np.array_equal, given, self._exact))
 
     @cached_property
     def _locator(self) -> _kernel.Locator:
@@ -220,20 +240,29 @@ _COMPUTED_LATER = [
 def _planar(points: ArrayLike) -> Floats:
     """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
     with suppress(ValueError):  # of rows that differ in length, which the conversion names
-        points = np.asanyarray(points)
-    _refuse_space(getattr(points, "shape", ()))
+        array = np.asanyarray(points)
+        points = array if array.ndim else points  # what is no array, the conversion names, too
+    if isinstance(points, np.ndarray):
+        _refuse_space(points.shape)
     rows = as_coordinates(points)
     return np.ascontiguousarray(rows, dtype=np.float64)
 
 
 def _refuse_space(shape: tuple[int, ...]) -> None:
     """Raise for points of more than two columns, unless rows and columns seem exchanged."""
-    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 2 or shape[1] == 3):
+    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
         raise InputError(
             f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
             "points[:, :2] to triangulate their first two, or use scipy.spatial.Delaunay for "
             f"simplices in {shape[1]} dimensions"
         )
+
+
+def _edges_in(simplices: Rows) -> Rows:
+    """Return the edges of any triangles, in the order in which these have them first."""
+    ends = np.sort(simplices[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    _, first = np.unique(ends.astype(np.int64) @ (1 << 32, 1), return_index=True)
+    return read_only(ends[np.sort(first)])
 
 
 def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
+from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_pairs, read_only
 from liftmesh.choices import NonFinite
 from liftmesh.planar.barycentric import barycentric_transforms
@@ -105,6 +105,10 @@ class Triangulation:
             if isinstance(value, np.ndarray) and value.flags.writeable:
                 value.setflags(write=False)
 
+    def _kept(self, array: Array) -> Array:
+        """Make a computed array read-only, too: it is computed once."""
+        return read_only(array)
+
     def __repr__(self) -> str:
         return (
             f"<{type(self).__name__}: {self.nsimplex} triangles over {self.npoints} rows, "
@@ -177,14 +181,12 @@ class Triangulation:
     @cached_property
     def min_bound(self) -> Floats:
         """The lower left corner of the bounding box, (2,) float64."""
-        corner: Floats = self.points[self._hull].min(axis=0)
-        return corner
+        return self._kept(self.points[self._hull].min(axis=0))
 
     @cached_property
     def max_bound(self) -> Floats:
         """The upper right corner of the bounding box, (2,) float64."""
-        corner: Floats = self.points[self._hull].max(axis=0)
-        return corner
+        return self._kept(self.points[self._hull].max(axis=0))
 
     @cached_property
     def vertex_to_simplex(self) -> Rows:
@@ -195,7 +197,7 @@ class Triangulation:
         first[self.simplices.reshape(-1)[::-1]] = names[::-1]
         row, kept = self.duplicates.T
         first[row] = first[kept]
-        return first
+        return self._kept(first)
 
     @cached_property
     def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
@@ -210,7 +212,7 @@ class Triangulation:
         end = np.concatenate([b, c, a, self._hull])
         indptr = np.zeros(self.npoints + 1, dtype=np.int32)
         np.cumsum(np.bincount(start, minlength=self.npoints), out=indptr[1:])
-        return indptr, end[np.argsort(start, kind="stable")]
+        return self._kept(indptr), self._kept(end[np.argsort(start, kind="stable")])
 
     @cached_property
     def transform(self) -> Floats:
@@ -220,7 +222,7 @@ class Triangulation:
         two barycentric coordinates of x in triangle i. A triangle is NaN if it is so thin that
         less than three digits of its transform would be right.
         """
-        return barycentric_transforms(self.points, self.simplices)
+        return self._kept(barycentric_transforms(self.points, self.simplices))
 
     @cached_property
     def equations(self) -> Floats:
@@ -235,8 +237,8 @@ class Triangulation:
             slope_y = (rise_v * u[:, 0] - rise_u * v[:, 0]) / area
             height = (a * a).sum(axis=1) - slope_x * a[:, 0] - slope_y * a[:, 1]
             planes = np.stack([slope_x, slope_y, np.full_like(area, -1.0), height], axis=1)
-            unit: Floats = planes / np.sqrt(slope_x**2 + slope_y**2 + 1)[:, None]
-        return unit
+            unit = planes / np.sqrt(slope_x**2 + slope_y**2 + 1)[:, None]
+        return self._kept(unit)
 
     def lift_points(self, x: ArrayLike) -> Floats:
         """Lift planar points to the paraboloid of `equations`.
@@ -291,7 +293,8 @@ class Triangulation:
         array([ True])
         """
         normals, offsets = self.equations[:, :3], self.equations[:, 3]
-        distances: Floats = self.lift_points(xi) @ normals.T + offsets
+        with np.errstate(all="ignore"):
+            distances: Floats = self.lift_points(xi) @ normals.T + offsets
         return distances
 
     def find_simplex(

@@ -17,8 +17,10 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_coordinates
+from liftmesh.arrays import as_coordinates, read_only
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
+from liftmesh.frozen import constructed_from, freeze
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 
@@ -33,7 +35,7 @@ NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A projection plane with its axes: converts points to planar coordinates and heights.
+    """A projection plane with its axes, read-only: converts points to coordinates and heights.
 
     Parameters
     ----------
@@ -56,6 +58,12 @@ class Frame:
     name: str
     origin: Floats
     axes: Floats
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
 
     @property
     def normal(self) -> Floats:
@@ -82,7 +90,8 @@ class Frame:
         Returns
         -------
         (n, 2) ndarray of float64
-            For ``"xy"``, ``"xz"`` and ``"yz"`` a view of these columns; rounded products otherwise.
+            For ``"xy"``, ``"xz"`` and ``"yz"`` a read-only view of these columns; rounded products
+            otherwise.
 
         Raises
         ------
@@ -96,7 +105,7 @@ class Frame:
         """
         points = _rows(points)
         if self.name in _COLUMNS:
-            return points[:, _COLUMNS[self.name]]
+            return read_only(points[:, _COLUMNS[self.name]])
         planar = np.empty((len(points), 2))
         self._project(points, 0, planar[:, 0])
         self._project(points, 1, planar[:, 1])
@@ -113,8 +122,8 @@ class Frame:
         Returns
         -------
         (n,) ndarray of float64
-            For ``"xy"`` a view of z, for ``"yz"`` of x; for ``"xz"`` -y; rounded products for other
-            planes.
+            For ``"xy"`` a read-only view of z, for ``"yz"`` of x; for ``"xz"`` -y; rounded products
+            for other planes.
 
         Raises
         ------
@@ -128,7 +137,7 @@ class Frame:
         """
         points = _rows(points)
         if self.name in _COLUMNS and self.normal.max() == 1:
-            return points[:, int(self.normal.argmax())]
+            return read_only(points[:, int(self.normal.argmax())])
         heights = np.empty(len(points))
         self._project(points, 2, heights)
         return heights
@@ -161,9 +170,11 @@ class Frame:
         array([[1., 2., 9.]])
         """
         points = _rows(points)
-        shapes = [getattr(heights, "shape", None) for heights in (old, new)]
-        if shapes != [(len(points),)] * 2:
-            raise InputError(f"{len(points)} rows need arrays of as many heights, not {shapes}")
+        for heights in (old, new):
+            if not isinstance(heights, np.ndarray) or heights.dtype.kind not in "iuf":
+                raise InputError(f"heights are {shown(heights)}: give arrays of numbers")
+            if heights.shape != (len(points),):
+                raise InputError(f"{len(points)} rows need as many heights, not {heights.shape}")
         along = np.flatnonzero(self.normal)
         if len(along) == 1 and not self.origin.any():
             moved: Floats = points.copy()

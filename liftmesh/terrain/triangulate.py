@@ -63,12 +63,12 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     ----------
     cloud : object
         An array-like of shape (n, 3), or (n, 2) for z = 0; a table whose columns have names, such
-        as a DataFrame; a ``trimesh.PointCloud`` or
-        ``trimesh.Trimesh`` (its vertices); an Open3D point cloud, legacy or tensor; a path; a
-        `Cloud`; or an object that an installed adapter accepts. Never modified.
+        as a DataFrame; a ``trimesh.PointCloud`` or ``trimesh.Trimesh`` (its vertices); an Open3D
+        point cloud, legacy or tensor; a path; a `Cloud`; or an object that an installed adapter
+        accepts. Never modified.
     colors : (n, 3) or (n, 4) array_like, optional
-        Colours of the rows, in place of those of the cloud: unsigned integers over their full
-        range, integers from 0 to 255, or floats from 0 to 1.
+        Colours of the rows, in place of those of the cloud: floats from 0 to 1, or integers, of
+        which the values decide how many bits they have, as for a `Cloud`.
     normals : (n, 3) array_like, optional
         Normals of the rows, in place of those of the cloud.
     attributes : mapping of str to (n, ...) array_like, optional

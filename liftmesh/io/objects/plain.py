@@ -21,7 +21,8 @@ def is_array(source: object) -> bool:
 
 def is_array_like(source: object) -> bool:
     """Whether NumPy may make an array of an object: it has one of its protocols, or a length."""
-    return any(hasattr(source, name) for name in _ARRAY_LIKE)
+    has_any = any(hasattr(source, name) for name in _ARRAY_LIKE)
+    return has_any and not isinstance(source, type)
 
 
 def from_array(source: Any) -> Cloud:

@@ -239,3 +239,18 @@ def test_no_library_of_tables_is_imported() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "set()\n"
+
+
+@pytest.mark.parametrize("function", [liftmesh.delaunay, liftmesh.lift, liftmesh.lower_hull])
+def test_arrays_of_records_are_points_for_every_function(function: Any) -> None:
+    rows = np.random.default_rng(4).random((20, 3))
+    records = np.empty(20, dtype=[("Y", "f8"), ("X", "f8"), ("Z", "f8")])  # as PDAL names them
+    records["X"], records["Y"], records["Z"] = rows.T
+    assert same(function(records)) == same(function(rows))
+
+
+def same(result: Any) -> list[Any]:
+    """Return the triangles or rows of a result."""
+    for name in "simplices", "faces":
+        result = getattr(result, name, result)
+    return result.tolist()
