@@ -168,13 +168,15 @@ IDS = [
     "1,5.5,6.5,7\n2,5.25,6,8\n3,5,6,9\n",
     "101 5.5 6.5 7 4\n105 5.25 6 8 4\n230 5 6 9 4\n",
     "0 5.5 6.5\n1 5.25 6\n2 5 6\n",
+    "1001 5.5 6.5 7\n12 5.25 6 8\n507 5 6 9\n3 5 6 9\n",
+    "30,5.5,6.5,7,CP\n20,5.25,6,8,\n10,5,6,9,TREE\n",
 ]
 
 
 @pytest.mark.parametrize("text", IDS)
 def test_an_id_before_the_coordinates_is_refused_with_both_readings(text: str) -> None:
     told = refused(text)
-    assert "there is no header, and the first column holds whole numbers that grow from" in told
+    assert "there is no header, and the first column holds whole numbers that " in told
     assert "if an id, read it with columns='id,x,y" in told
     width = len(text.splitlines()[0].replace(",", " ").split())
     as_x = ",".join(["x", "y", "z", "a", "b"][:width])
@@ -192,11 +194,26 @@ def test_an_id_before_the_coordinates_is_refused_with_both_readings(text: str) -
         "1 5.5 6.5 7\n2 5.25 6 8\n2 5 6 9\n",
         "1.5 5.5 6.5 7\n2.5 5.25 6 8\n3.5 5 6 9\n",
         "10 5.5 6.5\n20 5.25 6\n30 5 6\n",
+        "30 5.5 6.5 7\n20 5.25 6 8\n30 5 6 9\n",
+        "30 5.5 6 7\n20 5.25 6 8\n10 5 6 9\n",
         "1 2 3 4\n2 3 4 5\n",
     ],
 )
 def test_coordinates_that_grow_are_no_id(text: str) -> None:
     assert read(text).points[0, 0] == float(text.split(maxsplit=1)[0])
+
+
+def test_ids_behind_the_coordinates_are_no_heights() -> None:
+    rows = "512345.25 5403210.5 1\n512350.75 5403212 2\n512347 5403220.125 3\n"
+    told = refused(rows)
+    assert "the third column holds whole numbers that grow from 1 to 3, z or an id" in told
+    assert "read it with columns='x,y,id', if z, with columns='x,y,z'" in told
+    flat = read(rows, columns="x,y,id")
+    assert flat.points[:, 2].tolist() == [0, 0, 0]
+    assert flat.attributes["id"].tolist() == [1, 2, 3]
+    assert read(rows, columns="x,y,z").points[:, 2].tolist() == [1, 2, 3]
+    assert read(rows, flat=True).points[:, 2].tolist() == [0, 0, 0]
+    assert read("0.5 5 1\n1.5 6 2\n2.5 7 3\n").points[:, 2].tolist() == [1, 2, 3]
 
 
 @pytest.mark.parametrize("value", ["-9999", "-9999.0", "-32768", "1e20", "-3.4028234663852886e+38"])
@@ -214,7 +231,16 @@ def test_marks_of_missing_values_are_refused_with_both_readings(value: str, head
 
 def test_depths_near_a_mark_are_values() -> None:
     assert len(read("0.5 0 -9990\n1 0 -9999\n1 4 -10008\n2 3 -9950\n")) == 4
-    assert read("0.5 0 -9999\n1 0 -9999\n").points[:, 2].tolist() == [-9999, -9999]
+    assert len(read("0.5 0 -8990\n1 0 -9999\n1 4 12\n2 3 -4\n")) == 4
+
+
+def test_marks_apart_from_a_wide_range_and_alone() -> None:
+    told = refused("x,y,z\n0.5,0,120\n1,0,28800\n1,4,-9999\n2,3,15000\n")
+    assert "z is -9999 in 1 of 4 rows, far from all others, a value or the mark" in told
+    told = refused("0.5 0 -9999\n1 0 -9999\n")
+    assert "z is -9999 in 2 of 2 rows, a value or the mark of a missing one: read" in told
+    flat = read("0.5 0 -9999\n1 0 -9999\n", nodata="none")
+    assert flat.points[:, 2].tolist() == [-9999, -9999]
 
 
 def test_what_follows_the_end_is_named() -> None:
