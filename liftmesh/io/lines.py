@@ -24,6 +24,7 @@ BLOCK = 1 << 17  # lines taken at a time, at most
 
 _BYTES = 1 << 21
 _LONG = 1 << 19  # bytes of a line
+_COMMENTS = 1 << 10  # lines looked at together
 
 # White space beyond ASCII, in the encodings that files are read in.
 _WIDE_BLANKS = {
@@ -252,7 +253,10 @@ def leading_comments(
     begin = stream.tell()
     lines = Lines(stream, name, encoding=encoding)
     try:
-        while (line := lines.next()).startswith(marks):
-            yield line.lstrip("".join(marks) + " \t")
+        while len(block := lines.take(_COMMENTS)):
+            for line in block.texts:
+                if not line.startswith(marks):
+                    return
+                yield line.lstrip("".join(marks) + " \t")
     finally:
         stream.seek(begin)
