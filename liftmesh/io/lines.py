@@ -210,7 +210,8 @@ class Lines:
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
                 f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text, or if it "
-                "is Windows-1252, read it with encoding='cp1252'"
+                "is a table, read it with encoding='cp1252' (or cp1250 for Central Europe, cp932 "
+                "for Japan)"
             ) from error
 
 

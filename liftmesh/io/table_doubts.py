@@ -19,6 +19,7 @@ from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION
 from liftmesh.io.table_ids import Ids, RowNumbers
+from liftmesh.io.table_options import MOST_LISTED, spelled
 
 if TYPE_CHECKING:
     from liftmesh.io.table_columns import Columns
@@ -31,7 +32,6 @@ _SENTINELS = (
     *(-3.4028234663852886e38, -3.40282346638529e38, -3.402823466e38, -3.4028235e38),
     *(-3.402823e38, -3.40282e38, 3.4028234663852886e38, 3.4028235e38, -1.7976931348623157e308),
 )
-_MOST_LISTED = 12  # columns
 _APART = 8  # parts of the range of the other values
 
 
@@ -51,14 +51,16 @@ def _names(first: Sequence[str], width: int) -> str:
     >>> _names(["id", "x", "y", "z"], 5), _names(["id", "x", "y", "z"], 50)
     ('id,x,y,z,column_5', 'x=2,y=3,z=4')
     """
-    if width > _MOST_LISTED:
+    if width > MOST_LISTED:
         return ",".join(f"{part}={k}" for k, part in enumerate(first, 1) if part in POSITION)
     rest = (f"column_{k}" for k in range(len(first) + 1, width + 1))
     return ",".join([*first[:width], *rest])
 
 
-def check_count(first: str, second: str, where: str) -> None:
+def check_count(first: str, second: str, where: str, header: Sequence[str] = ()) -> None:
     """Raise if the first line is a number by itself, as a count of rows is, before longer lines.
+
+    A header before it would be skipped as well: the message names its columns.
 
     >>> check_count("2", "0.5 1.5 7", "a.xyz: line 1")
     Traceback (most recent call last):
@@ -68,9 +70,10 @@ def check_count(first: str, second: str, where: str) -> None:
     """
     if first.isdecimal() and second and not second.isdecimal():
         line = where.rpartition(" ")[2]
+        names = f" and {spelled(header) or 'columns= with the names above it'}" if header else ""
         raise FormatError(
             f"{where} is the number {first[:20]} by itself, a count of rows or a broken row: if it "
-            f"is no row, read it with skip_rows={line}"
+            f"is no row, read it with skip_rows={line}{names}"
         )
 
 

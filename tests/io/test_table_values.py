@@ -73,7 +73,7 @@ def test_encodings(encoding: str, end: str) -> None:
 
 def test_text_of_windows_is_read_by_its_encoding() -> None:
     data = "Rechtswert;Hochwert;Höhe\n1,5;2,5;3,5\n".encode("cp1252")
-    assert "or if it is Windows-1252, read it with encoding='cp1252'" in refused(data)
+    assert "or if it is a table, read it with encoding='cp1252' (or cp1250 for" in refused(data)
     assert read(data, encoding="cp1252").points.tolist() == POINTS[:1]
     assert "damaged ascii" in refused(data, encoding="ascii")
     marked = "\ufeffx;y;z\n1,5;2,5;3,5\n".encode()
@@ -154,6 +154,17 @@ def test_quotes_that_are_not_closed_name_the_line() -> None:
             {},
             ("line 3: 'END' is a broken row", "marks the end", "end='END'"),
         ),
+        ("//X Y Z R\n1\n1 2 3 4\n", {}, ("with skip_rows=2 and columns='X,Y,Z,R'",)),
+        ("//X Y Z a=\n1\n1 2 3 4\n", {}, ("skip_rows=2 and columns= with the names above",)),
+        ("1\nX Y Z R\n1 2 3 4\n", {}, ("if it is no row, read it with skip_rows=1",)),
+        ("x,y,z\n1,2,3\n(1 row)\n", {}, ("(1 row)' is a broken row", "end='(1 row)'")),
+        ("a|b\n--+--\n", {}, ("has no column x or y",)),
+        ("x|y\n--+--\n", {}, ("line 2, value 1: '--+--' is not a number",)),
+        ("x,y,z\n1,2,\\N\n", {}, ("a missing value, read it with nodata='\\N'",)),
+        ("x;y\n512.345,25;1\n", {}, ("value 1: '512.345,25'", "the marks between thousands")),
+        ("x;y\n1;5\u202f403,5\n", {}, ("value 2: '5\\u202f403,5'", "the marks between thous")),
+        ("p,E,N\n,m,m\n1,2,3\n", {}, ("holds units", "skip_rows=2 and columns='p,E,N'")),
+        ("1,north,2,3\n", {}, ("is not a number: there is no header", "columns='id,-,x,y,z'")),
         ("P1 1 2 3\n", {}, ("'P1' is not a number", "names the points", "columns='id,x,y,z'")),
     ],
 )
@@ -241,6 +252,19 @@ def test_marks_apart_from_a_wide_range_and_alone() -> None:
     assert "z is -9999 in 2 of 2 rows, a value or the mark of a missing one: read" in told
     flat = read("0.5 0 -9999\n1 0 -9999\n", nodata="none")
     assert flat.points[:, 2].tolist() == [-9999, -9999]
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "point"),
+    [
+        ("//X Y Z R\n1\n1 2 3 4\n", {"skip_rows": 2, "columns": "X,Y,Z,R"}, [1, 2, 3]),
+        ("p,E,N\n,m,m\n7,2,3\n", {"skip_rows": 2, "columns": "p,E,N", "flat": True}, [2, 3, 0]),
+        ("x,y,z\n1,2,3\n(1 row)\n", {"end": "(1 row)"}, [1, 2, 3]),
+        ("1,north,2,3,4\n", {"columns": "id,-,x,y,z"}, [2, 3, 4]),
+    ],
+)
+def test_the_remedies_work(text: str, options: dict[str, Any], point: list[float]) -> None:
+    assert read(text, **options).points.tolist() == [point]
 
 
 def test_what_follows_the_end_is_named() -> None:
