@@ -198,7 +198,7 @@ class TableValues:
         if k in self.text:
             return [_NAN] * len(values)
         held = bool(self.filled[k])
-        self.filled[k] = held or any(values)
+        self.filled[k] = held or any(each and each not in self._missing for each in values)
         known = self._is_known
         plain = [
             value
