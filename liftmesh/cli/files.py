@@ -136,7 +136,7 @@ def _listed(names: Sequence[str]) -> str:
     """List names for a message; a file can hold any number of them."""
     from liftmesh.io.text_tables import shortened  # noqa: PLC0415 - help does without
 
-    shown = ", ".join(shortened(each) for each in names[:_MOST_LISTED])
+    shown = ", ".join(shortened(each, 100) for each in names[:_MOST_LISTED])
     rest = len(names) - _MOST_LISTED
     return f"{shown} and {rest:,} more" if rest > 0 else shown
 

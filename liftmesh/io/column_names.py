@@ -41,7 +41,8 @@ _SILENT = {
     *("coord", "coords", "coordinate", "coordinates", "koordinate", "koordinaten", "coor"),
     *("coordonnee", "coordonnees", "coordenada", "coordinata", "coordinaat"),
     *("point", "points", "pt", "pnt", "punkt", "pos", "position", "utm", "wert", "value", "field"),
-    *("vertex", "nn", "nhn", "nap", "msl", "ue", "ueber"),  # the last ones: above which zero
+    *("vertex", "grid"),
+    *("nn", "nhn", "nap", "msl", "ue", "ueber"),  # above which zero
 }
 _POINTS = re.compile(r"points?[:_ ]([012])")  # how ParaView writes the columns of a vector
 

@@ -24,6 +24,7 @@ BLOCK = 1 << 17  # lines taken at a time, at most
 
 _BYTES = 1 << 21
 _LONG = 1 << 19  # bytes of a line
+_COMMENTS = 1 << 10  # lines looked at together
 
 # White space beyond ASCII, in the encodings that files are read in.
 _WIDE_BLANKS = {
@@ -209,7 +210,8 @@ class Lines:
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
                 f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text, or if it "
-                "is Windows-1252, read it with encoding='cp1252'"
+                "is a table, read it with encoding='cp1252' (or cp1250 for Central Europe, cp932 "
+                "for Japan)"
             ) from error
 
 
@@ -252,7 +254,10 @@ def leading_comments(
     begin = stream.tell()
     lines = Lines(stream, name, encoding=encoding)
     try:
-        while (line := lines.next()).startswith(marks):
-            yield line.lstrip("".join(marks) + " \t")
+        while len(block := lines.take(_COMMENTS)):
+            for line in block.texts:
+                if not line.startswith(marks):
+                    return
+                yield line.lstrip("".join(marks) + " \t")
     finally:
         stream.seek(begin)

@@ -15,11 +15,12 @@ from dataclasses import dataclass
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.io.column_names import Meaning, meaning
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.table_options import LEFT_OUT, TableOptions
+from liftmesh.io.table_options import LEFT_OUT, TableOptions, is_plain
 
 PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 
+_GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
 _CHOOSE = "columns='x=..,y=..,z=..'"
 _LONGEST = 40  # characters of a name in a message
 
@@ -266,14 +267,20 @@ class _Choice:
     def _check(self, named: Sequence[str], names: Sequence[str], *, flat: bool) -> None:
         missing = [each for each in ("x", "y") if each not in names]
         if missing:
-            skip = ", or if it is no header, with skip_rows=1" if ": line " in self._where else ""
             raise FormatError(
                 f"{self._where}: the header {shown(self._given)} has no column "
-                f"{' or '.join(missing)}: read it with {_CHOOSE}{skip}"
+                f"{' or '.join(missing)}: {self._remedy()}"
             )
         depths = [k for k, name in enumerate(named) if meaning(name).part == "depth"]
         if depths and "z" not in names and not flat:
             raise self._unsigned(depths[0])
+
+    def _remedy(self) -> str:
+        """Say how to read a table whose names do not tell the coordinates."""
+        if {each.casefold() for each in self._given} & _GEOMETRY:
+            return "points as WKT are not read: save x, y and z as columns (QGIS: GEOMETRY=AS_XYZ)"
+        skip = ", or if it is no header, with skip_rows=1" if ": line " in self._where else ""
+        return f"read it with {_CHOOSE}{skip}"
 
     def _found(self, source: str) -> tuple[int, str]:
         """Find a column by its name, its name in other letters, or its number; and its sign."""
@@ -293,9 +300,10 @@ class _Choice:
 
     def _unsigned(self, k: int) -> FormatError:
         name = self._given[k]
+        typed = name if is_plain(name) else f"{k + 1}"
         return FormatError(
             f"{self._where}: {_quoted(name)} may count downwards or upwards: read it with "
-            f"columns='z=-{name}' if heights are negative depths, or with columns='z=+{name}' if "
+            f"columns='z=-{typed}' if heights are negative depths, or with columns='z=+{typed}' if "
             "they are heights already"
         )
 
@@ -325,8 +333,8 @@ def _check_once(names: Sequence[str], given: Sequence[str], where: str) -> None:
         those = [each for name, each in zip(names, given, strict=True) if name == twice]
         how = _CHOOSE if twice in POSITION else "columns='..,..,..', the names of all columns"
         raise FormatError(
-            f"{where}: two columns of the header mean {_quoted(twice)}, {shown(those)}: read it "
-            f"with {how}"
+            f"{where}: the header has {len(those)} columns for {_quoted(twice)}, {shown(those)}: "
+            f"read it with {how}"
         )
 
 

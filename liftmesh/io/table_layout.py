@@ -17,7 +17,7 @@ from liftmesh.io.table_words import split, with_point
 from liftmesh.io.text_tables import is_number, values_at_most
 
 _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)  # the first line of a spreadsheet's file
-_UNIT_APART = re.compile(r"\s+(?=[\[(][^\[\]()]*[\])])")  # X [m]
+_UNIT_APART = re.compile(r"(?<!\s)\s+(?=[\[(][^\[\]()]*[\])])")  # X [m]
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ ColumnChoice: TypeAlias = str | Mapping[str, str] | Sequence[str] | None
 Missing: TypeAlias = float | str | None
 
 LEFT_OUT = "-"  # the name of a column that is left out
+MOST_LISTED = 12  # columns in a message
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "blank": " ", "pipe": "|"}
 
@@ -127,6 +128,22 @@ def _columns(columns: ColumnChoice) -> tuple[dict[str, str], tuple[str, ...] | N
     ):
         raise _invalid(columns)
     return {}, tuple(each or LEFT_OUT for each in columns)
+
+
+def spelled(names: Sequence[str]) -> str:
+    """Return the option that names all columns, for a message; "" if it cannot be typed like that.
+
+    >>> spelled(["X", "Y", "Scalar field"]), spelled(["X", "Depth, m"])
+    ("columns='X,Y,Scalar field'", '')
+    """
+    if len(names) > MOST_LISTED or not all(map(is_plain, names)):
+        return ""
+    return f"columns='{','.join(names)}'"
+
+
+def is_plain(name: str) -> bool:
+    """Whether a name can stand in the text form of columns=, and in quotes."""
+    return bool(name) and len(name) <= 40 and not {*name} & {*",='\""} and name.isprintable()
 
 
 def _parsed(text: str) -> dict[str, str] | list[str]:

@@ -24,6 +24,7 @@ from liftmesh.io.columns import POSITION
 from liftmesh.io.limits import MOST_COLUMNS
 from liftmesh.io.lines import Block
 from liftmesh.io.table_doubts import named_points
+from liftmesh.io.table_options import spelled
 from liftmesh.io.table_words import may_be_grouped, split, with_point
 from liftmesh.io.text_tables import is_number, number_table, quoted, values_at_most
 
@@ -34,8 +35,13 @@ if TYPE_CHECKING:
 
 _NAN = "nan"
 _STRINGS = 1 << 17  # held at a time
+_LONGEST_END = 40  # characters of a line that may end a table
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]+,")
-_MISSING = ("na", "n/a", "null", "none", "-", "--", "*", "?", "#n/a", "nodata", "no data")
+_MISSING = (
+    *("na", "n/a", "null", "\\n", "none", "nil", "-", "--", "*", "?", "nodata", "no data"),
+    *("#n/a", "#value!", "#ref!", "#null!", "missing"),
+)
+_GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ .,'\u2019\u00a0\u2009\u202f]\d{3})+(?:[.,]\d*)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,9 +86,11 @@ class TableValues:
         self._point: Found | None = None
         self._ungrouped = False
         self._plain = True
+        self._first_line = 0
 
     def parse(self, block: Block) -> Floats:
         """Parse the lines of a block; columns of text are NaN."""
+        self._first_line = self._first_line or int(block.numbers[0])
         table = self._numbers(block)
         for value in self._missing:
             if isinstance(value, float):
@@ -177,7 +185,8 @@ class TableValues:
 
     def _broken(self, text: str, values: Sequence[str], where: str) -> FormatError:
         """Return the error for a row of another width, or of text in a table that had none."""
-        if [*values] == [text] and text.isalpha():
+        is_word = len(values) == 1 and any(map(str.isalpha, text)) and not is_number(text)
+        if is_word and text.isprintable() and len(text) <= _LONGEST_END:
             return FormatError(
                 f"{where}: {quoted(text)} is a broken row, expected {self._width} values, or marks "
                 f"the end of the table: read it with end={quoted(text)}"
@@ -195,7 +204,7 @@ class TableValues:
         if k in self.text:
             return [_NAN] * len(values)
         held = bool(self.filled[k])
-        self.filled[k] = held or any(values)
+        self.filled[k] = held or any(each and each not in self._missing for each in values)
         known = self._is_known
         plain = [
             value
@@ -255,15 +264,27 @@ class TableValues:
         )
 
     def _not_a_number(self, k: int, found: Found) -> FormatError:
-        hint = ""
-        if found.value.lower() in _MISSING:
-            hint = f": if it stands for a missing value, read it with nodata={found.value!r}"
-        elif k == 0 and not self._columns.said and self._width > 2:
-            hint = f": if it names the points, {named_points(self._width)}"
+        hint = self._hint(k, found)
         return FormatError(
             f"{self._name}: line {found.line}, value {k + 1}: {quoted(found.value)} is not a "
-            f"number{hint}"
+            f"number{hint and ': '}{hint}"
         )
+
+    def _hint(self, k: int, found: Found) -> str:
+        """Say what a coordinate that is text may be, and how to read the table then."""
+        if found.value.lower() in _MISSING:
+            return f"if it stands for a missing value, read it with nodata='{found.value}'"
+        if _GROUPED.fullmatch(found.value):
+            return "save it without the marks between thousands"
+        names = spelled(self._columns.given)
+        is_first = found.line == self._first_line
+        if self._columns.said and names and is_first:
+            return f"if the line holds units, read it with skip_rows={found.line} and {names}"
+        if self._columns.said or self._width <= 2:
+            return ""
+        if k == 0:
+            return f"if it names the points, {named_points(self._width)}"
+        return "there is no header: name the columns, as with columns='id,-,x,y,z'" * is_first
 
 
 def _bytes_of(block: Block) -> bytes:

@@ -13,7 +13,7 @@ from liftmesh.errors import FormatError
 
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _GROUPED = re.compile(r"[-+]?\d{1,3},\d{3}")  # 1,234 is also how thousands are grouped
-_WORDS = re.compile(r'"((?:[^"]|"")*)"(?!\S)|(\S+)')
+_WORDS = re.compile(r'"((?:[^"]|""){0,131072})"(?!\S)|(\S+)')  # as long as csv's field may be
 
 
 def split(text: str, delimiter: str | None, where: str) -> list[str]:

@@ -150,7 +150,7 @@ class _Table:
         """Take the first line that is no comment, and detect the layout."""
         self._stream.seek(self._begin)
         remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
-        remark = next(iter(deque(remarks, maxlen=1)), "")
+        self._remark = next(iter(deque(remarks, maxlen=1)), "")
         self._lines = Lines(
             self._stream,
             self.name,
@@ -165,7 +165,10 @@ class _Table:
         if not len(self._first):
             raise FormatError(f"{self.name}: the file has no points: no line holds numbers")
         said = replace(self.options, delimiter=delimiter)
-        return sniff(self._first.texts[0], remark, self._where(), said, max_bytes=self._max_bytes)
+        return self._sniffed_line(self._first.texts[0], said)
+
+    def _sniffed_line(self, text: str, options: TableOptions) -> Layout:
+        return sniff(text, self._remark, self._where(), options, max_bytes=self._max_bytes)
 
     def _named(self) -> Columns:
         header, width = self.layout.header, self.layout.width
@@ -173,8 +176,10 @@ class _Table:
             return understood(header, self.options, self._where())
         if width == 1:
             second = self._lines.take(1)
-            following = second.texts[0] if second.texts else ""
-            check_count(self._first.texts[0], following, self._where())
+            if second.texts:
+                following = self._sniffed_line(second.texts[0], self.options)
+                above = () if following.in_first_line else following.header or ()
+                check_count(self._first.texts[0], second.texts[0], self._where(), above)
         return unnamed(width, self.options, self._where())
 
     def _where(self) -> str:

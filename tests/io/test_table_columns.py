@@ -43,6 +43,7 @@ def refused(text: str, **options: Any) -> str:
         "E,N,Z",
         "e,n,h",
         "Easting,Northing,Elevation (m)",
+        "Grid Easting (m),Grid Northing (m),Elevation (m)",
         "EASTING,NORTHING,ALT",
         "Easting (E),Northing (N),Height (H)",
         "Rechtswert,Hochwert,Hoehe",
@@ -178,9 +179,19 @@ def test_colours_and_normals_are_groups() -> None:
 @pytest.mark.parametrize(
     ("text", "options", "cause"),
     [
-        ("x,y,elev,alt\n1,2,3,4\n", {}, "two columns of the header mean 'z', 'elev', 'alt'"),
-        ("lon,lat,x,y,z\n1,2,3,4,5\n", {}, "mean 'x', 'lon', 'x': read it with columns='x=..,y=.."),
-        ("x,y,z,w,w\n1,2,3,4,5\n", {}, "mean 'w', 'w', 'w': read it with columns='..,..,..'"),
+        ("x,y,elev,alt\n1,2,3,4\n", {}, "the header has 2 columns for 'z', 'elev', 'alt': read"),
+        (
+            "lon,lat,x,y,z\n1,2,3,4,5\n",
+            {},
+            "2 columns for 'x', 'lon', 'x': read it with columns='x=..,y=..",
+        ),
+        (
+            "x,y,z,w,w\n1,2,3,4,5\n",
+            {},
+            "columns for 'w', 'w', 'w': read it with columns='..,..,..'",
+        ),
+        ("WKT,id\n,1\n", {}, "points as WKT are not read: save x, y and z as columns"),
+        ('x,y,"Depth, m"\n1,2,3\n', {}, "with columns='z=-3' if heights are negative depths"),
         ("x,y,z\n1,2,3\n", {"columns": "z=Z2"}, "columns= names 'Z2', which is not one of the"),
         ("x,y,z\n1,2,3\n", {"columns": "x=y,y=y"}, "takes 'y' for 'x' and for 'y'"),
         ("x,y,z\n1,2,3\n", {"columns": "x=-x"}, "only z can have one"),

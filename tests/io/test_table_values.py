@@ -73,7 +73,7 @@ def test_encodings(encoding: str, end: str) -> None:
 
 def test_text_of_windows_is_read_by_its_encoding() -> None:
     data = "Rechtswert;Hochwert;Höhe\n1,5;2,5;3,5\n".encode("cp1252")
-    assert "or if it is Windows-1252, read it with encoding='cp1252'" in refused(data)
+    assert "or if it is a table, read it with encoding='cp1252' (or cp1250 for" in refused(data)
     assert read(data, encoding="cp1252").points.tolist() == POINTS[:1]
     assert "damaged ascii" in refused(data, encoding="ascii")
     marked = "\ufeffx;y;z\n1,5;2,5;3,5\n".encode()
@@ -154,6 +154,17 @@ def test_quotes_that_are_not_closed_name_the_line() -> None:
             {},
             ("line 3: 'END' is a broken row", "marks the end", "end='END'"),
         ),
+        ("//X Y Z R\n1\n1 2 3 4\n", {}, ("with skip_rows=2 and columns='X,Y,Z,R'",)),
+        ("//X Y Z a=\n1\n1 2 3 4\n", {}, ("skip_rows=2 and columns= with the names above",)),
+        ("1\nX Y Z R\n1 2 3 4\n", {}, ("if it is no row, read it with skip_rows=1",)),
+        ("x,y,z\n1,2,3\n(1 row)\n", {}, ("(1 row)' is a broken row", "end='(1 row)'")),
+        ("a|b\n--+--\n", {}, ("has no column x or y",)),
+        ("x|y\n--+--\n", {}, ("line 2, value 1: '--+--' is not a number",)),
+        ("x,y,z\n1,2,\\N\n", {}, ("a missing value, read it with nodata='\\N'",)),
+        ("x;y\n512.345,25;1\n", {}, ("value 1: '512.345,25'", "the marks between thousands")),
+        ("x;y\n1;5\u202f403,5\n", {}, ("value 2: '5\\u202f403,5'", "the marks between thous")),
+        ("p,E,N\n,m,m\n1,2,3\n", {}, ("holds units", "skip_rows=2 and columns='p,E,N'")),
+        ("1,north,2,3\n", {}, ("is not a number: there is no header", "columns='id,-,x,y,z'")),
         ("P1 1 2 3\n", {}, ("'P1' is not a number", "names the points", "columns='id,x,y,z'")),
     ],
 )
@@ -168,13 +179,15 @@ IDS = [
     "1,5.5,6.5,7\n2,5.25,6,8\n3,5,6,9\n",
     "101 5.5 6.5 7 4\n105 5.25 6 8 4\n230 5 6 9 4\n",
     "0 5.5 6.5\n1 5.25 6\n2 5 6\n",
+    "1001 5.5 6.5 7\n12 5.25 6 8\n507 5 6 9\n3 5 6 9\n",
+    "30,5.5,6.5,7,CP\n20,5.25,6,8,\n10,5,6,9,TREE\n",
 ]
 
 
 @pytest.mark.parametrize("text", IDS)
 def test_an_id_before_the_coordinates_is_refused_with_both_readings(text: str) -> None:
     told = refused(text)
-    assert "there is no header, and the first column holds whole numbers that grow from" in told
+    assert "there is no header, and the first column holds whole numbers that " in told
     assert "if an id, read it with columns='id,x,y" in told
     width = len(text.splitlines()[0].replace(",", " ").split())
     as_x = ",".join(["x", "y", "z", "a", "b"][:width])
@@ -192,11 +205,26 @@ def test_an_id_before_the_coordinates_is_refused_with_both_readings(text: str) -
         "1 5.5 6.5 7\n2 5.25 6 8\n2 5 6 9\n",
         "1.5 5.5 6.5 7\n2.5 5.25 6 8\n3.5 5 6 9\n",
         "10 5.5 6.5\n20 5.25 6\n30 5 6\n",
+        "30 5.5 6.5 7\n20 5.25 6 8\n30 5 6 9\n",
+        "30 5.5 6 7\n20 5.25 6 8\n10 5 6 9\n",
         "1 2 3 4\n2 3 4 5\n",
     ],
 )
 def test_coordinates_that_grow_are_no_id(text: str) -> None:
     assert read(text).points[0, 0] == float(text.split(maxsplit=1)[0])
+
+
+def test_ids_behind_the_coordinates_are_no_heights() -> None:
+    rows = "512345.25 5403210.5 1\n512350.75 5403212 2\n512347 5403220.125 3\n"
+    told = refused(rows)
+    assert "the third column holds whole numbers that grow from 1 to 3, z or an id" in told
+    assert "read it with columns='x,y,id', if z, with columns='x,y,z'" in told
+    flat = read(rows, columns="x,y,id")
+    assert flat.points[:, 2].tolist() == [0, 0, 0]
+    assert flat.attributes["id"].tolist() == [1, 2, 3]
+    assert read(rows, columns="x,y,z").points[:, 2].tolist() == [1, 2, 3]
+    assert read(rows, flat=True).points[:, 2].tolist() == [0, 0, 0]
+    assert read("0.5 5 1\n1.5 6 2\n2.5 7 3\n").points[:, 2].tolist() == [1, 2, 3]
 
 
 @pytest.mark.parametrize("value", ["-9999", "-9999.0", "-32768", "1e20", "-3.4028234663852886e+38"])
@@ -214,7 +242,29 @@ def test_marks_of_missing_values_are_refused_with_both_readings(value: str, head
 
 def test_depths_near_a_mark_are_values() -> None:
     assert len(read("0.5 0 -9990\n1 0 -9999\n1 4 -10008\n2 3 -9950\n")) == 4
-    assert read("0.5 0 -9999\n1 0 -9999\n").points[:, 2].tolist() == [-9999, -9999]
+    assert len(read("0.5 0 -8990\n1 0 -9999\n1 4 12\n2 3 -4\n")) == 4
+
+
+def test_marks_apart_from_a_wide_range_and_alone() -> None:
+    told = refused("x,y,z\n0.5,0,120\n1,0,28800\n1,4,-9999\n2,3,15000\n")
+    assert "z is -9999 in 1 of 4 rows, far from all others, a value or the mark" in told
+    told = refused("0.5 0 -9999\n1 0 -9999\n")
+    assert "z is -9999 in 2 of 2 rows, a value or the mark of a missing one: read" in told
+    flat = read("0.5 0 -9999\n1 0 -9999\n", nodata="none")
+    assert flat.points[:, 2].tolist() == [-9999, -9999]
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "point"),
+    [
+        ("//X Y Z R\n1\n1 2 3 4\n", {"skip_rows": 2, "columns": "X,Y,Z,R"}, [1, 2, 3]),
+        ("p,E,N\n,m,m\n7,2,3\n", {"skip_rows": 2, "columns": "p,E,N", "flat": True}, [2, 3, 0]),
+        ("x,y,z\n1,2,3\n(1 row)\n", {"end": "(1 row)"}, [1, 2, 3]),
+        ("1,north,2,3,4\n", {"columns": "id,-,x,y,z"}, [2, 3, 4]),
+    ],
+)
+def test_the_remedies_work(text: str, options: dict[str, Any], point: list[float]) -> None:
+    assert read(text, **options).points.tolist() == [point]
 
 
 def test_what_follows_the_end_is_named() -> None:

@@ -134,7 +134,7 @@ def test_more_lines_than_a_block() -> None:
         ("1,5 2,5 3,5\n", "line 1: '1,5' is a number with a decimal comma, or two numbers"),
         ("name,value\n1,2\n", "line 1: the header 'name', 'value' has no column x or y"),
         ("x,z\n1,2\n", "has no column y"),
-        ("x,y,easting\n1,2,3\n", "two columns of the header mean 'x'"),
+        ("x,y,easting\n1,2,3\n", "the header has 2 columns for 'x'"),
         ("x,y,z\n1,2\n", "line 2: expected 3 values, found 2"),
         ("1 2 1_000\n", "line 1, value 3: '1_000' is not a number"),
         ("ncols 4\nnrows 3\nxllcorner 0\n", "an Arc/Info ASCII grid"),

@@ -25,6 +25,8 @@ from liftmesh.io.objects.plain import is_array, qualified_name
 from liftmesh.io.table_columns import Columns, understood, unnamed
 from liftmesh.io.table_doubts import Doubts
 from liftmesh.io.table_options import TableOptions, checked
+from liftmesh.io.table_words import with_point
+from liftmesh.io.text_tables import is_number, shortened
 
 _FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}
 _RECORDS = {("laspy", "LasData"), ("laspy", "ScaleAwarePointRecord")}
@@ -131,6 +133,11 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
 def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     """Return the columns of a table with their names, and what else it says."""
     if _is_structured(source):
+        if source.ndim != 1:
+            raise InputError(
+                f"a structured array of the shape {source.shape} is no list of rows: give its "
+                "ravel()"
+            )
         return [(name, source[name]) for name in source.dtype.names], {}
     found = _classes(source)
     if found & _RECORDS:
@@ -162,8 +169,12 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     read = {k: _as_numbers(values[k][1]) for k in range(len(values)) if k not in columns.left_out}
     found = {columns.names[k]: each for k, each in read.items() if each is not None}
     unread = [_unread(columns, k, values[k][1]) for k in range(len(values)) if read.get(k) is None]
-    if not options.names_all:
-        columns.check_height(list(found), _WHERE)
+    if not options.names_all and "z" not in columns.names:
+        words = [columns.names[k] for k, each in read.items() if _holds_number(each, values[k][1])]
+        columns.check_height([*found, *words], _WHERE)
+    for part in POSITION:
+        if part in columns.names and (part not in found or found[part].ndim != 1):
+            raise _no_numbers(part, *values[columns.names.index(part)])
     points = _points(found, columns, options, len(values[0][1]))
     columns.warn()
     parts = {"columns": columns.mapping(), "notes": columns.notes, "skipped": tuple(unread)}
@@ -192,14 +203,23 @@ def _unread(columns: Columns, k: int, values: Any) -> str:
     return name if k in columns.left_out else f"{name} ({getattr(values, 'dtype', 'no numbers')})"
 
 
+def _no_numbers(part: str, name: str, values: Any) -> FormatError:
+    """Return the error for a coordinate that is text, with the first that is none of a number."""
+    is_text = np.asarray(values).dtype.kind in "OUT"
+    odd = (k for k, each in enumerate(values) if is_text and not _is_plain(each))
+    k = next(odd, 0 if is_text and len(values) else None)
+    example = "" if k is None else f" (row {k}: {shortened(repr([*values][k]))})"
+    return FormatError(
+        f"{_WHERE}: {part} is the column {name!r}, which holds no numbers{example}: convert it to "
+        f"numbers, or name another with columns='{part}=..'"
+    )
+
+
 def _points(found: dict[str, Array], columns: Columns, options: TableOptions, rows: int) -> Floats:
     """Remove and return the coordinates."""
     points = np.zeros((rows, 3))
     parts = [each for each in POSITION if each in columns.names]
     for part in parts:
-        if part not in found or found[part].ndim != 1:
-            name = columns.given[columns.names.index(part)]
-            raise FormatError(f"{_WHERE}: {part} is the column {name!r}, which holds no numbers")
         points[:, POSITION.index(part)] = _without_nodata(_exact(found.pop(part)), options)
     if columns.negated is not None:
         points[:, 2] = 0.0 - points[:, 2]
@@ -245,8 +265,25 @@ def _of_objects(array: Array) -> Floats | None:
     return np.array(floats, dtype=np.float64)
 
 
+def _holds_number(array: Array | None, values: Any) -> bool:
+    """Whether a column that is no numbers holds one, or the text of one, as a file may."""
+    if array is not None or np.asarray(values).dtype.kind not in "OUT":
+        return False
+    present = (each for each in values if not _is_missing(each))
+    return any(_is_number(each) or _is_text_of_number(each) for each in present)
+
+
+def _is_plain(value: object) -> bool:
+    return _is_missing(value) or _is_number(value) or _is_text_of_number(value)
+
+
+def _is_text_of_number(value: object) -> bool:
+    return isinstance(value, str) and bool(is_number(value) or with_point(value.strip()))
+
+
 def _is_missing(value: object) -> bool:
-    return value is None or type(value).__name__ == "NAType"
+    not_a_number = isinstance(value, float) and value != value  # noqa: PLR0124 - NaN
+    return value is None or not_a_number or type(value).__name__ == "NAType"
 
 
 def _is_number(value: object) -> bool:
@@ -282,7 +319,7 @@ def _stacked(found: dict[str, Array], names: tuple[str, ...]) -> Array | None:
 
 
 def _is_structured(source: object) -> bool:
-    return isinstance(source, np.ndarray) and source.dtype.names is not None and source.ndim == 1
+    return isinstance(source, np.ndarray) and source.dtype.names is not None
 
 
 def _classes(source: object) -> set[tuple[str, str]]:

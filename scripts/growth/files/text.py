@@ -298,6 +298,16 @@ def header_of_words(n: int) -> bytes:
     return b"ab " * n + b"\n1 1\n"
 
 
+def blanks_in_header(n: int) -> bytes:
+    """Blanks between two words of a header: a unit may follow, which belongs to the first."""
+    return b"x y z" + b" " * n + b"[\n1 2 3 4\n"
+
+
+def quotes_in_header(n: int) -> bytes:
+    """A header of quotes, and a blank that separates names."""
+    return b"x y " + b'"' * n + b"\n1 2 3\n"
+
+
 def empty_names(n: int) -> bytes:
     """A header of commas."""
     return b"x,y" + b"," * n + b"\n"
@@ -376,5 +386,7 @@ TEXT = named(
     remarks_last,
     long_remark,
     header_of_words,
+    blanks_in_header,
+    quotes_in_header,
     empty_names,
 )

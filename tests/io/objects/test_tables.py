@@ -96,6 +96,34 @@ def test_what_text_refuses_is_refused(kind: str) -> None:
         as_cloud(make({"lng": [1.0], "lat": [2.0], "alt": [2.0]}))
 
 
+@pytest.mark.parametrize("kind", ["pandas", "polars"])
+@pytest.mark.parametrize("heights", [["1.5", "low", "2"], ["312,4", "310,1", "315"]])
+def test_a_height_as_text_is_not_ignored(kind: str, heights: list[str]) -> None:
+    table = MAKERS[kind]({"x": [0, 4, 0], "y": [0, 0, 3], "GroundZ": heights})
+    with pytest.raises(InputError, match="known as the height z, and 'GroundZ' holds numbers"):
+        as_cloud(table)
+    words = MAKERS[kind]({"x": [0, 4, 0], "y": [0, 0, 3], "name": ["a", "b", None]})
+    assert as_cloud(words).points[:, 2].tolist() == [0, 0, 0]
+
+
+def test_a_coordinate_as_text_is_shown() -> None:
+    table = pd.DataFrame({"x": [0, 4], "y": [0, 3], "z": ["1.5", "low"]})
+    with pytest.raises(InputError, match=r"'z', which holds no numbers \(row 1: 'low'\): convert"):
+        as_cloud(table)
+    table["z"] = ["312,4", "310,1"]
+    with pytest.raises(InputError, match=r"\(row 0: '312,4'\): convert it to numbers, or name"):
+        as_cloud(table)
+    with pytest.raises(InputError, match=r"'z', which holds no numbers: convert"):
+        as_cloud(table.assign(z=pd.to_datetime(["2020", "2021"])))
+
+
+def test_a_structured_array_of_two_dimensions_gets_a_sentence() -> None:
+    rows = structured({"x": [1, 2, 3, 4], "y": [3, 4, 5, 6], "z": [5, 6, 7, 8]})
+    with pytest.raises(InputError, match=r"of the shape \(2, 2\) is no list of rows: give its rav"):
+        as_cloud(rows.reshape(2, 2))
+    assert as_cloud(rows.reshape(2, 2).ravel()).points[3].tolist() == [4, 6, 8]
+
+
 def test_nodata_becomes_nan() -> None:
     table = pd.DataFrame({"x": [1, 2, 3], "y": [1, 2, 4], "z": [5, 6, -9999], "w": [-9999, 1, 2]})
     cloud = as_cloud(table, nodata=-9999)
