@@ -110,7 +110,7 @@ FORMATS: tuple[Format, ...] = (
     *trimesh_files.FORMATS,
     pcd.FORMAT,
     *point_lines.FORMATS,
-    triangle_files.FORMAT,
+    *triangle_files.FORMATS,
 )
 
 ADAPTERS = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import struct
 from pathlib import Path
 from typing import Any
@@ -245,7 +246,7 @@ def test_six_nodes_and_attributes_of_triangles_are_named(tmp_path: Path) -> None
     (tmp_path / "A.ele").write_bytes(b"1 6 1\n0 0 1 2 0 1 2 9.5\n")
     mesh = liftmesh.read(tmp_path / "A.ele")
     assert mesh.points[:, 2].tolist() == [5, 6, 7]
-    assert mesh.metadata["skipped"] == ("1 attribute(s) of triangles", "midpoints of edges")
+    assert mesh.metadata["skipped"] == ("1 attribute of triangles", "midpoints of edges")
 
 
 @pytest.mark.parametrize(
@@ -270,6 +271,26 @@ def test_invalid_triangle_files_are_refused(
     (tmp_path / "A.ele").write_bytes(ele)
     with pytest.raises(FormatError, match=cause):
         liftmesh.read(tmp_path / "A.ele")
+
+
+def test_triangles_are_no_points_whatever_tells_the_format(tmp_path: Path) -> None:
+    lines = b"2 3 1\n0 0 1 2 7\n1 0 2 3 7\n"  # as points: an index, three coordinates, a value
+    with pytest.raises(FormatError, match="give a path"):
+        loaded(lines, "ele")
+    (tmp_path / "a.txt").write_bytes(lines)
+    (tmp_path / "a.node").write_bytes(NODE)
+    with pytest.raises(FormatError, match=r"index 0, not 1: .* counted from 1 as in .*a\.node"):
+        liftmesh.read(tmp_path / "a.txt", format="ele")
+    with (tmp_path / "a.txt").open("rb") as stream, pytest.raises(FormatError, match="index 0"):
+        liftmesh.read(stream, format="ele")
+
+
+def test_compressed_triangles_of_any_spelling(tmp_path: Path) -> None:
+    (tmp_path / "A.node.gz").write_bytes(gzip.compress(NODE))
+    (tmp_path / "A.ELE.GZ").write_bytes(gzip.compress(ELE))
+    faces = liftmesh.read(tmp_path / "A.ELE.GZ").faces
+    assert faces is not None
+    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
 def test_triangles_without_points_are_refused(tmp_path: Path) -> None:
