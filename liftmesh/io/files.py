@@ -51,7 +51,8 @@ class Written:
         only; the file records it too. None: coordinates are written as they are.
     dropped : tuple of str
         What the mesh has and the file does not keep: colors, alpha, normals, attributes and
-        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits.
+        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits; and what
+        a cloud does not hold of an object of another library, such as texture.
     renamed : tuple of (str, str)
         Attributes whose names the format cannot hold, and their names in the file. Reading the
         file gives the old names back.

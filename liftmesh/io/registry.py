@@ -38,7 +38,7 @@ from liftmesh.io import (
     trimesh_files,
 )
 from liftmesh.io.format import Format
-from liftmesh.io.objects import open3d, plain, tables, trimesh
+from liftmesh.io.objects import open3d, plain, tables, trimesh, trimesh_scene
 from liftmesh.io.objects.plain import qualified_name
 
 if TYPE_CHECKING:
@@ -118,7 +118,8 @@ ADAPTERS = (
     Adapter("table", tables.is_table, tables.to_cloud),
     Adapter("array", plain.is_array, plain.from_array),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
-    Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh", "Scene"}), trimesh.to_cloud),
+    Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh"}), trimesh.to_cloud),
+    Adapter("trimesh scene", _is_of("trimesh", {"Scene"}), trimesh_scene.to_cloud),
     Adapter("open3d", _is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}), open3d.to_cloud),
 )
 

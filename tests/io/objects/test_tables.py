@@ -239,3 +239,10 @@ def test_no_library_of_tables_is_imported() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "set()\n"
+
+
+def test_columns_that_are_no_numbers_are_named_in_what_is_written() -> None:
+    frame = pd.DataFrame({"x": [0.0, 1, 0], "y": [0.0, 0, 1], "z": [1, 2, 3], "code": [*"abc"]})
+    (lost,) = liftmesh.write(io.BytesIO(), frame, format="ply").dropped
+    assert lost.startswith("column code (")
+    assert liftmesh.triangulate(frame).save(io.BytesIO(), format="ply").dropped == (lost,)
