@@ -14,7 +14,7 @@ from file_samples import assert_same_bits, loaded, saved, small_mesh
 from gltf_models import SQUARE, Model, shape
 
 import liftmesh
-from liftmesh import Cloud
+from liftmesh import Cloud, FormatError
 
 UTM = np.array([450000.0, 5200000.0, 0.0])
 MESH = small_mesh()
@@ -259,3 +259,19 @@ def test_shared_values_are_counted_before_they_are_made() -> None:
     attributes |= {f"_{k}": values for k in range(9000)}
     model.node(mesh=model.mesh({"attributes": attributes, "mode": 0}))
     model.refused(r"expands to 72,024,000 bytes", max_bytes=70_000_000)
+
+
+def test_a_part_of_a_vector_does_not_replace_another_attribute() -> None:
+    """It did: hist_0 was written, and the first column of hist was not, without a word."""
+    values = {"hist": np.arange(20.0).reshape(4, 5), "hist_0": np.ones(4)}
+    for attributes in (values, dict(reversed(values.items()))):
+        with pytest.raises(FormatError, match="two attributes are named 'hist_0'"):
+            saved(Cloud(MESH.points, faces=MESH.faces, attributes=attributes), "glb")
+
+
+def test_integers_at_the_end_of_their_range_are_named() -> None:
+    ends = {"i": np.array([2**63 - 1, 0, 1, 2]), "u": np.array([2**64 - 1, 0, 1, 2], np.uint64)}
+    written = liftmesh.write(
+        io.BytesIO(), Cloud(MESH.points, faces=MESH.faces, attributes=ends), format="glb"
+    )
+    assert written.dropped == ("double precision of i", "double precision of u")
