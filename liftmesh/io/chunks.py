@@ -25,6 +25,7 @@ def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
     """Make a chunk reader that decides the depth of colours once, from all chunks of a file.
 
     A file is read twice if its integer colours have more than 8 bits and no depth is ``known``.
+    Where a number is no colour, such as a negative one, there is nothing to decide.
     """
 
     def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
@@ -37,9 +38,10 @@ def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
             yield first
             yield from pieces
             return
-        depth = max([first.color_depth, *(piece.color_depth or 8 for piece in pieces)])
+        depths = {first.color_depth, *(piece.color_depth for piece in pieces)}
+        decided = None if None in depths else max(filter(None, depths))
         stream.seek(begin)
         for piece in chunks(stream, name, rows):
-            yield piece.with_color_depth(depth)
+            yield piece if decided is None else piece.with_color_depth(decided)
 
     return uniform

@@ -103,6 +103,16 @@ def test_all_chunks_of_a_file_have_one_depth(kind: str) -> None:
     assert {chunk.colors.dtype for chunk in chunks} == {np.dtype(np.uint16)}  # type: ignore[union-attr]
 
 
+def test_numbers_that_are_no_colours_do_not_stop_the_chunks_before_them() -> None:
+    head = "ply\nformat ascii 1.0\nelement vertex 3\n"
+    names = "".join(f"property int {each}\n" for each in ("x", "y", "red", "green", "blue"))
+    data = f"{head}{names}end_header\n0 0 1 2 3\n1 0 4 5 6\n2 0 -7 8 9\n".encode()
+    whole = liftmesh.read(io.BytesIO(data), format="ply").colors
+    chunks = [each.colors for each in liftmesh.read_chunks(io.BytesIO(data), rows=1, format="ply")]
+    assert whole is not None
+    assert np.array_equal(np.vstack(chunks), whole)  # type: ignore[arg-type]
+
+
 def test_chunks_of_8_bit_values_have_the_depth_of_the_file() -> None:
     data = ply(RED.astype(np.uint16))
     chunks = [*liftmesh.read_chunks(io.BytesIO(data), rows=2, format="ply")]
