@@ -188,3 +188,35 @@ def test_colours_given_apart_have_a_depth_of_their_own(kind: Any) -> None:
         found = loaded(saved(each, "ply"), "ply").colors
         assert found is not None
         assert np.array_equal(found, RED)
+
+
+def test_the_report_says_how_colours_were_taken() -> None:
+    points = np.array([[0.0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    for colors in (RED[:3].astype(np.uint16), RED[:3], RED[:3].tolist()):
+        surface = liftmesh.triangulate(points, colors=colors)
+        assert surface.report.color_depth == 8
+        assert "Integer colours taken as 8-bit." in str(surface.report)
+    assert liftmesh.triangulate(points, colors=DEEP[2:]).report.color_depth == 16
+    plain = liftmesh.triangulate(points, colors=RED.astype(np.uint8)[:3]).report
+    assert plain.color_depth is None
+    assert "colours" not in str(plain)
+
+
+def test_replacing_colours_of_a_surface_keeps_their_depth() -> None:
+    dark = RED.astype(np.uint16)
+    surface = liftmesh.triangulate(Cloud(POINTS, colors=dark).with_color_depth(16))
+    changed = [
+        surface.replace(colors=surface.colors),
+        surface.replace(colors=RED, color_depth=16),
+        liftmesh.triangulate(POINTS, colors=dark).replace(color_depth=16),
+        surface.replace(crs="EPSG:25832"),
+    ]
+    for each in changed:
+        assert each.colors is not None
+        assert each.colors.dtype == np.uint16
+        assert each.to_cloud().color_depth == 16
+    anew = surface.replace(colors=dark).colors
+    assert anew is not None
+    assert anew.dtype == np.uint8
+    with pytest.raises(InputError, match=r"row 0 has the colour .* color_depth=8"):
+        surface.replace(colors=RED * 257, color_depth=8)
