@@ -211,7 +211,7 @@ def _described(header: Header) -> Mapping[str, Any]:
     found: dict[str, Any] = {}
     if header.viewpoint != _STRAIGHT:
         found["viewpoint"] = header.viewpoint
-    if header.height > 1:
+    if header.height > 1 and header.width * header.height == header.points:
         found["grid"] = (header.width, header.height)
     return found
 

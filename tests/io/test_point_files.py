@@ -131,6 +131,8 @@ def test_what_a_pcd_says_of_the_whole() -> None:
     assert cloud.metadata["viewpoint"] == (1, 2, 3, 1, 0, 0, 0)
     assert np.isnan(cloud.points[1]).all()
     assert len(loaded(pcd(b"", POINTS="0"), "pcd")) == 0
+    lying = loaded(pcd(b"1 2 3\n4 5 6\n", WIDTH="5", HEIGHT="2"), "pcd")
+    assert "grid" not in lying.metadata
 
 
 def packed(data: bytes, size: int = 24) -> bytes:
@@ -208,6 +210,8 @@ def test_pts_of_scanners(text: bytes, attributes: list[str], colors: Any) -> Non
         ("pts", b"1\n1 2 3 4 5\n", "line 2: .* has 5 values"),
         ("pts", b"1\n1 2 3\n1\n1 2 3 4\n", "line 4: expected 3 values, found 4"),
         ("pts", b"0\n", "no points"),
+        ("pts", b"1\n1 2 3\n4 5 6\n", "line 3: more points follow"),
+        ("pts", b"1 2 3\n2\n1 2 3\n4 5 6\n", "line 2: expected 3 values, found 1"),
         ("xyzrgb", b"1 2 3 4 5\n", "line 1: expected 6 values"),
         ("xyzn", b"1 2 3 0 0 1\n1 2\n", "line 2: expected 6 values"),
         ("xyzn", b"# nothing\n", "no points"),
