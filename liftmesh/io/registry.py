@@ -192,6 +192,37 @@ def find_format(wanted: str, name: str) -> Format:
     raise FormatError(f"{name}: {_unknown(key)}; known suffixes are {', '.join(_suffixes())}")
 
 
+def find_written(wanted: str, name: str) -> Format:
+    """Find the format of a file to be written, as `find_format`; none is compressed with gzip.
+
+    Parameters
+    ----------
+    wanted : str
+        Name or suffix.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Format
+        The format, which may have no writer.
+
+    Raises
+    ------
+    FormatError
+        As for `find_format`, or the suffix is that of a compressed file.
+
+    Examples
+    --------
+    >>> find_written(".csv", "points.csv").name
+    'text'
+    """
+    found = find_format(wanted, name)
+    if wanted.lower().endswith(".gz"):
+        raise FormatError(f"{name}: gzip is read only: leave out .gz, and compress the file")
+    return found
+
+
 def suffix_of(name: str) -> str:
     """Return the suffix of a file's name, and the one before ``.gz`` with it.
 

@@ -133,9 +133,9 @@ def is_number(text: str) -> bool:
     return "_" not in text
 
 
-def shortened(text: str) -> str:
+def shortened(text: str, most: int = 40) -> str:
     """Shorten a piece of a file for a message: invalid files may have long lines."""
-    return text if len(text) <= 40 else text[:37] + "..."
+    return text if len(text) <= most else text[: most - 3] + "..."
 
 
 def quoted(text: str) -> str:
