@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from liftmesh.io.files import Written
 
 _MOST_LISTED = 8
+_LONGEST = 80  # characters of each
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 
 
@@ -136,7 +137,7 @@ def _listed(names: Sequence[str]) -> str:
     """List names for a message; a file can hold any number of them."""
     from liftmesh.io.text_tables import shortened  # noqa: PLC0415 - help does without
 
-    shown = ", ".join(shortened(each, 100) for each in names[:_MOST_LISTED])
+    shown = ", ".join(shortened(each, _LONGEST) for each in names[:_MOST_LISTED])
     rest = len(names) - _MOST_LISTED
     return f"{shown} and {rest:,} more" if rest > 0 else shown
 
@@ -270,7 +271,7 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     typer.BadParameter
         There is neither a format nor a suffix.
     """
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - as above
 
     if path is None:
         return
@@ -278,7 +279,7 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
         check_stdout()
     if not (file_format or path.suffix):
         raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
-    found = find_format(file_format or path.suffix, str(path))
+    found = find_written(file_format or suffix_of(path.name), str(path))
     if found.write is None:
         raise FormatError(f"{path}: {found.name} files can be read, not written")
     check_place(path)

@@ -203,5 +203,6 @@ def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict
         "policy": report.policy,
         "left_out": report.left_out.tolist(),
         "columns": dict(report.columns),
+        "color_depth": report.color_depth,
         "seconds": seconds,
     }

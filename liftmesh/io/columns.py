@@ -22,6 +22,19 @@ COLOR = ("red", "green", "blue")
 ALPHA = "alpha"
 
 
+def type_in_text(name: str, dtype: np.dtype) -> np.dtype:
+    """Return the type of a column of text: coordinates keep digits that single precision has not.
+
+    Many programs state float, and write what they hold as double.
+
+    Examples
+    --------
+    >>> type_in_text("x", np.dtype("f4")), type_in_text("red", np.dtype("f4"))
+    (dtype('float64'), dtype('float32'))
+    """
+    return np.dtype(np.float64) if name in POSITION and dtype.kind == "f" else dtype
+
+
 class CloudBuilder:
     """Arrays for ``rows`` points with the named columns.
 

@@ -101,6 +101,13 @@ def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
     return faces.astype(np.int32, copy=False)
 
 
+def narrowed(faces: Array) -> Array:
+    """Return faces as int32; as they are if one is beyond it, for whoever checks them."""
+    limits = np.iinfo(np.int32)
+    fit = not faces.size or (faces.min() >= limits.min and faces.max() <= limits.max)
+    return faces.astype(np.int32, copy=False) if fit else faces
+
+
 def _within(indices: Array, vertices: int) -> bool:
     """Whether every index is that of a vertex, computed without a mask as large as the mesh."""
     return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)

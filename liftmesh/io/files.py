@@ -21,7 +21,7 @@ from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, configured, dropped, renamed
 from liftmesh.io.places import PathOrStream, at_home, check_stream, folder, name_of, opened
-from liftmesh.io.registry import as_cloud, find_format, suffix_of
+from liftmesh.io.registry import as_cloud, find_format, find_written, suffix_of
 from liftmesh.io.streams import written_whole
 
 if TYPE_CHECKING:
@@ -51,7 +51,8 @@ class Written:
         only; the file records it too. None: coordinates are written as they are.
     dropped : tuple of str
         What the mesh has and the file does not keep: colors, alpha, normals, attributes and
-        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits.
+        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits; and what
+        a cloud does not hold of an object of another library, such as texture.
     renamed : tuple of (str, str)
         Attributes whose names the format cannot hold, and their names in the file. Reading the
         file gives the old names back.
@@ -318,9 +319,7 @@ def write(
     """
     target = at_home(target)
     name = name_of(target)
-    found = _find(target, format, name)
-    if (format or name).lower().endswith(".gz"):
-        raise FormatError(f"{name}: gzip is read only: write {found.name} and compress the file")
+    found = _find(target, format, name, find_written)
     suffix = "." + (format or suffix_of(name)).lower().removeprefix(".")
     options = {**found.suffix_options.get(suffix, {}), **options}
     writer = _writer(found, name, options)
@@ -368,10 +367,15 @@ def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
     return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
 
 
-def _find(place: object, wanted: str | None, name: str) -> Format:
+def _find(
+    place: object,
+    wanted: str | None,
+    name: str,
+    find: Callable[[str, str], Format] = find_format,
+) -> Format:
     if wanted is None and isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
         raise folder(name)
-    return find_format(suffix_of(name) if wanted is None else wanted, name)
+    return find(suffix_of(name) if wanted is None else wanted, name)
 
 
 def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:

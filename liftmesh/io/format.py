@@ -238,7 +238,8 @@ def dropped(
         missing[at : at + 1] = entries
     else:
         missing += metadata.lost(cloud.metadata)
-    return (*missing, *(each for each in losses if each not in CONTENT))
+    named = (each for each in losses if each not in CONTENT)
+    return (*missing, *named, *metadata.not_read(cloud.metadata))
 
 
 def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:

@@ -1,8 +1,9 @@
-"""Decoding of glTF primitives: points, colours and normals with trimesh, faces here.
+"""Decoding of glTF primitives: points and normals with trimesh, faces, colours and values here.
 
 trimesh is given a small file of its own: each primitive is a mesh, and there are no nodes, cameras,
 materials or lines. So it reads every primitive once, wherever its mesh stands and however often.
 Faces are made of the indices directly: trimesh knows no fans, and makes 64-bit numbers of bytes.
+Colours too: of 16-bit ones, as Blender writes them, trimesh keeps the lower eight bits.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.errors import FormatError
 from liftmesh.interruption import kept
+from liftmesh.io.colors import as_uint8, fits_eight_bits, with_alpha
 from liftmesh.io.gltf_meshes import FAN, POINTS, TRIANGLES, Primitive
 from liftmesh.io.objects.trimesh import to_cloud
 from liftmesh.optional import load
@@ -26,6 +28,8 @@ from liftmesh.optional import load
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.io.gltf_validation import Accessor, Document, Tree
+
+ROUNDED = "rounded"  # in the metadata of a primitive: whether its colours are
 
 _UNSIGNED = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 
@@ -61,6 +65,7 @@ def decoded(document: Document, parts: Sequence[Primitive]) -> list[Cloud]:
             _scaled(cloud, part),
             attributes={key: _values(document, part.used[key]) for key in part.named},
             faces=_faces(document, part),
+            **_colors(document, part),
         )
         for cloud, part in zip(clouds, parts, strict=True)
     ]
@@ -113,7 +118,7 @@ class _Plain:
         attributes = {
             key: self._number(accessor)
             for key, accessor in part.used.items()
-            if key != "indices" and not key.startswith("_")
+            if key in ("POSITION", "NORMAL")
         }
         primitive = {"attributes": attributes, "indices": self._triangle()}
         return {"name": name, "primitives": [primitive]}
@@ -151,6 +156,12 @@ def _content(document: Document, accessor: Accessor) -> memoryview:
 
 def _values(document: Document, accessor: Accessor) -> Floats:
     """Return named values as doubles."""
+    values = _normalized(_rows(document, accessor).astype(np.float64), accessor)
+    return values[:, 0] if accessor.width == 1 else values
+
+
+def _rows(document: Document, accessor: Accessor) -> Array:
+    """Return the rows of an accessor, not copied."""
     size = accessor.item // accessor.width
     found: Array = np.ndarray(
         (accessor.count, accessor.width),
@@ -158,8 +169,19 @@ def _values(document: Document, accessor: Accessor) -> Floats:
         _content(document, accessor),
         strides=(accessor.stride, size),
     )
-    values = _normalized(found.astype(np.float64), accessor)
-    return values[:, 0] if accessor.width == 1 else values
+    return found
+
+
+def _colors(document: Document, part: Primitive) -> dict[str, Any]:
+    """Return colours with alpha as bytes, and whether that rounds them."""
+    if "COLOR_0" not in part.used:
+        return {}
+    found = _rows(document, part.used["COLOR_0"])
+    colors = found.astype(found.dtype.newbyteorder("="))
+    if colors.dtype.kind == "f":
+        colors = np.clip(np.nan_to_num(colors, posinf=0, neginf=0), 0, 1)
+    is_rounded = not fits_eight_bits(colors)
+    return {"colors": with_alpha(as_uint8(colors)), "metadata": {ROUNDED: is_rounded}}
 
 
 def _integers(document: Document, accessor: Accessor) -> Integers:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.errors import FormatError
 
 _OTHER = re.compile(r"[^A-Z0-9_]+")
 _WIDEST = 4
@@ -21,6 +22,11 @@ _WIDEST = 4
 
 def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     """Return what glTF can hold of attributes: vectors of more than four values are split.
+
+    Raises
+    ------
+    FormatError
+        A part of a vector has the name of another attribute.
 
     Examples
     --------
@@ -35,7 +41,11 @@ def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
             found[name] = values
         else:
             flat = values.reshape(len(values), -1)
-            found |= {f"{name}_{k}": column for k, column in enumerate(flat.T)}
+            split = {f"{name}_{k}": column for k, column in enumerate(flat.T)}
+            twice = next((each for each in split if each in attributes or each in found), None)
+            if twice is not None:
+                raise FormatError(f"two attributes are named {twice!r}: rename one")
+            found |= split
     return found
 
 
@@ -66,7 +76,7 @@ def lost(attributes: Mapping[str, Array]) -> list[str]:
     for name, values in sorted(attributes.items()):
         if why := reason(values):
             found.append(f"{name} ({why})")
-        elif not np.array_equal(_single(values).astype(values.dtype), values):
+        elif not _is_single(values):
             found.append(f"double precision of {name}")
     return found
 
@@ -135,6 +145,14 @@ def _converted(values: Array, dtype: np.dtype) -> Array:
         converted = values.astype(dtype)
         is_exact = np.array_equal(converted.astype(values.dtype), values)
     return converted if is_exact else values
+
+
+def _is_single(values: Array) -> bool:
+    """Whether single precision holds all values."""
+    single = _single(values)
+    if values.dtype.kind in "iu" and float(single.max()) > np.iinfo(values.dtype).max:
+        return False  # rounded up to what the type does not hold
+    return np.array_equal(single.astype(values.dtype), values)
 
 
 def _single(values: Array) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
-from liftmesh.io.gltf_decoding import decoded
+from liftmesh.io.gltf_decoding import ROUNDED, decoded
 from liftmesh.io.gltf_meshes import Primitive, primitives
 from liftmesh.io.gltf_names import restored
 from liftmesh.io.gltf_nodes import Scene, default_scene, put_exactly
@@ -154,6 +154,7 @@ class _Content:
         """Return the only primitive, without a copy."""
         (each,) = self._parts()
         (cloud,) = decoded(self._document, [each.part])
+        self._note_rounded(cloud, 1)
         place = self._scene.places[self._scene.meshes.index(each.mesh)]
         return cloud if place is None else transformed(cloud, place)
 
@@ -163,8 +164,13 @@ class _Content:
             clouds = decoded(self._document, [each.part for each in batch])
             for each, cloud in zip(batch, clouds, strict=True):
                 arrays.put(cloud, each)
+                self._note_rounded(cloud, self._uses[each.mesh])
         arrays.place()
         return arrays.cloud()
+
+    def _note_rounded(self, cloud: Cloud, uses: int) -> None:
+        if cloud.metadata.get(ROUNDED):
+            self._skipped["primitive(s) with COLOR_0 of more than 8 bits, rounded"] += uses
 
     def _parts(self) -> Iterator[_Part]:
         """Yield the primitives of all meshes with their places among the rows of a mesh."""

@@ -14,7 +14,7 @@ from collections import deque
 from typing import TYPE_CHECKING, BinaryIO, cast
 
 from liftmesh.errors import FormatError
-from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.limits import limit_of
 from liftmesh.io.streams import remaining
 
 if TYPE_CHECKING:
@@ -112,7 +112,11 @@ class _Text(io.RawIOBase):
         if block:
             self._blocks.append(block)
             self._end += len(block)
-            check_expanded(self._end, self._limit, self._name, "its text")
+            if self._end > self._limit:  # nobody knows by how much
+                raise FormatError(
+                    f"{self._name}: its text expands to more than the limit of {self._limit:,} "
+                    "bytes: if you trust the file, raise it with max_bytes="
+                )
         return bool(block)
 
     def _decompressed(self) -> bytes:

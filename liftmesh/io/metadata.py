@@ -66,6 +66,23 @@ def _is_skipped(key: object, value: object) -> bool:
     return key == "skipped" and isinstance(value, tuple)
 
 
+def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
+    """Name what an object of another library had and its cloud has not.
+
+    Of a file that was read, `read` has said it.
+
+    Examples
+    --------
+    >>> not_read({"skipped": ("texture",)})
+    ('texture',)
+    >>> not_read({"source": "a.ply", "format": "ply", "skipped": ("texture",)})
+    ()
+    """
+    skipped = metadata.get("skipped")
+    is_read = all(each in metadata for each in _LABELS)
+    return skipped if isinstance(skipped, tuple) and not is_read else ()
+
+
 def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that files store, as JSON will give them back.
 

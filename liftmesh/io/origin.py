@@ -53,24 +53,26 @@ def needed_origin(points: Floats, what: str) -> Origin | None:
     """
     if not len(points):
         return None
-    low = points.min(axis=0)
+    # Column by column: reductions along axis 0 take ten times as long.
+    low = np.array([column.min() for column in points.T])
     with np.errstate(over="ignore"):
-        size = float((points.max(axis=0) - low).max())
+        size = float((np.array([column.max() for column in points.T]) - low).max())
     needed = _moved(points) > TOLERANCE * size
+    if np.isfinite(size) and not needed.any():
+        return None
     origin = np.where(needed, _round_below(low, size), 0.0)
     fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
     if not fits:
         raise FormatError(
             f"the coordinates do not fit the single precision of {what}: write PLY or OBJ"
         )
-    return (float(origin[0]), float(origin[1]), float(origin[2])) if needed.any() else None
+    return (float(origin[0]), float(origin[1]), float(origin[2]))
 
 
 def _moved(points: Floats) -> Floats:
     """Compute for each axis how far rounding to single precision moves coordinates at most."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        moved: Floats = np.abs(points - points.astype(np.float32)).max(axis=0)
-    return moved
+        return np.array([np.abs(each - each.astype(np.float32)).max() for each in points.T])
 
 
 def _round_below(low: Floats, size: float) -> Floats:

@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import NORMAL, POSITION
+from liftmesh.io.columns import NORMAL, POSITION, type_in_text
 from liftmesh.io.format import Format
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.lines import Lines, promised
@@ -43,9 +43,10 @@ def read_pcd(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     Returns
     -------
     Cloud
-        Coordinates as float64; ``rgb`` as colours, ``rgba`` with alpha; ``normal_x`` and so on as
-        normals; other fields as attributes in the file's types. ``metadata`` holds a ``viewpoint``
-        other than the origin, and the ``grid`` (width, height) of an organised cloud.
+        Coordinates as float64, those of text in full whatever their type; ``rgb`` as colours,
+        ``rgba`` with alpha; ``normal_x`` and so on as normals; other fields as attributes in the
+        file's types. ``metadata`` holds a ``viewpoint`` other than the origin, and the ``grid``
+        (width, height) of an organised cloud.
 
     Raises
     ------
@@ -96,7 +97,7 @@ def _columns_of(table: Floats, header: Header, name: str, lines: Array) -> dict[
             continue
         flat = exact_values(
             values.reshape(-1),
-            each.dtype,
+            type_in_text(each.name, each.dtype),
             name,
             each.name,
             lambda k, width=each.count: int(lines[k // width]),  # type: ignore[misc]
@@ -210,7 +211,7 @@ def _described(header: Header) -> Mapping[str, Any]:
     found: dict[str, Any] = {}
     if header.viewpoint != _STRAIGHT:
         found["viewpoint"] = header.viewpoint
-    if header.height > 1:
+    if header.height > 1 and header.width * header.height == header.points:
         found["grid"] = (header.width, header.height)
     return found
 

@@ -87,6 +87,11 @@ def read_pts(stream: BinaryIO, name: str) -> Cloud:
     while len(first):
         scans += 1
         count = _count(first)
+        if count is None and scans > 1:
+            raise FormatError(
+                f"{name}: line {lines.number}: more points follow than the counts promise: correct "
+                "them"
+            )
         rows = _rest(first, lines) if count is None else promised(lines, count, "points", name)
         for block in rows:
             parts.append(number_table(block, name, width=parts[0].shape[1] if parts else None))

@@ -38,7 +38,7 @@ from liftmesh.io import (
     trimesh_files,
 )
 from liftmesh.io.format import Format
-from liftmesh.io.objects import open3d, plain, tables, trimesh
+from liftmesh.io.objects import open3d, plain, tables, trimesh, trimesh_scene
 from liftmesh.io.objects.plain import qualified_name
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ FORMATS: tuple[Format, ...] = (
     *trimesh_files.FORMATS,
     pcd.FORMAT,
     *point_lines.FORMATS,
-    triangle_files.FORMAT,
+    *triangle_files.FORMATS,
 )
 
 ADAPTERS = (
@@ -118,7 +118,8 @@ ADAPTERS = (
     Adapter("table", tables.is_table, tables.to_cloud),
     Adapter("array", plain.is_array, plain.from_array),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
-    Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh", "Scene"}), trimesh.to_cloud),
+    Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh"}), trimesh.to_cloud),
+    Adapter("trimesh scene", _is_of("trimesh", {"Scene"}), trimesh_scene.to_cloud),
     Adapter("open3d", _is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}), open3d.to_cloud),
 )
 
@@ -189,6 +190,37 @@ def find_format(wanted: str, name: str) -> Format:
         if entry.name.lower() == key:
             return _format(entry)
     raise FormatError(f"{name}: {_unknown(key)}; known suffixes are {', '.join(_suffixes())}")
+
+
+def find_written(wanted: str, name: str) -> Format:
+    """Find the format of a file to be written, as `find_format`; none is compressed with gzip.
+
+    Parameters
+    ----------
+    wanted : str
+        Name or suffix.
+    name : str
+        The file's name for messages.
+
+    Returns
+    -------
+    Format
+        The format, which may have no writer.
+
+    Raises
+    ------
+    FormatError
+        As for `find_format`, or the suffix is that of a compressed file.
+
+    Examples
+    --------
+    >>> find_written(".csv", "points.csv").name
+    'text'
+    """
+    found = find_format(wanted, name)
+    if wanted.lower().endswith(".gz"):
+        raise FormatError(f"{name}: gzip is read only: leave out .gz, and compress the file")
+    return found
 
 
 def suffix_of(name: str) -> str:

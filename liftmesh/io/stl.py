@@ -17,7 +17,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Floats
+from liftmesh._typing import Array, Floats
 from liftmesh.arrays import used_rows, widened
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
@@ -30,6 +30,7 @@ from liftmesh.io.welding import weld
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _TITLE_SIZE = 80
+_ROWS = 1 << 13  # a block that fits in the cache of one core
 _HEAD = struct.Struct(f"<{_TITLE_SIZE}sI")
 _STATED = "liftmesh origin"
 
@@ -85,13 +86,21 @@ def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     title = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(title) > _TITLE_SIZE:
         raise FormatError(f"the origin {origin} does not fit the header of STL: write PLY or OBJ")
-    corners = without_origin(cloud.points, origin)[faces]
-    facets = np.zeros(len(faces), dtype=_FACET)
-    facets["normal"] = _normals(corners)
-    facets["corners"] = corners
     stream.write(_HEAD.pack(title.encode("ascii"), len(faces)))
-    stream.write(facets.tobytes())
+    _write_facets(stream, without_origin(cloud.points, origin), faces)
     return origin
+
+
+def _write_facets(stream: BinaryIO, points: Floats, faces: Array) -> None:
+    """Write facets block by block, without a copy of the mesh in memory."""
+    block = np.zeros(min(len(faces), _ROWS), dtype=_FACET)
+    for start in range(0, len(faces), _ROWS):
+        some = faces[start : start + _ROWS]
+        corners = points.take(some.reshape(-1), axis=0).reshape(-1, 3, 3)
+        part = block[: len(some)]
+        part["normal"] = _normals(corners)
+        part["corners"] = corners
+        stream.write(part.tobytes())
 
 
 def _is_text(head: bytes, size: int) -> bool:
@@ -164,12 +173,14 @@ def _welded(corners: Floats, name: str, **metadata: object) -> Cloud:
 
 def _normals(corners: Floats) -> Floats:
     """Compute unit normals; zero for triangles without a direction."""
-    edges = np.diff(corners, axis=1)
-    crosses: Floats = np.cross(edges[:, 0], edges[:, 1])
-    lengths = np.sqrt((crosses * crosses).sum(axis=1, keepdims=True))
-    normals = np.zeros_like(crosses)
-    np.divide(crosses, lengths, out=normals, where=lengths > 0)
-    return normals
+    a, b, c = np.moveaxis(corners, 0, -1).copy()  # each has x, y and z in rows
+    first, second = b - a, c - b
+    x, y, z = (first[i] * second[j] - first[j] * second[i] for i, j in ((1, 2), (2, 0), (0, 1)))
+    lengths = np.sqrt(x * x + y * y + z * z)
+    normals = np.zeros((3, len(corners)))
+    np.divide((x, y, z), lengths, out=normals, where=lengths > 0)
+    found: Floats = normals.T
+    return found
 
 
 FORMAT = Format(

@@ -32,7 +32,7 @@ _MARKER = "boundary_marker"
 
 
 def read_node(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read the points of a .node file, or the triangles of an .ele file with their points.
+    """Read the points of a .node file.
 
     Parameters
     ----------
@@ -43,21 +43,35 @@ def read_node(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> C
     -------
     Cloud
         Points of two dimensions get z = 0; attributes are ``attribute_1`` and so on, and
-        ``boundary_marker``. An .ele file, which its name tells, gives the points of the .node file
-        beside it, and faces. Midpoints of edges, and attributes of triangles, are counted in
-        ``metadata["skipped"]``.
+        ``boundary_marker``.
+
+    Raises
+    ------
+    FormatError
+        The file is invalid; the message gives the line.
+    """
+    return _nodes(stream, name, max_bytes)[0]
+
+
+def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+    """Read the triangles of an .ele file, with the points of the .node file beside it.
+
+    Parameters
+    ----------
+    max_bytes : int, optional
+        As for `read_node`.
+
+    Returns
+    -------
+    Cloud
+        The points as from `read_node`, and faces. Midpoints of edges, and attributes of triangles,
+        are counted in ``metadata["skipped"]``.
 
     Raises
     ------
     FormatError
         A file is invalid, or there is no .node file; the message gives the line.
     """
-    if name.lower().removesuffix(".gz").endswith(".ele"):
-        return _triangles(stream, name, max_bytes)
-    return _nodes(stream, name, max_bytes)[0]
-
-
-def _triangles(stream: BinaryIO, name: str, max_bytes: int | None) -> Cloud:
     with _beside(name, max_bytes) as (nodes, beside):
         cloud, first = _nodes(nodes, beside, max_bytes)
     lines = Lines(stream, name, comments=("#",))
@@ -68,9 +82,9 @@ def _triangles(stream: BinaryIO, name: str, max_bytes: int | None) -> Cloud:
         )
     check_columns(1 + corners + more, max_bytes, name, "its header")
     table = _rows(lines, count, 1 + corners + more, "triangles", name)
-    _check_indices(table[:, 0], first, name)
+    _check_indices(table[:, 0], first, f"counted from {first} as in {beside}", name)
     faces = table[:, 1:4] - first
-    skipped = [f"{more} attribute(s) of triangles"] * (more > 0)
+    skipped = [f"{more} attribute{'s' * (more > 1)} of triangles"] * (more > 0)
     skipped += ["midpoints of edges"] * (corners == 6)
     described = {"skipped": tuple(skipped)} if skipped else {}
     return replace(
@@ -92,7 +106,7 @@ def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, i
     check_columns(width, max_bytes, name, "its header")
     table = _rows(lines, count, width, "points", name)
     first = 1 if table[0, 0] == 1 else 0
-    _check_indices(table[:, 0], first, name)
+    _check_indices(table[:, 0], first, "counted from 0 or 1", name)
     points = np.zeros((count, 3))
     points[:, :dimension] = table[:, 1 : 1 + dimension]
     columns: dict[str, Array] = {
@@ -125,13 +139,13 @@ def _rows(lines: Lines, count: int, width: int, what: str, name: str) -> Floats:
     return np.concatenate(parts) if parts else np.zeros((0, width))
 
 
-def _check_indices(indices: Floats, first: int, name: str) -> None:
+def _check_indices(indices: Floats, first: int, counted: str, name: str) -> None:
     wrong = indices != np.arange(first, first + len(indices))
     if wrong.any():
         row = int(np.argmax(wrong))
         raise FormatError(
             f"{name}: row {row + 1} has the index {indices[row]:.15g}, not {row + first}: the rows "
-            "must be in the order of their indices, counted from 0 or 1"
+            f"must be in the order of their indices, {counted}"
         )
 
 
@@ -152,7 +166,9 @@ def _beside(name: str, max_bytes: int | None) -> Iterator[tuple[BinaryIO, str]]:
             f"{name}: its points are in a .node file in the same folder, which is unknown for a "
             "stream: give a path"
         )
-    stem = Path(name.removesuffix(".gz")).with_suffix(".node")
+    given = Path(name)
+    plain = given.with_suffix("") if given.suffix.lower() == ".gz" else given
+    stem = plain.with_suffix(".node")
     path = next((each for each in (stem, Path(f"{stem}.gz")) if each.is_file()), None)
     if path is None:
         raise FormatError(f"{name}: its points are in {stem}, which does not exist")
@@ -160,12 +176,23 @@ def _beside(name: str, max_bytes: int | None) -> Iterator[tuple[BinaryIO, str]]:
         yield decompressed(stream, str(path), max_bytes), str(path)
 
 
-FORMAT = Format(
-    name="node",
-    suffixes=(".node", ".ele"),
-    read=read_node,
-    write=None,
-    description="points of Triangle and TetGen, and triangles (.ele) with the .node file beside",
-    expands=True,
-    gzip=True,
+FORMATS = (
+    Format(
+        name="node",
+        suffixes=(".node",),
+        read=read_node,
+        write=None,
+        description="points of Triangle and TetGen",
+        expands=True,
+        gzip=True,
+    ),
+    Format(
+        name="ele",
+        suffixes=(".ele",),
+        read=read_ele,
+        write=None,
+        description="triangles of Triangle, with the .node file beside",
+        expands=True,
+        gzip=True,
+    ),
 )

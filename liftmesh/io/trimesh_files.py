@@ -137,8 +137,9 @@ def _are_unit(normals: Array) -> bool:
 
 
 def _check_gltf(cloud: Cloud) -> None:
-    """Raise for coordinates that single precision cannot hold."""
+    """Raise for coordinates that single precision cannot hold, and for names that are one."""
     needed_origin(cloud.points, "glTF")
+    gltf_names.columns(cloud.attributes)
 
 
 _GLTF: dict[str, Any] = {

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import judged, with_depth
 from liftmesh.errors import InputError
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.parts import as_parts
@@ -46,9 +47,14 @@ def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
     InputError
         As `Surface.replace`.
     """
-    parts = as_parts(given)
+    depth = given.get("color_depth")
+    parts = as_parts({name: value for name, value in given.items() if name != "color_depth"})
     if "vertices" in parts:
         parts["vertices"] = _vertices(parts["vertices"], surface)
+    if depth is not None:
+        parts.setdefault("colors", surface.colors)
+    if parts.get("colors") is not None:
+        parts["colors"] = _colors(parts["colors"], surface.colors, depth)
     changed = replace(surface, **parts)
     Cloud(  # which checks that the parts belong together
         changed.vertices,
@@ -61,6 +67,14 @@ def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
     if "vertices" not in parts:
         return changed
     return replace(changed, triangulation=_moved(surface, changed.vertices))
+
+
+def _colors(given: Array, present: Array | None, depth: int | None) -> Array:
+    """Decide the depth of colours, unless it is given, or they are the present ones."""
+    if depth is not None:
+        return with_depth(given, depth)
+    is_decided = present is not None and np.may_share_memory(given, present)
+    return given if is_decided else judged(given)[0]
 
 
 def _vertices(given: ArrayLike, surface: Surface) -> Floats:

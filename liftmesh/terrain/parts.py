@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.color_depth import judged
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
     """
     parts = as_parts({name: value for name, value in given.items() if value is not None})
     if "colors" in parts:
-        parts["color_depth"] = None  # that of the cloud's own says nothing of these
+        parts["color_depth"] = None  # these are decided anew
     if "attributes" in parts:
         parts["attributes"] = {**cloud.attributes, **parts["attributes"]}
     return replace(cloud, **parts) if parts else cloud
@@ -54,8 +53,6 @@ def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
 
 def as_parts(given: Mapping[str, Any]) -> dict[str, Any]:
     """Convert colours, normals and named values to arrays; `Cloud` checks their rows.
-
-    Integer colours get the type of their depth, as those of a `Cloud` do.
 
     Parameters
     ----------
@@ -81,8 +78,6 @@ def as_parts(given: Mapping[str, Any]) -> dict[str, Any]:
     for name, widths in _WIDTHS.items():
         if parts.get(name) is not None:
             parts[name] = _rows(name, parts[name], widths)
-    if parts.get("colors") is not None:
-        parts["colors"], _ = judged(parts["colors"])
     if parts.get("attributes") is not None:
         parts["attributes"] = _arrays(parts["attributes"])
     return parts

@@ -64,6 +64,9 @@ class Report:
         For each row in ``left_out``, the used row at the same planar position; -1 for skipped rows.
     columns : mapping of str to str
         Of a table, the names of the columns that are x, y and z, colours and normals; else empty.
+    color_depth : int, optional
+        Of integer colours that were given in more than 8 bits, the bits per channel that their
+        numbers were taken to mean; see `Cloud`.
 
     Examples
     --------
@@ -87,6 +90,7 @@ class Report:
     left_out: Rows = field(repr=False)
     representatives: Rows = field(repr=False)
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)
+    color_depth: int | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -99,13 +103,17 @@ class Report:
         return (
             f"{_count(self.rows, 'row')}, {self.used:,} of them used in "
             f"{_count(self.triangles, 'triangle')}. "
-            f"Left out: {self._omissions()}. {self._columns()}"
+            f"Left out: {self._omissions()}. {self._columns()}{self._colors()}"
             f"{sum(self.seconds.values()):.3f} s: {stages}."
         )
 
     def _columns(self) -> str:
         said = described(self.columns)
         return f"Columns: {said}. " if said else ""
+
+    def _colors(self) -> str:
+        depth = self.color_depth
+        return "" if depth is None else f"Integer colours taken as {depth}-bit. "
 
     def _omissions(self) -> str:
         parts = []
@@ -184,6 +192,7 @@ class Surface:
         attributes: Mapping[str, ArrayLike] | EllipsisType = ...,
         metadata: Mapping[str, Any] | EllipsisType = ...,
         crs: str | EllipsisType | None = ...,
+        color_depth: int | None = None,
     ) -> Surface:
         """Make a changed copy; what is not given stays.
 
@@ -203,6 +212,8 @@ class Surface:
             Information about the surface as a whole.
         crs : str or None, optional
             The coordinate reference system.
+        color_depth : int, optional
+            Bits per channel that integer colours mean; by default new values decide, see `Cloud`.
 
         Returns
         -------
@@ -230,6 +241,7 @@ class Surface:
             "attributes": attributes,
             "metadata": metadata,
             "crs": crs,
+            "color_depth": ... if color_depth is None else color_depth,
         }
         return changes.replaced(self, {key: v for key, v in given.items() if v is not ...})
 

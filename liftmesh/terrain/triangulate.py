@@ -328,4 +328,5 @@ def _report(
         left_out=left_out[order],
         representatives=representatives[order],
         columns=found_columns(cloud.metadata),
+        color_depth=cloud.color_depth,
     )

@@ -12,6 +12,7 @@ import io
 from typing import Any
 
 import numpy as np
+from beside import PLACE, stream_of
 from numpy.typing import NDArray
 
 from liftmesh import Cloud, FormatError, InputError, read, read_chunks, write
@@ -26,10 +27,11 @@ class FindError(AssertionError):
 def outcome(data: bytes, kind: str) -> Cloud | str:
     """Read bytes and check the properties; return the cloud, or the message of the error."""
     try:
-        cloud = read(io.BytesIO(data), format=kind)
+        cloud = read(stream_of(data, kind), format=kind)
     except FormatError as error:
         message = str(error)
-        demand(message.startswith("<stream>: "), f"the message names no file: {message}")
+        name = PLACE if kind == "ele" else "<stream>"
+        demand(message.startswith(f"{name}: "), f"the message names no file: {message}")
         return message
     _check_consistent(cloud)
     _check_ply(cloud, encoding="binary")
@@ -56,7 +58,7 @@ def _check_consistent(cloud: Cloud) -> None:
 
 def _check_chunks(cloud: Cloud, data: bytes, kind: str) -> None:
     start = 0
-    for chunk in read_chunks(io.BytesIO(data), rows=2, format=kind):
+    for chunk in read_chunks(stream_of(data, kind), rows=2, format=kind):
         part = cloud.select(slice(start, start + len(chunk)))
         demand(_same_bits(chunk.points, part.points), "chunks change points")
         _compare(chunk, part, ("colors", "normals"), "reading in chunks")

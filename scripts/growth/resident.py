@@ -10,7 +10,6 @@ A compressed file may take as much for each byte that it states to expand to.
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import resource
@@ -19,6 +18,8 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+
+from beside import stream_of
 
 from growth.counting import ALONE
 from growth.subjects import FILES, content
@@ -109,10 +110,10 @@ def read(data: bytes, kind: str, chunks: bool) -> str:
 
     try:
         if chunks:
-            for _ in liftmesh.read_chunks(io.BytesIO(data), rows=1000, format=kind):
+            for _ in liftmesh.read_chunks(stream_of(data, kind), rows=1000, format=kind):
                 pass
         else:
-            _kept = liftmesh.read(io.BytesIO(data), format=kind)
+            _kept = liftmesh.read(stream_of(data, kind), format=kind)
     except Exception as error:  # noqa: BLE001 - which error it is decides
         return type(error).__name__
     return "read"

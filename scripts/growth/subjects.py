@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from beside import stream_of
+
 import liftmesh
 from growth import functions
 from growth.counting import Work
@@ -19,7 +21,7 @@ from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
 from growth.files.gltf import GLB, GLTF, HEAVY
 from growth.files.ply import PLY
-from growth.files.points import GZIP, NODE, PCD, PTS, XYZN, XYZRGB
+from growth.files.points import ELE, GZIP, NODE, PCD, PTS, XYZN, XYZRGB
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.planar import DEAR
@@ -45,6 +47,7 @@ FILES: dict[str, Families] = {
     "xyzrgb": XYZRGB,
     "xyzn": XYZN,
     "node": NODE,
+    "ele": ELE,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
@@ -129,7 +132,9 @@ def reader(found: Format) -> Callable[[bytes], Work]:
     """Make what prepares the reading of a whole file."""
 
     def prepare(data: bytes) -> Work:
-        return Work(lambda: liftmesh.read(io.BytesIO(data), format=found.name), content(data))
+        return Work(
+            lambda: liftmesh.read(stream_of(data, found.name), format=found.name), content(data)
+        )
 
     return prepare
 
@@ -141,7 +146,7 @@ def chunk_reader(found: Format) -> Callable[[bytes], Work]:
         rows = max(len(data) // 32 // CHUNKS, 1)
 
         def call() -> int:
-            stream = io.BytesIO(data)
+            stream = stream_of(data, found.name)
             return sum(map(len, liftmesh.read_chunks(stream, rows=rows, format=found.name)))
 
         return Work(call, content(data))

@@ -103,6 +103,16 @@ def test_all_chunks_of_a_file_have_one_depth(kind: str) -> None:
     assert {chunk.colors.dtype for chunk in chunks} == {np.dtype(np.uint16)}  # type: ignore[union-attr]
 
 
+def test_numbers_that_are_no_colours_do_not_stop_the_chunks_before_them() -> None:
+    head = "ply\nformat ascii 1.0\nelement vertex 3\n"
+    names = "".join(f"property int {each}\n" for each in ("x", "y", "red", "green", "blue"))
+    data = f"{head}{names}end_header\n0 0 1 2 3\n1 0 4 5 6\n2 0 -7 8 9\n".encode()
+    whole = liftmesh.read(io.BytesIO(data), format="ply").colors
+    chunks = [each.colors for each in liftmesh.read_chunks(io.BytesIO(data), rows=1, format="ply")]
+    assert whole is not None
+    assert np.array_equal(np.vstack(chunks), whole)  # type: ignore[arg-type]
+
+
 def test_chunks_of_8_bit_values_have_the_depth_of_the_file() -> None:
     data = ply(RED.astype(np.uint16))
     chunks = [*liftmesh.read_chunks(io.BytesIO(data), rows=2, format="ply")]
@@ -186,3 +196,35 @@ def test_colours_given_apart_have_a_depth_of_their_own(kind: Any) -> None:
         found = loaded(saved(each, "ply"), "ply").colors
         assert found is not None
         assert np.array_equal(found, RED)
+
+
+def test_the_report_says_how_colours_were_taken() -> None:
+    points = np.array([[0.0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    for colors in (RED[:3].astype(np.uint16), RED[:3], RED[:3].tolist()):
+        surface = liftmesh.triangulate(points, colors=colors)
+        assert surface.report.color_depth == 8
+        assert "Integer colours taken as 8-bit." in str(surface.report)
+    assert liftmesh.triangulate(points, colors=DEEP[2:]).report.color_depth == 16
+    plain = liftmesh.triangulate(points, colors=RED.astype(np.uint8)[:3]).report
+    assert plain.color_depth is None
+    assert "colours" not in str(plain)
+
+
+def test_replacing_colours_of_a_surface_keeps_their_depth() -> None:
+    dark = RED.astype(np.uint16)
+    surface = liftmesh.triangulate(Cloud(POINTS, colors=dark).with_color_depth(16))
+    changed = [
+        surface.replace(colors=surface.colors),
+        surface.replace(colors=RED, color_depth=16),
+        liftmesh.triangulate(POINTS, colors=dark).replace(color_depth=16),
+        surface.replace(crs="EPSG:25832"),
+    ]
+    for each in changed:
+        assert each.colors is not None
+        assert each.colors.dtype == np.uint16
+        assert each.to_cloud().color_depth == 16
+    anew = surface.replace(colors=dark).colors
+    assert anew is not None
+    assert anew.dtype == np.uint8
+    with pytest.raises(InputError, match=r"row 0 has the colour .* color_depth=8"):
+        surface.replace(colors=RED * 257, color_depth=8)

@@ -37,7 +37,8 @@ KINDS = {
     "pts": (".pts",),
     "xyzrgb": (".xyzrgb",),
     "xyzn": (".xyzn",),
-    "node": (".node", ".ele"),
+    "node": (".node",),
+    "ele": (".ele",),
 }
 
 

@@ -14,7 +14,7 @@ from file_samples import assert_same_bits, loaded, saved, small_mesh
 from gltf_models import SQUARE, Model, shape
 
 import liftmesh
-from liftmesh import Cloud
+from liftmesh import Cloud, FormatError
 
 UTM = np.array([450000.0, 5200000.0, 0.0])
 MESH = small_mesh()
@@ -259,3 +259,52 @@ def test_shared_values_are_counted_before_they_are_made() -> None:
     attributes |= {f"_{k}": values for k in range(9000)}
     model.node(mesh=model.mesh({"attributes": attributes, "mode": 0}))
     model.refused(r"expands to 72,024,000 bytes", max_bytes=70_000_000)
+
+
+def test_a_part_of_a_vector_does_not_replace_another_attribute() -> None:
+    """It did: hist_0 was written, and the first column of hist was not, without a word."""
+    values = {"hist": np.arange(20.0).reshape(4, 5), "hist_0": np.ones(4)}
+    for attributes in (values, dict(reversed(values.items()))):
+        with pytest.raises(FormatError, match="two attributes are named 'hist_0'"):
+            saved(Cloud(MESH.points, faces=MESH.faces, attributes=attributes), "glb")
+
+
+def test_integers_at_the_end_of_their_range_are_named() -> None:
+    ends = {"i": np.array([2**63 - 1, 0, 1, 2]), "u": np.array([2**64 - 1, 0, 1, 2], np.uint64)}
+    written = liftmesh.write(
+        io.BytesIO(), Cloud(MESH.points, faces=MESH.faces, attributes=ends), format="glb"
+    )
+    assert written.dropped == ("double precision of i", "double precision of u")
+
+
+@pytest.mark.parametrize(
+    ("stored", "read", "is_rounded"),
+    [
+        (np.array([[65535, 32896, 0], [200, 100, 50]], "<u2"), [[255, 128, 0], [1, 0, 0]], True),
+        (np.array([[257, 514, 65535], [0, 0, 0]], "<u2"), [[1, 2, 255], [0, 0, 0]], False),
+        (np.array([[1, 0.2, 0], [7, -1, np.nan]], "<f4"), [[255, 51, 0], [255, 0, 0]], False),
+        (np.array([[0.5, 0.2, 0], [0, 0, 0]], "<f4"), [[128, 51, 0], [0, 0, 0]], True),
+        (np.array([[9, 200, 255], [0, 0, 0]], "<u1"), [[9, 200, 255], [0, 0, 0]], False),
+    ],
+)
+@pytest.mark.parametrize("uses", [1, 2])
+def test_colours_of_all_types(
+    stored: np.ndarray, read: list[list[int]], is_rounded: bool, uses: int
+) -> None:
+    """Of 16-bit colours, as Blender writes them, only the lower eight bits were read."""
+    model = Model()
+    rows = np.repeat(stored, 2, axis=0)
+    if rows.itemsize < 4:  # rows begin at multiples of four bytes
+        rows = np.hstack([rows, np.full((4, 1), np.iinfo(rows.dtype).max, rows.dtype)])
+    values = model.accessor(rows, normalized=rows.dtype.kind == "u")
+    attributes = {"POSITION": model.accessor(SQUARE), "COLOR_0": values}
+    mesh = model.mesh({"attributes": attributes, "mode": 0})
+    for _ in range(uses):
+        model.node(mesh=mesh)
+    cloud = model.read()
+    assert cloud.colors is not None
+    expected = np.tile(np.repeat(read, 2, axis=0), (uses, 1))
+    assert np.array_equal(cloud.colors, np.hstack([expected, np.full((4 * uses, 1), 255)]))
+    counted = {1: "1 primitive", 2: "2 primitives"}[uses]
+    noted = (f"{counted} with COLOR_0 of more than 8 bits, rounded",) if is_rounded else None
+    assert cloud.metadata.get("skipped") == noted

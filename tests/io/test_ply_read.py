@@ -296,3 +296,13 @@ def test_lists_that_promise_too_much() -> None:
     signed = f"{VERTEX}element face 1\nproperty list char int vertex_indices\n"
     with pytest.raises(FormatError, match="row 0 of element face: vertex_indices has -1"):
         binary_ply(signed, POINTS.tobytes() + b"\xff" + bytes(12))
+
+
+def test_text_keeps_the_digits_that_float_would_lose() -> None:
+    """A northing of eight digits moved by a quarter of a metre; 1e300 became infinite."""
+    header = "element vertex 2\nproperty float x\nproperty float y\nproperty float quality\n"
+    for near in ("", "property list uchar int near\n"):
+        rest = " 1 7\n" if near else "\n"
+        cloud = ascii_ply(header + near, f"500051.1822 5400095.046 0.1{rest}1e300 2 3{rest}")
+        assert cloud.points[:, :2].tolist() == [[500051.1822, 5400095.046], [1e300, 2]]
+        assert cloud.attributes["quality"].dtype == np.float32

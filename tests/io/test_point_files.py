@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import struct
 from pathlib import Path
 from typing import Any
@@ -33,8 +34,10 @@ def exported(path: Path, **options: Any) -> liftmesh.Cloud:
 @pytest.mark.parametrize("options", [{"write_ascii": True}, {}, {"compressed": True}])
 def test_pcd_of_open3d(options: dict[str, bool], tmp_path: Path) -> None:
     cloud = exported(tmp_path / "a.pcd", **options)
-    tolerance = 1e-9 if options.get("write_ascii") else 0
-    assert np.allclose(cloud.points, POINTS.astype(np.float32), rtol=1e-6, atol=tolerance)
+    if options.get("write_ascii"):
+        assert np.allclose(cloud.points, POINTS, rtol=1e-9)  # ten digits, though the type is float
+    else:
+        assert np.array_equal(cloud.points, POINTS.astype(np.float32))
     assert cloud.colors is not None
     assert cloud.normals is not None
     assert np.array_equal(cloud.colors, RGB)
@@ -128,6 +131,8 @@ def test_what_a_pcd_says_of_the_whole() -> None:
     assert cloud.metadata["viewpoint"] == (1, 2, 3, 1, 0, 0, 0)
     assert np.isnan(cloud.points[1]).all()
     assert len(loaded(pcd(b"", POINTS="0"), "pcd")) == 0
+    lying = loaded(pcd(b"1 2 3\n4 5 6\n", WIDTH="5", HEIGHT="2"), "pcd")
+    assert "grid" not in lying.metadata
 
 
 def packed(data: bytes, size: int = 24) -> bytes:
@@ -205,6 +210,8 @@ def test_pts_of_scanners(text: bytes, attributes: list[str], colors: Any) -> Non
         ("pts", b"1\n1 2 3 4 5\n", "line 2: .* has 5 values"),
         ("pts", b"1\n1 2 3\n1\n1 2 3 4\n", "line 4: expected 3 values, found 4"),
         ("pts", b"0\n", "no points"),
+        ("pts", b"1\n1 2 3\n4 5 6\n", "line 3: more points follow"),
+        ("pts", b"1 2 3\n2\n1 2 3\n4 5 6\n", "line 2: expected 3 values, found 1"),
         ("xyzrgb", b"1 2 3 4 5\n", "line 1: expected 6 values"),
         ("xyzn", b"1 2 3 0 0 1\n1 2\n", "line 2: expected 6 values"),
         ("xyzn", b"# nothing\n", "no points"),
@@ -245,7 +252,7 @@ def test_six_nodes_and_attributes_of_triangles_are_named(tmp_path: Path) -> None
     (tmp_path / "A.ele").write_bytes(b"1 6 1\n0 0 1 2 0 1 2 9.5\n")
     mesh = liftmesh.read(tmp_path / "A.ele")
     assert mesh.points[:, 2].tolist() == [5, 6, 7]
-    assert mesh.metadata["skipped"] == ("1 attribute(s) of triangles", "midpoints of edges")
+    assert mesh.metadata["skipped"] == ("1 attribute of triangles", "midpoints of edges")
 
 
 @pytest.mark.parametrize(
@@ -270,6 +277,26 @@ def test_invalid_triangle_files_are_refused(
     (tmp_path / "A.ele").write_bytes(ele)
     with pytest.raises(FormatError, match=cause):
         liftmesh.read(tmp_path / "A.ele")
+
+
+def test_triangles_are_no_points_whatever_tells_the_format(tmp_path: Path) -> None:
+    lines = b"2 3 1\n0 0 1 2 7\n1 0 2 3 7\n"  # as points: an index, three coordinates, a value
+    with pytest.raises(FormatError, match="give a path"):
+        loaded(lines, "ele")
+    (tmp_path / "a.txt").write_bytes(lines)
+    (tmp_path / "a.node").write_bytes(NODE)
+    with pytest.raises(FormatError, match=r"index 0, not 1: .* counted from 1 as in .*a\.node"):
+        liftmesh.read(tmp_path / "a.txt", format="ele")
+    with (tmp_path / "a.txt").open("rb") as stream, pytest.raises(FormatError, match="index 0"):
+        liftmesh.read(stream, format="ele")
+
+
+def test_compressed_triangles_of_any_spelling(tmp_path: Path) -> None:
+    (tmp_path / "A.node.gz").write_bytes(gzip.compress(NODE))
+    (tmp_path / "A.ELE.GZ").write_bytes(gzip.compress(ELE))
+    faces = liftmesh.read(tmp_path / "A.ELE.GZ").faces
+    assert faces is not None
+    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
 def test_triangles_without_points_are_refused(tmp_path: Path) -> None:

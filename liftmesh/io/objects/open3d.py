@@ -24,15 +24,25 @@ from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import as_float, is_opaque
+from liftmesh.io.faces import narrowed
 from liftmesh.io.origin import needed_origin
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     import open3d as o3d
 
     from liftmesh.io.format import Origin
+
+# What only legacy objects have and clouds do not hold. Normals of triangles follow from these.
+_REST = {
+    "covariances": "covariances",
+    "triangle_uvs": "texture coordinates",
+    "triangle_material_ids": "materials of triangles",
+    "textures": "textures",
+}
+_OF_TRIANGLES = ("indices", "normals")
 
 
 def to_cloud(source: Any) -> Cloud:
@@ -48,7 +58,8 @@ def to_cloud(source: Any) -> Cloud:
     Cloud
         One row per point, in the order of ``source``, with colours, normals and, for tensor
         clouds, every named array; a mesh keeps its faces. Float64 positions of tensor clouds on
-        the CPU are shared with ``source``; data of legacy clouds is copied.
+        the CPU are shared with ``source``; data of legacy clouds is copied. ``metadata["skipped"]``
+        names what is not kept: values of triangles, textures, covariances.
 
     Raises
     ------
@@ -167,6 +178,7 @@ def _from_legacy(source: Any) -> Cloud:
         colors=colors if len(colors) else None,
         normals=normals if len(normals) else None,
         faces=faces,
+        metadata=_unread(what for name, what in _REST.items() if len(getattr(source, name, ()))),
     )
 
 
@@ -177,8 +189,17 @@ def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Clou
         colors=named.pop("colors", None),
         normals=named.pop("normals", None),
         attributes={name: _flat(values) for name, values in named.items()},
-        faces=_numpy(triangles["indices"]).astype(np.int32) if "indices" in triangles else None,
+        faces=narrowed(_numpy(triangles["indices"])) if "indices" in triangles else None,
+        metadata=_unread(
+            f"{name} of triangles" for name, _ in triangles.items() if name not in _OF_TRIANGLES
+        ),
     )
+
+
+def _unread(names: Iterable[str]) -> dict[str, Any]:
+    """The metadata that name what a cloud does not hold."""
+    skipped = tuple(names)
+    return {"skipped": skipped} if skipped else {}
 
 
 def _numpy(tensor: Any) -> Array:

@@ -1,4 +1,4 @@
-"""trimesh: conversion from point clouds, meshes and scenes, and to meshes and point clouds.
+"""trimesh: conversion from point clouds and meshes, and to them.
 
 trimesh merges vertices and drops rows unless given ``process=False``, keeps colours as 8-bit RGBA,
 and invents a grey for objects without colours, so colours are read only if some are defined.
@@ -14,44 +14,46 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh import arrays
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.interruption import kept
 from liftmesh.io.colors import as_uint8, with_alpha
-from liftmesh.io.faces import checked_faces
+from liftmesh.io.faces import narrowed
+from liftmesh.io.metadata import NOTE
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     import trimesh
 
 
-# What trimesh notes of the file and of its own work, or older versions did.
-_OWN = ("_ply_raw", "processed", "file_path", "file_name")
+# What trimesh notes of the file and of its own work, or older versions did; and our note in glTF.
+_OWN = ("_ply_raw", "processed", "file_path", "file_name", "from_gltf_primitive", NOTE)
+
+_VISUALS = {"face": ("colors of faces",), "texture": ("texture",)}
 
 
 def to_cloud(source: Any) -> Cloud:
-    """Convert a trimesh point cloud, mesh or scene to a cloud.
+    """Convert a trimesh point cloud or mesh to a cloud.
 
     Parameters
     ----------
-    source : trimesh.PointCloud, trimesh.Trimesh or trimesh.Scene
+    source : trimesh.PointCloud or trimesh.Trimesh
         Vertices, with vertex colours, vertex normals, vertex attributes and metadata if any; the
-        string ``metadata["crs"]`` is the coordinate system. For a scene see `from_scene`.
+        string ``metadata["crs"]`` is the coordinate system.
 
     Returns
     -------
     Cloud
         One row per vertex, in the order of ``source``; a mesh keeps its faces. Coordinates are
-        shared with ``source``, not copied.
+        shared with ``source``, not copied. ``metadata["skipped"]`` names what is not kept: values
+        and colours of faces, and texture.
 
     Raises
     ------
     InputError
         Colours or an attribute do not have one row per vertex.
-    FormatError
-        A face of a scene refers to a vertex that does not exist.
 
     Examples
     --------
@@ -59,55 +61,16 @@ def to_cloud(source: Any) -> Cloud:
     >>> len(to_cloud(trimesh.PointCloud([[0, 0, 5], [1, 0, 6], [0, 1, 7]])))
     3
     """
-    if hasattr(source, "graph"):
-        return from_scene(source, "the scene")
     named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
-    attributes = {name: np.atleast_1d(values) for name, values in named.items()}
-    return replace(_geometry(source), attributes=attributes)
-
-
-def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
-    """Combine all meshes and point clouds of a scene into one cloud.
-
-    Parameters
-    ----------
-    scene : trimesh.Scene
-        Geometries with their transformations.
-    name : str
-        Name of the scene for messages.
-
-    Returns
-    -------
-    Cloud
-        All vertices, transformed, and all faces, in the order of the scene. Colours and normals are
-        kept if every geometry has them; named values are dropped. Lines are skipped and counted in
-        ``metadata["skipped"]``.
-
-    Raises
-    ------
-    FormatError
-        A face refers to a vertex that does not exist.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> box = trimesh.creation.box()
-    >>> len(from_scene(trimesh.Scene([box, box]), "boxes"))
-    16
-    """
-    placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
-    held = [(_geometry(each), matrix) for each, matrix in placed if _holds_points(each)]
-    parts = [transformed(cloud, matrix) for cloud, matrix in held]
-    skipped = len(placed) - len(parts)
-    described = _described(scene.metadata)
-    described["crs"] = described["crs"] or _common_crs(parts)
-    if skipped:
-        described["metadata"]["skipped"] = (f"{skipped} lines",)
+    described = of_metadata(source.metadata)
+    if unread := _unread(source):
+        described["metadata"]["skipped"] = unread
     return Cloud(
-        np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
-        colors=_joined([part.colors for part in parts]),
-        normals=_joined([part.normals for part in parts]),
-        faces=_joined_faces(parts, name),
+        points=arrays.as_rows3(np.asarray(source.vertices)),
+        colors=_colors(source),
+        normals=_normals(source),
+        attributes={name: np.atleast_1d(values) for name, values in named.items()},
+        faces=_faces(source),
         **described,
     )
 
@@ -228,40 +191,24 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
     return points
 
 
-def _geometry(source: Any) -> Cloud:
-    """A mesh or a point cloud without its named values."""
-    return Cloud(
-        points=arrays.as_rows3(np.asarray(source.vertices)),
-        colors=_colors(source),
-        normals=_normals(source),
-        faces=_faces(source),
-        **_described(source.metadata),
-    )
+def of_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Split the metadata of an object into a cloud's metadata and its coordinate system.
 
+    Parameters
+    ----------
+    metadata : mapping
+        Of a geometry or a scene.
 
-def _faces(source: Any) -> Array | None:
-    """The faces as int32; as they are if one is beyond it, for whoever checks them."""
-    faces = getattr(source, "faces", None)
-    if faces is None:
-        return None
-    faces = np.asarray(faces)
-    limits = np.iinfo(np.int32)
-    fit = not faces.size or (faces.min() >= limits.min and faces.max() <= limits.max)
-    return faces.astype(np.int32, copy=False) if fit else faces
+    Returns
+    -------
+    dict
+        The arguments ``metadata`` and ``crs`` of `Cloud`.
 
-
-def _common_crs(parts: list[Cloud]) -> str | None:
-    stated = {part.crs for part in parts}
-    return stated.pop() if len(stated) == 1 else None
-
-
-def _metadata(cloud: Cloud) -> dict[str, Any]:
-    crs = {} if cloud.crs is None else {"crs": cloud.crs}
-    return {**cloud.metadata, **crs}
-
-
-def _described(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Split metadata into a cloud's metadata and its coordinate system."""
+    Examples
+    --------
+    >>> of_metadata({"crs": "EPSG:25832", "survey": 2024, "file_name": "a.glb"})
+    {'metadata': {'survey': 2024}, 'crs': 'EPSG:25832'}
+    """
     rest = {key: value for key, value in metadata.items() if key not in _OWN}
     crs = rest.get("crs")
     if not is_crs(crs):
@@ -270,14 +217,21 @@ def _described(metadata: Mapping[str, Any]) -> dict[str, Any]:
     return {"metadata": rest, "crs": crs}
 
 
-def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:
-    for node in scene.graph.nodes_geometry:
-        yield scene.graph[node]
+def _unread(source: Any) -> tuple[str, ...]:
+    """Name what a mesh has and a cloud does not hold."""
+    visual = _VISUALS.get(str(getattr(source.visual, "kind", None)), ())
+    named = getattr(source, "face_attributes", None) or {}
+    return (*visual, *(f"values {name} of faces" for name in named))
 
 
-def _holds_points(geometry: Any) -> bool:
-    """Whether a geometry is a mesh or a point cloud, not a path."""
-    return hasattr(geometry, "vertices") and not hasattr(geometry, "entities")
+def _faces(source: Any) -> Array | None:
+    faces = getattr(source, "faces", None)
+    return None if faces is None else narrowed(np.asarray(faces))
+
+
+def _metadata(cloud: Cloud) -> dict[str, Any]:
+    crs = {} if cloud.crs is None else {"crs": cloud.crs}
+    return {**cloud.metadata, **crs}
 
 
 def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:
@@ -292,21 +246,6 @@ def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None
     lengths = np.sqrt((rotated * rotated).sum(axis=1, keepdims=True))
     np.divide(rotated, lengths, out=rotated, where=lengths > 0)
     return rotated
-
-
-def _joined(parts: list[Array | None]) -> Array | None:
-    known = [each for each in parts if each is not None]
-    return np.concatenate(known) if known and len(known) == len(parts) else None
-
-
-def _joined_faces(parts: list[Cloud], name: str) -> Rows | None:
-    found: list[Rows] = []
-    start = 0
-    for part in parts:
-        if part.faces is not None and len(part.faces):
-            found.append(checked_faces(part.faces, len(part), name) + np.int32(start))
-        start += len(part)
-    return np.concatenate(found) if found else None
 
 
 def _colors(source: Any) -> Array | None:

@@ -47,9 +47,10 @@ def read_ply(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     Returns
     -------
     Cloud
-        Coordinates as float64; nx, ny, nz as normals, red, green, blue (alpha) as colours, other
-        scalar properties as attributes, all in the file's types, under the names that comments
-        ``property a_b "a b"`` state; polygons as fans of triangles.
+        Coordinates as float64, those of text in full whatever their type; nx, ny, nz as normals,
+        red, green, blue (alpha) as colours, other scalar properties as attributes, all in the
+        file's types, under the names that comments ``property a_b "a b"`` state; polygons as fans
+        of triangles.
         A comment ``crs "EPSG:25832"`` is the coordinate system.
         ``metadata`` holds what comments ``metadata {"survey": 2024}`` state, other ``comments``
         than liftmesh's own, ``obj_info``, and, if there are any, the number of

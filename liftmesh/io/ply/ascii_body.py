@@ -13,6 +13,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers, Mask
 from liftmesh.errors import FormatError
+from liftmesh.io.columns import type_in_text
 from liftmesh.io.lines import BLOCK, Block, Lines
 from liftmesh.io.number_lines import ragged_numbers
 from liftmesh.io.ragged import Ragged, gathered
@@ -85,7 +86,8 @@ class AsciiBody:
         return Ragged(kept if each.length is None else kept.astype(each.length), converted)
 
     def _exact(self, values: Array, each: Property, line_of: Callable[[int], int]) -> Array:
-        return exact_values(values, each.dtype, self._name, each.name, line_of)
+        dtype = type_in_text(each.name, each.dtype)
+        return exact_values(values, dtype, self._name, each.name, line_of)
 
     def _too_few(self, element: Element) -> FormatError:
         return FormatError(

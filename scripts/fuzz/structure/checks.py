@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from beside import stream_of
 
 from fuzz.round_trip import FindError, demand, outcome
 from fuzz.structure.case import Case, in_order
@@ -58,7 +59,7 @@ def check(case: Case, printed: int) -> Measured:
 
 def _measured(case: Case) -> tuple[float, int, str]:
     """Read a file; return the CPU seconds, the growth of resident memory, and what escaped."""
-    stream = io.BytesIO(case.data)
+    stream = stream_of(case.data, case.kind)
     before = _start_of_peak()
     began = time.process_time()
     fault = ""
@@ -101,7 +102,7 @@ def _described(error: BaseException) -> str:
 def _check_refused(case: Case) -> None:
     """Read a file in chunks that cannot be read whole: nothing but a `FormatError` may escape."""
     try:
-        for _ in read_chunks(io.BytesIO(case.data), rows=2, format=case.kind):
+        for _ in read_chunks(stream_of(case.data, case.kind), rows=2, format=case.kind):
             pass
     except FormatError:
         return

@@ -9,7 +9,7 @@ from fuzz.structure.gltf import gltf
 from fuzz.structure.numpy_files import npy, npz
 from fuzz.structure.parts import Chance
 from fuzz.structure.ply import ply
-from fuzz.structure.points import compressed, node, pcd, pts, xyzrgb
+from fuzz.structure.points import compressed, ele, node, pcd, pts, xyzrgb
 from fuzz.structure.text import ascii_stl, binary_stl, obj, off, table
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "pts": pts,
     "xyzrgb": xyzrgb,
     "node": node,
+    "ele": ele,
     "gzip": compressed,
 }
 

@@ -1,14 +1,16 @@
-"""Formats of points: PCD, PTS, XYZRGB, XYZN and .node."""
+"""Formats of points: PCD, PTS, XYZRGB, XYZN, .node and .ele."""
 
 from __future__ import annotations
 
 import gzip
 
 import numpy as np
+from beside import PLACE
 
 from fuzz.structure.case import Case, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
 from fuzz.structure.text import line
+from liftmesh import read
 
 PCD_WORDS = [b"VERSION .5\n", b"FIELDS", b"SIZE", b"TYPE", b"COUNT", b"HEIGHT 2\n", b"POINTS",
              b"DATA ascii\n", b"DATA binary\n", b"DATA binary_compressed\n", b"rgb", b"rgba", b"_",
@@ -83,6 +85,18 @@ def node(chance: Chance) -> Case:
     for k, point in enumerate(points.tolist()):
         parts += line(k + first, *point, *(0.5 for _ in range(more)), *(1 for _ in range(markers)))
     return told("node", parts, COUNTED_WORDS, points, chance)
+
+
+def ele(chance: Chance) -> Case:
+    """Make an .ele file, of which the points are always the same."""
+    points = read(PLACE.with_suffix(".node")).points
+    count, more = chance.randint(0, 6), chance.choice((0, 0, 1, 2))
+    corners = chance.choice((3, 3, 6))
+    parts = line("# a") * chance.one_in(4) + line(count, corners, more)
+    for k in range(count):
+        nodes = chance.sample(range(len(points)), corners)
+        parts += line(k, *nodes, *(0.5 for _ in range(more)))
+    return told("ele", parts, COUNTED_WORDS, points, chance)
 
 
 def compressed(chance: Chance) -> Case:

@@ -1,4 +1,4 @@
-"""Families of files of points: PCD, PTS, XYZRGB, XYZN, .node, and text compressed with gzip.
+"""Families of files of points: PCD, PTS, XYZRGB, XYZN, .node, .ele, and text packed with gzip.
 
 Work grows where a header names very many fields, where scans or members are many and empty, where a
 copy of LZF reaches into itself, and where decompression begins anew to go back a little.
@@ -177,6 +177,30 @@ def node_blank(n: int) -> bytes:
 
 
 NODE = named(nodes, nodes_of_few_digits, node_attributes, node_blank)
+
+
+def triangles_of_nodes(n: int) -> bytes:
+    """The ordinary triangles, all of the few points beside."""
+    rows = b"".join(b"%d %d %d %d\n" % (k, k % 8, (k + 1) % 8, (k + 3) % 8) for k in range(n))
+    return b"%d 3 0\n" % n + rows
+
+
+def triangles_with_midpoints(n: int) -> bytes:
+    """Triangles of six nodes, half of which are not kept."""
+    return b"%d 6 0\n" % n + b"".join(b"%d 0 1 2 0 0 0\n" % k for k in range(n))
+
+
+def triangle_attributes(n: int) -> bytes:
+    """One triangle of very many attributes."""
+    return b"1 3 %d\n0 0 1 2" % n + b" 5" * n + b"\n"
+
+
+def triangle_blank(n: int) -> bytes:
+    """Lines of nothing before the only triangle."""
+    return b"1 3 0\n" + b"\n" * n + b"0 0 1 2\n"
+
+
+ELE = named(triangles_of_nodes, triangles_with_midpoints, triangle_attributes, triangle_blank)
 
 
 def zipped(data: bytes) -> bytes:

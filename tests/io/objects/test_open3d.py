@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from hypothesis import given, settings, strategies as st
 
 import liftmesh
 from liftmesh.cloud import Cloud
-from liftmesh.errors import InputError, UnsupportedTypeError
+from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.io.objects.open3d import to_legacy, to_tensor
 from liftmesh.io.registry import as_cloud
 
@@ -339,3 +340,19 @@ def test_an_open3d_that_cannot_be_loaded_is_explained(tmp_path, cause, remedy):
     assert "open3d" in run.stdout
     assert cause in run.stdout
     assert remedy in run.stdout
+
+
+def test_what_clouds_do_not_hold_of_meshes_is_named() -> None:
+    mesh = o3d.t.geometry.TriangleMesh.create_box()
+    mesh.compute_triangle_normals()  # which follow from the triangles
+    mesh.triangle["label"] = o3d.core.Tensor(np.zeros((12, 1)))
+    assert liftmesh.write(io.BytesIO(), mesh, format="ply").dropped == ("label of triangles",)
+    sphere = o3d.geometry.TriangleMesh.create_sphere(resolution=4, create_uv_map=True)
+    assert liftmesh.as_cloud(sphere).metadata["skipped"] == ("texture coordinates",)
+
+
+def test_triangles_beyond_32_bits_are_refused() -> None:
+    mesh = o3d.t.geometry.TriangleMesh.create_box()
+    mesh.triangle["indices"] = o3d.core.Tensor(np.array([[0, 1, 2**32 + 2]]))
+    with pytest.raises(FormatError, match="face 0 refers to vertex 4294967298"):
+        liftmesh.write(io.BytesIO(), mesh, format="ply")

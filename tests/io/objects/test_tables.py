@@ -282,3 +282,10 @@ def same(result: Any) -> list[Any]:
     for name in "simplices", "faces":
         result = getattr(result, name, result)
     return result.tolist()
+
+
+def test_columns_that_are_no_numbers_are_named_in_what_is_written() -> None:
+    frame = pd.DataFrame({"x": [0.0, 1, 0], "y": [0.0, 0, 1], "z": [1, 2, 3], "code": [*"abc"]})
+    (lost,) = liftmesh.write(io.BytesIO(), frame, format="ply").dropped
+    assert lost.startswith("column code (")
+    assert liftmesh.triangulate(frame).save(io.BytesIO(), format="ply").dropped == (lost,)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
+
 import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings, strategies as st
 
+import liftmesh
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
 from liftmesh.io.objects.trimesh import to_mesh, transformed
@@ -179,3 +182,44 @@ def test_places_beyond_doubles_end_in_infinities_without_a_warning():
         normals = transformed(cloud, np.diag([*sizes, 1.0])).normals
         lengths = np.sqrt((normals**2).sum(axis=1))
         np.testing.assert_allclose(lengths, 1.0, rtol=1e-12)
+
+
+def painted_box() -> trimesh.Trimesh:
+    box = trimesh.creation.box()
+    box.metadata = {"survey": 2024}
+    box.visual.vertex_colors = np.full((8, 4), 9, dtype=np.uint8)
+    box.vertex_attributes["age"] = np.arange(8)
+    return box
+
+
+def test_what_a_union_of_geometries_loses_is_named() -> None:
+    other = trimesh.creation.icosphere(1)
+    other.vertex_attributes["age"] = np.zeros(len(other.vertices))  # of another type
+    written = liftmesh.write(io.BytesIO(), trimesh.Scene([painted_box(), other]), format="ply")
+    assert sorted(written.dropped) == [
+        "age of 2 of 2 geometries",
+        "colors of 1 of 2 geometries",
+        "metadata of 2 of 2 geometries",
+    ]
+
+
+def test_a_scene_of_one_mesh_is_that_mesh() -> None:
+    box = painted_box()
+    cloud, scene = liftmesh.as_cloud(box), liftmesh.as_cloud(trimesh.Scene(box))
+    assert dict(scene.metadata) == dict(cloud.metadata) == {"survey": 2024}
+    assert scene.colors is not None
+    assert np.array_equal(scene.colors, np.full((8, 4), 9))
+    assert scene.attributes["age"].tolist() == [*range(8)]
+    twice = liftmesh.as_cloud(trimesh.Scene([box, box.copy()]))
+    assert twice.attributes["age"].tolist() == [*range(8)] * 2
+
+
+def test_what_faces_hold_is_named() -> None:
+    box = trimesh.creation.box()
+    box.metadata = {}
+    box.visual.face_colors = np.full((12, 4), 9, dtype=np.uint8)
+    box.face_attributes["label"] = np.arange(12)
+    lost = ("colors of faces", "values label of faces")
+    assert liftmesh.as_cloud(box).metadata["skipped"] == lost
+    assert liftmesh.write(io.BytesIO(), box, format="ply").dropped == lost
+    assert liftmesh.triangulate(box).save(io.BytesIO(), format="ply").dropped == lost

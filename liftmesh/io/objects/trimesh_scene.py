@@ -1,0 +1,132 @@
+"""Scenes of trimesh: all their meshes and point clouds in their places, joined in one cloud.
+
+A cloud has one set of values for all rows. So what some geometries have and others have not, or
+have in another form, is not kept, but named.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.cloud import Cloud
+from liftmesh.io.faces import checked_faces
+from liftmesh.io.metadata import said
+from liftmesh.io.objects.trimesh import of_metadata, to_cloud as of_geometry, transformed
+
+if TYPE_CHECKING:
+    import trimesh
+
+_NAME = "the scene"  # in messages
+
+
+def to_cloud(scene: trimesh.Scene) -> Cloud:
+    """Combine all meshes and point clouds of a scene into one cloud.
+
+    Parameters
+    ----------
+    scene : trimesh.Scene
+        Geometries with their transformations.
+
+    Returns
+    -------
+    Cloud
+        All vertices, transformed, and all faces, in the order of the scene. Colours, normals and
+        named values are kept if every geometry has them; metadata are those of the scene, and of
+        its geometry if there is only one. ``metadata["skipped"]`` names what is not kept, and
+        counts lines.
+
+    Raises
+    ------
+    FormatError
+        A face refers to a vertex that does not exist.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> box = trimesh.creation.box()
+    >>> len(to_cloud(trimesh.Scene([box, box])))
+    16
+    """
+    placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
+    held = [(each, matrix) for each, matrix in placed if _holds_points(each)]
+    parts = [transformed(of_geometry(each), matrix) for each, matrix in held]
+    named = _joined_values([part.attributes for part in parts])
+    colors, normals = ([getattr(part, key) for part in parts] for key in ("colors", "normals"))
+    described = of_metadata(scene.metadata)
+    stated = {part.crs for part in parts}
+    if described["crs"] is None and len(stated) == 1:
+        described["crs"] = stated.pop()
+    if len(parts) == 1:
+        described["metadata"] = {**said(parts[0].metadata), **described["metadata"]}
+    lines = len(placed) - len(parts)
+    skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
+    if skipped:
+        described["metadata"]["skipped"] = skipped
+    return Cloud(
+        np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
+        colors=_joined(colors),
+        normals=_joined(normals),
+        attributes=named,
+        faces=_joined_faces(parts),
+        **described,
+    )
+
+
+def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:
+    for node in scene.graph.nodes_geometry:
+        yield scene.graph[node]
+
+
+def _holds_points(geometry: Any) -> bool:
+    """Whether a geometry is a mesh or a point cloud, not a path."""
+    return hasattr(geometry, "vertices") and not hasattr(geometry, "entities")
+
+
+def _joined(parts: Sequence[Array | None]) -> Array | None:
+    known = [each for each in parts if each is not None]
+    return np.concatenate(known) if known and len(known) == len(parts) else None
+
+
+def _joined_values(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+    """Join the named values that all parts have, in one type and shape."""
+    found: dict[str, Array] = {}
+    for name in parts[0] if parts else ():
+        values = [part[name] for part in parts if name in part]
+        forms = {(each.dtype, each.shape[1:]) for each in values}
+        if len(values) == len(parts) and len(forms) == 1:
+            found[name] = np.concatenate(values)
+    return found
+
+
+def _joined_faces(parts: list[Cloud]) -> Rows | None:
+    found: list[Rows] = []
+    start = 0
+    for part in parts:
+        if part.faces is not None and len(part.faces):
+            found.append(checked_faces(part.faces, len(part), _NAME) + np.int32(start))
+        start += len(part)
+    return np.concatenate(found) if found else None
+
+
+def _lost(
+    parts: Sequence[Cloud], kept: Mapping[str, Array], described: Mapping[str, Any]
+) -> list[str]:
+    """Name what geometries have and their union has not, with the number of geometries."""
+    lost: Counter[str] = Counter()
+    for part in parts:
+        lost.update(part.metadata.get("skipped", ()))
+        lost.update(name for name in part.attributes if name not in kept)
+        if part.crs not in (None, described["crs"]):
+            lost["crs"] += 1
+        lost["metadata"] += len(parts) > 1 and len(said(part.metadata)) > 0
+    for name in ("colors", "normals"):
+        count = sum(getattr(part, name) is not None for part in parts)
+        lost[name] = count if count < len(parts) else 0
+    return [
+        f"{what} of {count} of {len(parts)} geometries" for what, count in lost.items() if count
+    ]
