@@ -20,9 +20,12 @@ from liftmesh.io.colors import recognized
 from liftmesh.io.columns import COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
 from liftmesh.io.lines import BLOCK, Block, Lines, promised
-from liftmesh.io.text_tables import number_table, quoted
+from liftmesh.io.text_tables import number_table, quoted, regrouped
 
 _COMMENTS = ("#", "//")
+_TOGETHER = (
+    1 << 14
+)  # rows of small scans that are joined, which take little more than their numbers
 
 # What the values of a PTS line are, by their number.
 _PTS = {
@@ -80,33 +83,49 @@ def read_pts(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         A line is invalid, or a scan has fewer points than its first line says.
     """
-    lines = Lines(stream, name, comments=_COMMENTS)
-    first = lines.take(1)
-    parts: list[Floats] = []
-    scans = 0
-    while len(first):
-        scans += 1
-        count = _count(first)
-        if count is None and scans > 1:
-            raise FormatError(
-                f"{name}: line {lines.number}: more points follow than the counts promise: correct "
-                "them"
-            )
-        rows = _rest(first, lines) if count is None else promised(lines, count, "points", name)
-        for block in rows:
-            parts.append(number_table(block, name, width=parts[0].shape[1] if parts else None))
-            _check_width(parts[0], block, name)
-        first = lines.take(1)
+    scans = _Scans(Lines(stream, name, comments=_COMMENTS), name)
+    parts = [*regrouped(scans.tables(), _TOGETHER)]
     if not parts:
         raise FormatError(f"{name}: the file has no points")
     table = np.concatenate(parts)
-    return _cloud(table, _PTS[table.shape[1]], **({"scans": scans} if scans > 1 else {}))
+    return _cloud(
+        table, _PTS[table.shape[1]], **({"scans": scans.count} if scans.count > 1 else {})
+    )
 
 
-def _rest(first: Block, lines: Lines) -> Iterator[Block]:
-    yield first
-    while len(block := lines.take(BLOCK)):
-        yield block
+class _Scans:
+    """The scans of a PTS file, and how many there are."""
+
+    def __init__(self, lines: Lines, name: str) -> None:
+        self.count = 0
+        self._lines = lines
+        self._name = name
+        self._width: int | None = None
+
+    def tables(self) -> Iterator[Floats]:
+        """Parse the points of all scans, block by block."""
+        while len(first := self._lines.take(1)):
+            self.count += 1
+            for block in self._blocks(first):
+                table = number_table(block, self._name, width=self._width)
+                self._width = table.shape[1]
+                _check_width(table, block, self._name)
+                yield table
+
+    def _blocks(self, first: Block) -> Iterator[Block]:
+        """Take the lines of a scan: as many as its first line says, or all."""
+        count = _count(first)
+        if count is not None:
+            yield from promised(self._lines, count, "points", self._name)
+            return
+        if self.count > 1:
+            raise FormatError(
+                f"{self._name}: line {self._lines.number}: more points follow than the counts "
+                "promise: correct them"
+            )
+        yield first
+        while len(block := self._lines.take(BLOCK)):
+            yield block
 
 
 def _count(first: Block) -> int | None:

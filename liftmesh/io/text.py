@@ -8,7 +8,7 @@ in blocks, and made a cloud once all its rows are known.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, BinaryIO
 
@@ -28,7 +28,7 @@ from liftmesh.io.table_layout import Layout, sniff, stated_separator
 from liftmesh.io.table_options import TableOptions, checked
 from liftmesh.io.table_values import TableValues
 from liftmesh.io.text_encoding import as_utf8, skip_lines
-from liftmesh.io.text_tables import quoted
+from liftmesh.io.text_tables import quoted, regrouped
 
 _COMMENTS = ("#", "//")
 _PLAIN = TableOptions()
@@ -110,7 +110,7 @@ def read_text_chunks(
     meaning.examine_all()
     text.seek(begin)
     again = _Table(text, name, max_bytes, options)
-    for part in _regrouped(again.blocks(meaning.values), rows):
+    for part in regrouped(again.blocks(meaning.values), rows):
         yield meaning.cloud(part)
 
 
@@ -198,23 +198,6 @@ class _Table:
             line = int(block.numbers[at])
             self.notes.append(f"line {line} ends the table: the lines that follow are not read")
         return block[:at]
-
-
-def _regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
-    """Regroup tables into tables of ``rows`` rows each; the last may have fewer."""
-    held: list[Floats] = []
-    count = 0
-    for table in tables:
-        rest = table
-        while len(rest):
-            held.append(rest[: rows - count])
-            count += len(held[-1])
-            rest = rest[len(held[-1]) :]
-            if count == rows:
-                yield np.concatenate(held)
-                held, count = [], 0
-    if held:
-        yield np.concatenate(held)
 
 
 class _Meaning:

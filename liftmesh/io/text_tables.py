@@ -51,6 +51,23 @@ def number_table(
     return table
 
 
+def regrouped(tables: Iterable[Floats], rows: int) -> Iterator[Floats]:
+    """Regroup tables into tables of ``rows`` rows each; the last may have fewer."""
+    held: list[Floats] = []
+    count = 0
+    for table in tables:
+        rest = table
+        while len(rest):
+            held.append(rest[: rows - count])
+            count += len(held[-1])
+            rest = rest[len(held[-1]) :]
+            if count == rows:
+                yield np.concatenate(held)
+                held, count = [], 0
+    if held:
+        yield np.concatenate(held)
+
+
 def _check_widths(block: Block, name: str, width: int | None, delimiter: str | None) -> None:
     """Raise for a line of too many values before it is split: values take more than their text."""
     expected = f"{width}" if width else f"at most {MOST_COLUMNS:,}"
