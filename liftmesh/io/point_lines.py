@@ -23,9 +23,7 @@ from liftmesh.io.lines import BLOCK, Block, Lines, promised
 from liftmesh.io.text_tables import number_table, quoted, regrouped
 
 _COMMENTS = ("#", "//")
-_TOGETHER = (
-    1 << 14
-)  # rows of small scans that are joined, which take little more than their numbers
+_TOGETHER = 1 << 14  # rows: small scans are joined, since each array takes memory of its own
 
 # What the values of a PTS line are, by their number.
 _PTS = {
