@@ -86,9 +86,8 @@ def read_pts(stream: BinaryIO, name: str) -> Cloud:
     if not parts:
         raise FormatError(f"{name}: the file has no points")
     table = np.concatenate(parts)
-    return _cloud(
-        table, _PTS[table.shape[1]], **({"scans": scans.count} if scans.count > 1 else {})
-    )
+    said = {"scans": scans.count} if scans.count > 1 else {}
+    return _cloud(table, _PTS[table.shape[1]], **said)
 
 
 class _Scans:

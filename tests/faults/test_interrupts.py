@@ -117,6 +117,6 @@ def test_the_campaign_interrupts_every_phase() -> None:
 
 
 def test_the_campaign_fails_where_the_prompt_is_late() -> None:
-    done = campaign("--rows", "60000", "--rounds", "3", "--most", "0", "--jobs", "write OBJ")
+    done = campaign("--rows", "300000", "--rounds", "3", "--most", "0", "--jobs", "write OBJ")
     assert done.returncode == 1, done.stdout + done.stderr
     assert "it took too long" in done.stdout
