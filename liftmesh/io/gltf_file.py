@@ -29,6 +29,7 @@ class File:
 
     tree: dict[str, Any]
     parts: list[bytes]
+    size: int  # of all parts
 
     @classmethod
     def of(cls, glb: bytes) -> File:
@@ -37,12 +38,8 @@ class File:
         begin = _HEAD.size + size
         (length, _) = _CHUNK.unpack_from(glb, begin)
         tree = json.loads(glb[_HEAD.size : begin])
-        return cls(tree, [glb[begin + _CHUNK.size :][:length]])
-
-    @property
-    def size(self) -> int:
-        """The bytes of the buffer."""
-        return sum(map(len, self.parts))
+        buffer = glb[begin + _CHUNK.size :][:length]
+        return cls(tree, [buffer], len(buffer))
 
     def place(self, origin: tuple[float, float, float]) -> None:
         """Move the meshes to an origin."""
@@ -56,6 +53,7 @@ class File:
         data = np.ascontiguousarray(values, dtype="<f4").tobytes()
         views.append({"buffer": 0, "byteOffset": self.size, "byteLength": len(data)})
         self.parts.append(data)
+        self.size += len(data)
         accessors.append(
             {
                 "bufferView": len(views) - 1,

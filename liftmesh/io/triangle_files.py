@@ -172,8 +172,16 @@ def _beside(name: str, max_bytes: int | None) -> Iterator[tuple[BinaryIO, str]]:
     path = next((each for each in (stem, Path(f"{stem}.gz")) if each.is_file()), None)
     if path is None:
         raise FormatError(f"{name}: its points are in {stem}, which does not exist")
+    _check_folder(path, given)
     with path.open("rb") as stream:
         yield decompressed(stream, str(path), max_bytes), str(path)
+
+
+def _check_folder(path: Path, given: Path) -> None:
+    """Raise if a link leads out of the folder: who made the file may not choose among all files."""
+    folders = (given.absolute().parent.resolve(), given.resolve().parent)
+    if path.resolve().parent not in folders:
+        raise FormatError(f"{given}: its points, {path}, are a link to another folder: copy them")
 
 
 FORMATS = (

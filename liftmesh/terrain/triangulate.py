@@ -80,7 +80,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         has the height x); the least squares plane (its normal has n_z > 0; if zero, n_y > 0, then
         n_x > 0); a normal; (a, b, c, d) of the plane ax + by + cz + d = 0; a point and a normal, as
         ``trimesh.points.plane_fit`` returns them; or the rigid transformation from space to plane
-        coordinates, as ``trimesh.geometry.plane_transform`` returns it. Unless it is of two axes,
+        coordinates, as ``trimesh.geometry.plane_transform`` returns it. "Above" is where a normal
+        points; of those that are fitted elsewhere the sign may be either. Unless it is of two axes,
         the planar coordinates are rounded, and the result is exact for the rounded coordinates.
     duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
         Policy for rows at one planar position with different heights: use the first or last row as

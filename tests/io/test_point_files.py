@@ -299,6 +299,22 @@ def test_compressed_triangles_of_any_spelling(tmp_path: Path) -> None:
     assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
+def test_links_to_points_in_other_folders_are_refused(tmp_path: Path) -> None:
+    """The error would show a line of any file of the machine."""
+    inside, outside = tmp_path / "inside", tmp_path / "outside"
+    for folder in (inside, outside):
+        folder.mkdir()
+        (folder / "A.ele").write_bytes(ELE)
+    (outside / "A.node").write_bytes(b"secret\n")
+    (inside / "A.node").symlink_to(outside / "A.node")
+    with pytest.raises(FormatError, match=r"inside/A\.node, are a link to another folder"):
+        liftmesh.read(inside / "A.ele")
+    (outside / "A.node").write_bytes(NODE)
+    (inside / "A.ele").unlink()
+    (inside / "A.ele").symlink_to(outside / "A.ele")  # both are links to one folder
+    assert len(liftmesh.read(inside / "A.ele")) == 4
+
+
 def test_triangles_without_points_are_refused(tmp_path: Path) -> None:
     (tmp_path / "A.ele").write_bytes(ELE)
     with pytest.raises(FormatError, match=r"A\.node, which does not exist"):
