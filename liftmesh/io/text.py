@@ -24,7 +24,7 @@ from liftmesh.io.format import Format
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
 from liftmesh.io.table_columns import Columns, understood, unnamed
 from liftmesh.io.table_doubts import Doubts, check_count
-from liftmesh.io.table_layout import Layout, sniff, stated_separator
+from liftmesh.io.table_layout import Layout, before_remark, sniff, stated_separator
 from liftmesh.io.table_options import TableOptions, checked
 from liftmesh.io.table_values import TableValues
 from liftmesh.io.text_encoding import as_utf8, skip_lines
@@ -127,9 +127,11 @@ class _Table:
         self._stream = stream
         self._begin = stream.tell()
         self._max_bytes = max_bytes
-        self.layout = self._sniffed(options.delimiter, keep_tabs=False)
+        self.layout = self._sniffed(options.delimiter)
         if self.layout.delimiter == "\t":  # where the ends of a line may be empty values
             self.layout = self._sniffed("\t", keep_tabs=True)
+        elif self.layout.delimiter is None:
+            self.layout = self._sniffed(" ")
         self.columns = self._named()
         self.values = TableValues(name, self.layout, self.columns, options)
 
@@ -142,12 +144,18 @@ class _Table:
         while len(block):
             kept = self._until_end(block)
             yield parse(kept)
-            if len(kept) < len(block):
-                return
-            block = self._lines.take(BLOCK)
+            block = self._lines.take(BLOCK) if len(kept) == len(block) else block[:0]
+        first, count = self._lines.remarks
+        if count:
+            self.notes.append(
+                f"comments among the rows, not read: {count:,}, first in line {first}"
+            )
 
-    def _sniffed(self, delimiter: str | None, *, keep_tabs: bool) -> Layout:
-        """Take the first line that is no comment, and detect the layout."""
+    def _sniffed(self, delimiter: str | None, *, keep_tabs: bool = False) -> Layout:
+        """Take the first line that is no comment, and detect the layout.
+
+        Between blanks, a # begins a comment anywhere; else it may be a part of a value.
+        """
         self._stream.seek(self._begin)
         remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
         self._remark = next(iter(deque(remarks, maxlen=1)), "")
@@ -158,12 +166,15 @@ class _Table:
             comments=_COMMENTS,
             before=self.options.skip_rows,
             keep_tabs=keep_tabs,
+            whole=delimiter != " ",
         )
         self._first = self._lines.take(1)
         if len(self._first) and (stated := stated_separator(self._first.texts[0])):
             delimiter, self._first = delimiter or stated, self._lines.take(1)
         if not len(self._first):
             raise FormatError(f"{self.name}: the file has no points: no line holds numbers")
+        if delimiter is None and before_remark(self._first.texts[0]):
+            return self._sniffed(" ")
         said = replace(self.options, delimiter=delimiter)
         return self._sniffed_line(self._first.texts[0], said)
 
