@@ -22,7 +22,7 @@ from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
-from liftmesh.io.table_columns import Columns, understood, unnamed
+from liftmesh.io.table_columns import PARTS, Columns, understood, unnamed
 from liftmesh.io.table_doubts import Doubts, check_count
 from liftmesh.io.table_layout import Layout, before_remark, sniff, stated_separator
 from liftmesh.io.table_options import TableOptions, checked
@@ -31,6 +31,7 @@ from liftmesh.io.text_encoding import as_utf8, skip_lines
 from liftmesh.io.text_tables import quoted
 
 _COMMENTS = ("#", "//")
+_EXACT, _MOST_OF_IDS = 2.0**53, 2.0**64  # doubles hold every whole number up to the first
 _PLAIN = TableOptions()
 
 
@@ -239,6 +240,9 @@ class _Meaning:
         self._maybe_colors = not self._columns.said and width == len(POSITION) + len(COLOR)
         self._maybe_colors &= not table.options.flat
         self._scale = ColorScale()
+        others = [k for k, name in enumerate(self._columns.names) if name not in PARTS]
+        self._others = np.array(others, dtype=np.intp)
+        self._large = np.zeros(len(others), dtype=np.bool_)
         self._doubts = Doubts(table.name, self._columns, table.options)
 
     def examine_all(self) -> None:
@@ -250,6 +254,7 @@ class _Meaning:
     def examine(self, table: Floats) -> None:
         """Examine further rows."""
         self._doubts.examine(table)
+        self._notice_large(table)
         if self._maybe_colors:
             rest = table[:, len(POSITION) :]
             whole = (rest >= 0) & (rest <= 255) & (rest == np.rint(rest))
@@ -257,6 +262,12 @@ class _Meaning:
         if all(each in self._names() for each in COLOR):
             names = self._names()
             self._scale.examine(table[:, [names.index(each) for each in self._color_names()]])
+
+    def _notice_large(self, table: Floats) -> None:
+        """Remember the columns of numbers like the ids of a database, which doubles round."""
+        if len(table) and len(self._others):
+            largest = np.fmax.reduce(np.abs(table[:, self._others]))
+            self._large |= (largest >= _EXACT) & (largest < _MOST_OF_IDS)
 
     def finish(self) -> None:
         """Raise for what can be read in two ways, once all rows are examined."""
@@ -314,6 +325,8 @@ class _Meaning:
         return {name: part for name, part in parts.items() if part}
 
     def _remarks(self) -> Iterator[str]:
+        for k in sorted({*self._others[self._large].tolist()} & {*self._kept()}):
+            yield f"column {self._columns.given[k]}: numbers from 2**53 on are rounded to doubles"
         if self._maybe_colors:
             yield "columns 4, 5 and 6 are read as red, green and blue"
         if self.values.commas is not None:

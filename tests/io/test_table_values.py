@@ -173,6 +173,13 @@ def test_comments_are_counted_in_every_block() -> None:
     assert cloud.metadata["notes"] == (told,)
 
 
+def test_ids_that_doubles_round_are_told() -> None:
+    cloud = read("x,y,z,id,big\n1,2,3,9007199254740993,1e300\n4,5,6,,\n")
+    told = "column id: numbers from 2**53 on are rounded to doubles"
+    assert cloud.metadata["notes"] == (told,)
+    assert "notes" not in read("x,y,z,id\n1,2,3,9007199254740991\n").metadata
+
+
 def test_quotes_that_are_not_closed_name_the_line() -> None:
     assert "line 3: its quotes are not closed" in refused('x,y,z,n\n1,2,3,a\n4,5,6,"b\n')
     assert "line 2: its quotes" in refused('x,y,z\n"1"2,2,3\n')
