@@ -329,6 +329,10 @@ class _Meaning:
             yield f"column {self._columns.given[k]}: numbers from 2**53 on are rounded to doubles"
         if self._maybe_colors:
             yield "columns 4, 5 and 6 are read as red, green and blue"
+        elif not self._columns.said and len(self._columns.names) > len(POSITION):
+            flat = self._table.options.flat
+            which = "1 and 2 are read as x and y" if flat else "1, 2 and 3 are read as x, y and z"
+            yield f"there is no header: columns {which}"
         if self.values.commas is not None:
             yield f"commas are decimal, as in {quoted(self.values.commas.value)}"
 

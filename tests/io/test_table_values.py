@@ -327,6 +327,15 @@ def test_six_columns_that_are_colours_are_said_to_be() -> None:
     assert cloud.metadata["columns"]["red"] == "column_4"
 
 
+def test_columns_without_a_header_are_told_if_there_are_more_than_three() -> None:
+    told = read("1 2 3 4\n").metadata["notes"]
+    assert told == ("there is no header: columns 1, 2 and 3 are read as x, y and z",)
+    told = read("1 2 3 4\n", flat=True).metadata["notes"]
+    assert told == ("there is no header: columns 1 and 2 are read as x and y",)
+    assert "notes" not in read("1 2 3\n").metadata
+    assert "notes" not in read("1 2 3 4\n", columns="x,y,z,w").metadata
+
+
 def test_skipping_more_lines_than_there_are_is_refused() -> None:
     assert "the file has 2 lines, and skip_rows=7 skips more" in refused("1 2\n3 4\n", skip_rows=7)
 
