@@ -152,6 +152,12 @@ TASKS = {
         "512347 5403220.125 315 6 1 1\n",
         holds=("classification", "number_of_returns", "return_number"),
     ),
+    "las2txt -parse xyzi": Task(
+        "points.txt",
+        "512345.25 5403210.5 312.4 143\n512350.75 5403212 310.1 18\n512347 5403220.125 315 118\n",
+        said=("there is no header: columns 1, 2 and 3 are read as x, y and z",),
+        holds=("column_4",),
+    ),
     "a logger's track": Task(
         "track.csv",
         "time,lat,lon,elevation,speed\n2024-05-01T10:00:00Z,52.5,13.25,34.5,1.5\n"

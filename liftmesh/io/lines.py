@@ -109,9 +109,11 @@ class Lines:
     """The non-empty lines of a stream, taken block by block.
 
     Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
-    them, and a ``#`` and the text after it are removed. With ``continued``, a backslash at the end
-    of a line joins it to the next. With ``keep_tabs``, tabs at the ends of lines stay: there they
-    may separate empty values. ``number`` is that of the last line taken.
+    them, and a ``#`` and the text after it are removed; with ``whole``, only such lines, and
+    ``remarks`` are the numbers of the first of them behind other lines, and how many there are.
+    With ``continued``, a backslash at the end of a line joins it to the next. With ``keep_tabs``,
+    tabs at the ends of lines stay: there they may separate empty values. ``number`` is that of the
+    last line taken.
     """
 
     def __init__(
@@ -124,8 +126,11 @@ class Lines:
         continued: bool = False,
         before: int = 0,
         keep_tabs: bool = False,
+        whole: bool = False,
     ) -> None:
         self.number = before
+        self.remarks = (0, 0)
+        self._whole = whole
         self._keep_tabs = keep_tabs
         self._stream = stream
         self._name = name
@@ -135,6 +140,7 @@ class Lines:
         self._read = before
         self._held = Block.empty(encoding)
         self._taken = 0
+        self._has_rows = False
 
     def take(self, count: int) -> Block:
         """Take at most ``count`` lines; fewer if that is faster, none at the end."""
@@ -188,13 +194,27 @@ class Lines:
             data = data.replace(b"\\\n", b"  ")
         plain = data if data.isascii() else self._plain(data)
         threads, _ = as_threads(None, len(data) // _BYTES_OF_A_LINE)
-        places, numbers, count = _kernel.find_lines(plain, self._comments, self._keep_tabs, threads)
+        marks = () if self._whole else self._comments
+        places, numbers, count = _kernel.find_lines(plain, marks, self._keep_tabs, threads)
         if last is not None:
             numbers, count = np.flatnonzero(last)[numbers], len(last)
         numbers += self._read + 1
         self._read += count
+        if self._whole and any(mark.encode() in data for mark in self._comments):
+            rows = ~_begin_with(data, places, self._comments)
+            self._notice_remarks(rows, numbers)
+            places, numbers = places[rows], numbers[rows]
+        self._has_rows = self._has_rows or len(places) > 0
         long = bool((places[:, 1] - places[:, 0] > _LONG).any())
         return Block(data, plain, places, numbers, self._encoding, long)
+
+    def _notice_remarks(self, rows: Mask, numbers: Integers) -> None:
+        """Remember the comments behind the first line that is none."""
+        behind = ~rows if self._has_rows else ~rows & np.logical_or.accumulate(rows)
+        first, count = self.remarks
+        found = numbers[behind]
+        if len(found):
+            self.remarks = (first or int(found[0]), count + len(found))
 
     def _plain(self, data: bytes) -> bytes:
         """Put blanks in place of white space that is not ASCII, byte by byte."""
@@ -220,6 +240,18 @@ def _continues(data: bytes) -> bool:
     body = data[:-1].removesuffix(b"\r")
     line = body[max(body.rfind(b"\n"), body.rfind(b"\r")) + 1 :].rstrip()
     return line.endswith(b"\\") or (not line and b"\n" not in body and b"\r" not in body)
+
+
+def _begin_with(data: bytes, places: Integers, marks: tuple[str, ...]) -> Mask:
+    """Whether each line begins with one of the marks."""
+    octets = np.frombuffer(data, np.uint8)
+    begins, lengths = places[:, 0], places[:, 1] - places[:, 0]
+    found = np.zeros(len(places), dtype=np.bool_)
+    for mark in marks:
+        at = begins[lengths >= len(mark)]
+        same = [octets[at + k] == octet for k, octet in enumerate(mark.encode())]
+        found[lengths >= len(mark)] |= np.logical_and.reduce(same)
+    return found
 
 
 def _last_of_lines(data: bytes) -> Mask:

@@ -13,10 +13,11 @@ from liftmesh.errors import FormatError
 from liftmesh.io.limits import check_columns, most_columns
 from liftmesh.io.table_columns import known_header
 from liftmesh.io.table_options import TableOptions
-from liftmesh.io.table_words import split, with_point
+from liftmesh.io.table_words import split, with_point, without_remark
 from liftmesh.io.text_tables import is_number, values_at_most
 
 _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)  # the first line of a spreadsheet's file
+_ENOUGH = 100  # words of a line
 _UNIT_APART = re.compile(r"(?<!\s)\s+(?=[\[(][^\[\]()]*[\])])")  # X [m]
 
 
@@ -80,6 +81,7 @@ def sniff(
         found = values_at_most(first)
         check_columns(found, max_bytes, where, f"a row of {found:,} values")
     delimiter = _delimiter(first, options)
+    first = without_remark(first)
     values = split(first, delimiter, where)
     _check_kind(values[0], where)
     if options.header and not _is_row(values):
@@ -89,6 +91,22 @@ def sniff(
     names = _marked(remark) if marked and remark else ()
     header = names if len(names) == len(values) and known_header(names) else None
     return Layout(delimiter, len(values), header, in_first_line=False)
+
+
+def before_remark(line: str) -> bool:
+    """Whether a row or a header between blanks stands before a #, so that the rest is a comment.
+
+    >>> before_remark("1 2 3 # a, b"), before_remark("Pt #,X,Y,Z")
+    (True, False)
+    """
+    words, mark, _ = line.partition("#")
+    if not mark or _delimiter(words, TableOptions()) is not None:
+        return False
+    return _is_header_or_row(words.split(None, _ENOUGH))
+
+
+def _is_header_or_row(values: list[str]) -> bool:
+    return known_header(values) or any(map(is_number, values))
 
 
 def _is_row(values: list[str]) -> bool:

@@ -25,7 +25,7 @@ from liftmesh.io.limits import MOST_COLUMNS
 from liftmesh.io.lines import Block
 from liftmesh.io.table_doubts import named_points
 from liftmesh.io.table_options import spelled
-from liftmesh.io.table_words import may_be_grouped, split, with_point
+from liftmesh.io.table_words import may_be_grouped, split, with_point, without_remark
 from liftmesh.io.text_tables import is_number, number_table, quoted, values_at_most
 
 if TYPE_CHECKING:
@@ -174,6 +174,7 @@ class TableValues:
     def _row(self, text: str, line: int) -> Sequence[str]:
         """Split a line, but one of far too many values: these take more than their text."""
         where = f"{self._name}: line {line}"
+        text = without_remark(text)
         values: Sequence[str] = ()
         if '"' not in text:
             values = [value.strip() for value in text.split(self._delimiter, self._width)]

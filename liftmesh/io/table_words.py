@@ -11,6 +11,7 @@ import re
 
 from liftmesh.errors import FormatError
 
+_REMARK = re.compile(r"(?<!\s)\s+#(?:\s|$)")
 _COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _GROUPED = re.compile(r"[-+]?\d{1,3},\d{3}")  # 1,234 is also how thousands are grouped
 _WORDS = re.compile(r'"((?:[^"]|""){0,131072})"(?!\S)|(\S+)')  # as long as csv's field may be
@@ -56,6 +57,16 @@ def split(text: str, delimiter: str | None, where: str) -> list[str]:
             "quotes must stand on one line"
         ) from error
     return [value.strip() for value in rows[0]]
+
+
+def without_remark(text: str) -> str:
+    """Cut off a comment behind a row: a # with a blank on each side, outside quotes.
+
+    >>> without_remark("1,2 # a, b"), without_remark("1,2,No #3"), without_remark('1,"a # b"')
+    ('1,2', '1,2,No #3', '1,"a # b"')
+    """
+    found = _REMARK.search(text) if "#" in text else None
+    return text if found is None or text.count('"', 0, found.start()) % 2 else text[: found.start()]
 
 
 def with_point(value: str) -> str:

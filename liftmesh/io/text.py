@@ -22,15 +22,16 @@ from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
-from liftmesh.io.table_columns import Columns, understood, unnamed
+from liftmesh.io.table_columns import PARTS, Columns, understood, unnamed
 from liftmesh.io.table_doubts import Doubts, check_count
-from liftmesh.io.table_layout import Layout, sniff, stated_separator
+from liftmesh.io.table_layout import Layout, before_remark, sniff, stated_separator
 from liftmesh.io.table_options import TableOptions, checked
 from liftmesh.io.table_values import TableValues
 from liftmesh.io.text_encoding import as_utf8, skip_lines
 from liftmesh.io.text_tables import quoted, regrouped
 
 _COMMENTS = ("#", "//")
+_EXACT, _MOST_OF_IDS = 2.0**53, 2.0**64  # doubles hold every whole number up to the first
 _PLAIN = TableOptions()
 
 
@@ -127,9 +128,11 @@ class _Table:
         self._stream = stream
         self._begin = stream.tell()
         self._max_bytes = max_bytes
-        self.layout = self._sniffed(options.delimiter, keep_tabs=False)
+        self.layout = self._sniffed(options.delimiter)
         if self.layout.delimiter == "\t":  # where the ends of a line may be empty values
             self.layout = self._sniffed("\t", keep_tabs=True)
+        elif self.layout.delimiter is None:
+            self.layout = self._sniffed(" ")
         self.columns = self._named()
         self.values = TableValues(name, self.layout, self.columns, options)
 
@@ -142,12 +145,18 @@ class _Table:
         while len(block):
             kept = self._until_end(block)
             yield parse(kept)
-            if len(kept) < len(block):
-                return
-            block = self._lines.take(BLOCK)
+            block = self._lines.take(BLOCK) if len(kept) == len(block) else block[:0]
+        first, count = self._lines.remarks
+        if count:
+            self.notes.append(
+                f"comments among the rows, not read: {count:,}, first in line {first}"
+            )
 
-    def _sniffed(self, delimiter: str | None, *, keep_tabs: bool) -> Layout:
-        """Take the first line that is no comment, and detect the layout."""
+    def _sniffed(self, delimiter: str | None, *, keep_tabs: bool = False) -> Layout:
+        """Take the first line that is no comment, and detect the layout.
+
+        Between blanks, a # begins a comment anywhere; else it may be a part of a value.
+        """
         self._stream.seek(self._begin)
         remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
         self._remark = next(iter(deque(remarks, maxlen=1)), "")
@@ -158,12 +167,15 @@ class _Table:
             comments=_COMMENTS,
             before=self.options.skip_rows,
             keep_tabs=keep_tabs,
+            whole=delimiter != " ",
         )
         self._first = self._lines.take(1)
         if len(self._first) and (stated := stated_separator(self._first.texts[0])):
             delimiter, self._first = delimiter or stated, self._lines.take(1)
         if not len(self._first):
             raise FormatError(f"{self.name}: the file has no points: no line holds numbers")
+        if delimiter is None and before_remark(self._first.texts[0]):
+            return self._sniffed(" ")
         said = replace(self.options, delimiter=delimiter)
         return self._sniffed_line(self._first.texts[0], said)
 
@@ -211,6 +223,9 @@ class _Meaning:
         self._maybe_colors = not self._columns.said and width == len(POSITION) + len(COLOR)
         self._maybe_colors &= not table.options.flat
         self._scale = ColorScale()
+        others = [k for k, name in enumerate(self._columns.names) if name not in PARTS]
+        self._others = np.array(others, dtype=np.intp)
+        self._large = np.zeros(len(others), dtype=np.bool_)
         self._doubts = Doubts(table.name, self._columns, table.options)
 
     def examine_all(self) -> None:
@@ -222,6 +237,7 @@ class _Meaning:
     def examine(self, table: Floats) -> None:
         """Examine further rows."""
         self._doubts.examine(table)
+        self._notice_large(table)
         if self._maybe_colors:
             rest = table[:, len(POSITION) :]
             whole = (rest >= 0) & (rest <= 255) & (rest == np.rint(rest))
@@ -229,6 +245,12 @@ class _Meaning:
         if all(each in self._names() for each in COLOR):
             names = self._names()
             self._scale.examine(table[:, [names.index(each) for each in self._color_names()]])
+
+    def _notice_large(self, table: Floats) -> None:
+        """Remember the columns of numbers like the ids of a database, which doubles round."""
+        if len(table) and len(self._others):
+            largest = np.fmax.reduce(np.abs(table[:, self._others]))
+            self._large |= (largest >= _EXACT) & (largest < _MOST_OF_IDS)
 
     def finish(self) -> None:
         """Raise for what can be read in two ways, once all rows are examined."""
@@ -286,8 +308,14 @@ class _Meaning:
         return {name: part for name, part in parts.items() if part}
 
     def _remarks(self) -> Iterator[str]:
+        for k in sorted({*self._others[self._large].tolist()} & {*self._kept()}):
+            yield f"column {self._columns.given[k]}: numbers from 2**53 on are rounded to doubles"
         if self._maybe_colors:
             yield "columns 4, 5 and 6 are read as red, green and blue"
+        elif not self._columns.said and len(self._columns.names) > len(POSITION):
+            flat = self._table.options.flat
+            which = "1 and 2 are read as x and y" if flat else "1, 2 and 3 are read as x, y and z"
+            yield f"there is no header: columns {which}"
         if self.values.commas is not None:
             yield f"commas are decimal, as in {quoted(self.values.commas.value)}"
 

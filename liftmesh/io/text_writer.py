@@ -2,7 +2,7 @@
 
 A line for each point: x, y, z, then normals, colours and named values, in digits that round-trip.
 The first line of CSV and TSV names the columns. XYZ has no such line: it gets one as a comment, if
-there are columns beyond x, y and z, or if x grows like the ids of points. Names are written only if
+there are columns beyond x, y and z, or if x or z could be ids. Names are written only if
 `text` reads them as they are.
 """
 
@@ -61,7 +61,7 @@ def write_text(stream: BinaryIO, cloud: Cloud, *, delimiter: str = " ") -> None:
         )
     columns, attributes = _columns(cloud)
     is_wide = len(columns) + len(attributes) > len(POSITION)
-    if delimiter != " " or is_wide or _grow_like_ids(cloud.points):
+    if delimiter != " " or is_wide or _could_be_ids(cloud.points):
         _check_names([*columns], [*attributes], delimiter)
         stream.write(_header([*columns, *attributes], delimiter))
     columns |= attributes
@@ -83,8 +83,8 @@ def _check(cloud: Cloud) -> None:
     _columns(cloud)
 
 
-def _grow_like_ids(points: Floats) -> bool:
-    """Whether `text` would take x for an id, if no line named it."""
+def _could_be_ids(points: Floats) -> bool:
+    """Whether `text` would doubt that x or z are coordinates, if no line named them."""
     options = TableOptions(missing=())
     doubts = Doubts("", unnamed(len(POSITION), options, ""), options)
     doubts.examine(points)

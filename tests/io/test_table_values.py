@@ -132,6 +132,54 @@ def test_empty_columns_are_named() -> None:
     assert cloud.metadata["skipped"] == ("column column_4 (empty)",)
 
 
+@pytest.mark.parametrize(
+    ("header", "row", "name"),
+    [
+        ("Pt #,x,y,z", "7,1,2,3", "Pt #"),
+        ("x,y,z,Scalar field #2", "1,2,3,7", "Scalar field #2"),
+        ("x\ty\tz\tname\tw", "1\t2\t3\tNo #4\t7", "w"),
+        ("x;y;z;name;w", '1;2;3;"a # b";7', "w"),
+        ("x;y;z;w # all in metres", "1;2;3;7 # the first", "w"),
+    ],
+)
+def test_a_hash_in_a_value_begins_no_comment(header: str, row: str, name: str) -> None:
+    cloud = read(f"{header}\n{row}\n")
+    assert cloud.points.tolist() == [[1, 2, 3]]
+    assert {key: values.tolist() for key, values in cloud.attributes.items()} == {name: [7]}
+
+
+def test_a_number_before_a_hash_is_text_and_no_number() -> None:
+    cloud = read("x,y,z,flat,color\n1,2,3,12#A,#ff0000\n4,5,6,13,#00ff00\n")
+    assert not cloud.attributes
+    assert cloud.metadata["skipped"] == (
+        "column flat (text, line 2: '12#A')",
+        "column color (text, line 2: '#ff0000')",
+    )
+
+
+def test_comments_among_the_rows_are_counted() -> None:
+    text = "# by hand\nx,y,z\n1,2,3\n#N/A,2,3\n\n// 7,8,9\n4,5,6\n"
+    cloud = read(text)
+    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert cloud.metadata["notes"] == ("comments among the rows, not read: 2, first in line 4",)
+    assert "notes" not in read("# by hand\n// more\nx,y,z\n1,2,3\n").metadata
+
+
+def test_comments_are_counted_in_every_block() -> None:
+    rows = f"1,2,3\n#{'no' * 100}\n" * 20_000  # two blocks of bytes
+    cloud = read("x,y,z\n" + rows)
+    assert len(cloud) == 20_000
+    told = "comments among the rows, not read: 20,000, first in line 3"
+    assert cloud.metadata["notes"] == (told,)
+
+
+def test_ids_that_doubles_round_are_told() -> None:
+    cloud = read("x,y,z,id,big\n1,2,3,9007199254740993,1e300\n4,5,6,,\n")
+    told = "column id: numbers from 2**53 on are rounded to doubles"
+    assert cloud.metadata["notes"] == (told,)
+    assert "notes" not in read("x,y,z,id\n1,2,3,9007199254740991\n").metadata
+
+
 def test_quotes_that_are_not_closed_name_the_line() -> None:
     assert "line 3: its quotes are not closed" in refused('x,y,z,n\n1,2,3,a\n4,5,6,"b\n')
     assert "line 2: its quotes" in refused('x,y,z\n"1"2,2,3\n')
@@ -277,6 +325,15 @@ def test_six_columns_that_are_colours_are_said_to_be() -> None:
     cloud = read("1 2 3 255 0 10\n")
     assert cloud.metadata["notes"] == ("columns 4, 5 and 6 are read as red, green and blue",)
     assert cloud.metadata["columns"]["red"] == "column_4"
+
+
+def test_columns_without_a_header_are_told_if_there_are_more_than_three() -> None:
+    told = read("1 2 3 4\n").metadata["notes"]
+    assert told == ("there is no header: columns 1, 2 and 3 are read as x, y and z",)
+    told = read("1 2 3 4\n", flat=True).metadata["notes"]
+    assert told == ("there is no header: columns 1 and 2 are read as x and y",)
+    assert "notes" not in read("1 2 3\n").metadata
+    assert "notes" not in read("1 2 3 4\n", columns="x,y,z,w").metadata
 
 
 def test_skipping_more_lines_than_there_are_is_refused() -> None:

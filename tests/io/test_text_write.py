@@ -148,6 +148,8 @@ def test_points_that_grow_like_ids_are_read_as_points(kind: str) -> None:
     rng = np.random.default_rng(4)
     cloud = Cloud(np.column_stack([np.arange(9.0), rng.random((9, 2))]))
     assert np.array_equal(again(cloud, kind).points, cloud.points)
+    heights = Cloud(cloud.points[:, [1, 2, 0]])
+    assert np.array_equal(again(heights, kind).points, heights.points)
 
 
 def test_names_are_checked_before_there_are_faces() -> None:
@@ -182,7 +184,7 @@ def test_other_readers_take_the_table(tmp_path: Path) -> None:
         (["a,b"], "xyz", "'a,b'"),
         (["good", '"a"'], "csv", "'\"a\"'"),
         (["a\nb"], "csv", r"'a\\nb'"),
-        (["a#b"], "csv", "'a#b'"),
+        (["a # b"], "csv", "'a # b'"),
         ([" a"], "csv", "' a'"),
         ([""], "csv", "''"),
         (["\ud800"], "csv", r"'\\ud800'"),

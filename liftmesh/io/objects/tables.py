@@ -8,7 +8,7 @@ and named. Libraries are recognised by the names of their classes and never impo
 from __future__ import annotations
 
 import numbers
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from typing import Any
 
@@ -30,13 +30,16 @@ from liftmesh.io.text_tables import is_number, shortened
 
 _FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}
 _RECORDS = {("laspy", "LasData"), ("laspy", "ScaleAwarePointRecord")}
-_CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe")
+_READERS = {("laspy", "LasReader")}
+_CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe", "read")
 _OPTIONS = ("columns", "flat", "nodata")
 _WHERE = "the table"
 
 
 def is_table(source: object) -> bool:
     """Whether an object is a table whose columns have names."""
+    if isinstance(source, list | tuple):  # of arrays, one for each view of a pipeline of PDAL
+        return bool(source) and _is_structured(source[0])
     return _is_structured(source) or bool(_classes(source) & (_FRAMES | _RECORDS))
 
 
@@ -46,7 +49,8 @@ def is_other_table(source: object) -> bool:
         return False
     kind = type(source)  # whose attributes cost nothing to look up
     named = any(hasattr(kind, name) for name in ("columns", "column_names", "colnames"))
-    return isinstance(source, Mapping) or (named and hasattr(kind, "__getitem__"))
+    is_reader = bool(_classes(source) & _READERS)
+    return is_reader or isinstance(source, Mapping) or (named and hasattr(kind, "__getitem__"))
 
 
 def refuse(source: object) -> Cloud:
@@ -132,6 +136,11 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
 
 def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     """Return the columns of a table with their names, and what else it says."""
+    if isinstance(source, list | tuple) and is_table(source):
+        raise InputError(
+            f"a list of {len(source)} structured arrays is no table: give one of them, or what "
+            "np.concatenate makes of them"
+        )
     if _is_structured(source):
         if source.ndim != 1:
             raise InputError(
@@ -143,13 +152,20 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     if found & _RECORDS:
         return _of_laspy(source)
     if ("polars", "DataFrame") in found:
-        return [(name, source[name].to_numpy()) for name in source.columns], {}
+        return [(name, _of_polars(source[name])) for name in source.columns], {}
     if found & _FRAMES:
         return [(str(name), source.iloc[:, k]) for k, name in enumerate(source.columns)], {}
     rows = np.asanyarray(source)
     if rows.ndim != 2:
         raise InputError(f"columns= names the columns of a table, not of the shape {rows.shape}")
     return [("", column) for column in rows.T], {}
+
+
+def _of_polars(column: Any) -> Array:
+    """Return a column as an array: of objects, where to_numpy() would round whole numbers."""
+    if column.dtype.is_integer() and column.null_count():
+        return np.array(column.to_list(), dtype=object)
+    return np.asarray(column.to_numpy())
 
 
 def _of_laspy(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
@@ -177,7 +193,8 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
             raise _no_numbers(part, *values[columns.names.index(part)])
     points = _points(found, columns, options, len(values[0][1]))
     columns.warn()
-    parts = {"columns": columns.mapping(), "notes": columns.notes, "skipped": tuple(unread)}
+    notes = (*columns.notes, *_rounded(columns, values, found))
+    parts = {"columns": columns.mapping(), "notes": notes, "skipped": tuple(unread)}
     return Cloud(
         points,
         colors=_colors(found),
@@ -203,6 +220,24 @@ def _unread(columns: Columns, k: int, values: Any) -> str:
     return name if k in columns.left_out else f"{name} ({getattr(values, 'dtype', 'no numbers')})"
 
 
+def _rounded(
+    columns: Columns, values: list[tuple[str, Any]], found: dict[str, Array]
+) -> Iterator[str]:
+    """Name the columns whose whole numbers are rounded, because others are missing beside them."""
+    for k, (name, given) in enumerate(zip(columns.names, columns.given, strict=True)):
+        doubles = found.get(name, np.zeros(0, np.uint8))
+        kind = getattr(getattr(values[k][1], "dtype", None), "kind", "O")
+        if (
+            kind == "f"
+            or doubles.dtype.kind != "f"
+            or np.fmax.reduce(abs(doubles), initial=0) < 2**53
+        ):
+            continue
+        pairs = zip(values[k][1], doubles.tolist(), strict=True)
+        if any(isinstance(each, numbers.Integral) and int(each) != d for each, d in pairs):
+            yield f"column {given}: numbers from 2**53 on are rounded to doubles"
+
+
 def _no_numbers(part: str, name: str, values: Any) -> FormatError:
     """Return the error for a coordinate that is text, with the first that is none of a number."""
     is_text = np.asarray(values).dtype.kind in "OUT"
@@ -220,7 +255,8 @@ def _points(found: dict[str, Array], columns: Columns, options: TableOptions, ro
     points = np.zeros((rows, 3))
     parts = [each for each in POSITION if each in columns.names]
     for part in parts:
-        points[:, POSITION.index(part)] = _without_nodata(_exact(found.pop(part)), options)
+        name = columns.given[columns.names.index(part)]
+        points[:, POSITION.index(part)] = _without_nodata(_exact(found.pop(part), name), options)
     if columns.negated is not None:
         points[:, 2] = 0.0 - points[:, 2]
     doubts = Doubts(_WHERE, Columns(tuple(parts), tuple(parts)), options)
@@ -229,12 +265,15 @@ def _points(found: dict[str, Array], columns: Columns, options: TableOptions, ro
     return points
 
 
-def _exact(values: Array) -> Floats:
+def _exact(values: Array, name: str = "") -> Floats:
     """Convert a column to float64; raise for a number that it cannot hold."""
     if values.itemsize < 8 or values.dtype == np.float64:
         return values.astype(np.float64)
     pairs = np.column_stack([values, values])
-    return np.asarray(arrays.as_coordinates(pairs)[:, 0], dtype=np.float64)
+    try:
+        return np.asarray(arrays.as_coordinates(pairs)[:, 0], dtype=np.float64)
+    except InputError as error:
+        raise InputError(str(error).replace("in column 0", f"in column {name!r}")) from error
 
 
 def _as_numbers(values: Any) -> Array | None:

@@ -243,6 +243,11 @@ def remarks(n: int) -> bytes:
     return ("# a remark\n" * n + positions(n, "{} {} {} # remark\n")).encode()
 
 
+def remarks_behind_commas(n: int) -> bytes:
+    """Comments behind rows, where a # may be text as well, and between them."""
+    return positions(n, "{},{},{},7 # remark\n#1,2,3,4\n").encode()
+
+
 def blank_lines(n: int) -> bytes:
     """Lines of nothing."""
     return b"0 0 0\n" + b"\n" * 8 * n + b"1 0 0\n"
@@ -375,6 +380,7 @@ TEXT = named(
     columns,
     unnamed_columns,
     remarks,
+    remarks_behind_commas,
     blank_lines,
     carriage_returns,
     quoted_values,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import laspy
@@ -115,6 +116,36 @@ def test_a_coordinate_as_text_is_shown() -> None:
         as_cloud(table)
     with pytest.raises(InputError, match=r"'z', which holds no numbers: convert"):
         as_cloud(table.assign(z=pd.to_datetime(["2020", "2021"])))
+
+
+def test_ids_beside_missing_ones_are_told_if_doubles_round_them() -> None:
+    table = pd.DataFrame({"x": [0, 4, 0], "y": [0, 0, 3], "z": [1, 2, 3]})
+    rounded = ("column id: numbers from 2**53 on are rounded to doubles",)
+    for kind in ("Int64", object):
+        ids = pd.Series([2**53 + 1, None, 3], dtype=kind)
+        told = as_cloud(table.assign(id=ids)).metadata["notes"]
+        assert told == rounded
+        assert "notes" not in as_cloud(table.assign(id=ids - 1)).metadata
+    frame = pl.DataFrame({"x": [0, 4], "y": [0, 3], "z": [1, 2], "id": [2**53 + 1, None]})
+    assert as_cloud(frame).metadata["notes"] == rounded
+    with pytest.raises(InputError, match=r"row 1 holds 9007199254740993 in column 'z', which fl"):
+        as_cloud(table.assign(z=[1, 2**53 + 1, 3]))
+
+
+def test_readers_and_lists_of_arrays_get_a_sentence(tmp_path: Path) -> None:
+    data = laspy.LasData(laspy.LasHeader(point_format=3, version="1.2"))
+    data.write(tmp_path / "empty.las")
+    with (
+        laspy.open(tmp_path / "empty.las") as reader,
+        pytest.raises(
+            UnsupportedTypeError, match=r"LasReader is a table.*what its read\(\) returns"
+        ),
+    ):
+        as_cloud(reader)
+    rows = structured({"x": [1, 2, 3], "y": [3, 4, 5], "z": [5, 6, 7]})
+    with pytest.raises(InputError, match="a list of 2 structured arrays is no table: give one of"):
+        as_cloud([rows, rows])
+    assert len(as_cloud(np.concatenate([rows, rows]))) == 6
 
 
 def test_a_structured_array_of_two_dimensions_gets_a_sentence() -> None:
