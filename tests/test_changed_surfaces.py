@@ -220,9 +220,9 @@ def test_named_values_are_added() -> None:
     ("changes", "said"),
     [
         ({"colors": [[1, 2, 3]]}, "colors has 1 rows for 60 points"),
-        ({"attributes": {"a": 5}}, "a is a int: give an array with one row per point"),
+        ({"attributes": {"a": 5}}, "attribute 'a' is 5: give an array with one row per point"),
         ({"attributes": [1]}, "attributes are a list: give a dict"),
-        ({"attributes": {"a": [[1], [2, 3]]}}, "a cannot be converted to an array"),
+        ({"attributes": {"a": [[1], [2, 3]]}}, "attribute 'a' cannot be converted to an array"),
         ({"vertices": ROWS[:, :2]}, r"vertices need the shape \(60, 3\), not \(60, 2\)"),
         ({"vertices": ROWS[:5]}, r"vertices need the shape \(60, 3\)"),
         ({"crs": 25832}, "crs is 25832"),

@@ -244,3 +244,9 @@ def test_a_bar_moves_while_a_large_cloud_is_triangulated(tmp_path):
     assert len(set(filled)) >= 4
     assert filled[-1] == 40
     assert "mesh.ply: 2,000,000 vertices" in shown
+
+
+def test_one_triangle_is_said_as_one(tmp_path):
+    (tmp_path / "corners.xyz").write_text("0 0 1\n1 0 2\n0 1 3\n")
+    done = liftmesh("triangulate", tmp_path / "corners.xyz", tmp_path / "mesh.ply")
+    assert "mesh.ply: 3 vertices, 1 triangle, " in done.stdout.replace("\n", "")

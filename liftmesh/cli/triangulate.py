@@ -167,9 +167,8 @@ def _print_report(
 
 def _headline(written: Written, report: Report) -> str:
     size = terminal.bytes_text(written.bytes)
-    line = (
-        f"{written.path or '-'}: {report.rows:,} vertices, {report.triangles:,} triangles, {size}"
-    )
+    triangles = f"{report.triangles:,} triangle{'s' if report.triangles > 1 else ''}"
+    line = f"{written.path or '-'}: {report.rows:,} vertices, {triangles}, {size}"
     if written.dropped:
         line += f"; {written.format} does not keep {', '.join(written.dropped)}"
     if written.renamed:

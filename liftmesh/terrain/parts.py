@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ def _arrays(attributes: object) -> dict[str, Array]:
         raise InputError(
             f"attributes are a {type(attributes).__name__}: give a dict of names and arrays"
         )
-    return {name: _array(name, values) for name, values in attributes.items()}
+    return {name: _array(f"attribute {name!r}", each) for name, each in attributes.items()}
 
 
 def _array(name: str, values: Any) -> Array:
@@ -108,7 +109,5 @@ def _array(name: str, values: Any) -> Array:
     except ValueError as error:
         raise InputError(f"{name} cannot be converted to an array: {error}") from error
     if array.ndim == 0:
-        raise InputError(
-            f"{name} is a {type(values).__name__}: give an array with one row per point"
-        )
+        raise InputError(f"{name} is {shown(values)}: give an array with one row per point")
     return array

@@ -69,10 +69,14 @@ def on_scipys(call: Callable[[liftmesh.Delaunay], object]) -> Prepare:
     return prepare
 
 
-def sorted_first(found: liftmesh.Delaunay) -> object:
-    """Find the neighbours of vertices after the caller has sorted the corners."""
-    found.simplices = np.sort(found.simplices)
-    return found.vertex_neighbor_vertices
+def sorted_first(name: str) -> Prepare:
+    """Prepare an attribute that is asked for after the caller has sorted the corners."""
+
+    def asked(found: liftmesh.Delaunay) -> object:
+        found.simplices = np.sort(found.simplices)
+        return getattr(found, name)
+
+    return on_scipys(asked)
 
 
 def grown_by_half(points: Points) -> Work:
@@ -270,14 +274,10 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     for method in ("lf", "lfres", "lfres-indexed"):
         yield f"delaunay by {method}", PLANAR, delaunay(method=method), ("uniform",), 8
     yield "Delaunay", PLANAR, on_points(liftmesh.Delaunay), PLAIN
-    for name in ("coplanar", "good", "vertex_neighbor_vertices"):
+    for name in ("coplanar", "edges", "good", "vertex_neighbor_vertices"):
         yield f"Delaunay.{name}", PLANAR, on_scipys(lambda tri, name=name: getattr(tri, name)), ()
-    yield (
-        "Delaunay.vertex_neighbor_vertices of sorted corners",
-        PLANAR,
-        on_scipys(sorted_first),
-        PLAIN,
-    )
+    for name in ("edges", "vertex_neighbor_vertices"):
+        yield f"Delaunay.{name} of sorted corners", PLANAR, sorted_first(name), PLAIN
     yield "Delaunay.add_points", PLANAR, grown_by_half, PLAIN
     yield "Delaunay.close", PLANAR, on_scipys(liftmesh.Delaunay.close), ()
     yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT)
