@@ -267,7 +267,6 @@ class Rows:
 @pytest.mark.parametrize(
     ("source", "how"),
     [
-        ({"x": [1.0], "y": [2.0]}, r"np\.column_stack\(\[x, y, z\]\)"),
         (pl.DataFrame(VALUES).lazy(), r"give what its collect\(\) returns"),
         (Rows(), r"give what its to_pandas\(\) returns"),
     ],
