@@ -41,8 +41,9 @@ def read_text(
     """Read points from text, one per line.
 
     Values are separated by commas, semicolons, tabs or white space. Lines that begin with ``#`` or
-    ``//`` are comments; the last one before the first row is the header if it names as many columns
-    as the row has, x and y among them.
+    ``//`` are comments, and so is what follows a ``#`` in a line: between white space anywhere, in
+    other tables with a blank on each side. The last line of comment before the first row is the
+    header if it names as many columns as the row has, x and y among them.
 
     Parameters
     ----------
