@@ -267,7 +267,6 @@ class Rows:
 @pytest.mark.parametrize(
     ("source", "how"),
     [
-        ({"x": [1.0], "y": [2.0]}, r"np\.column_stack\(\[x, y, z\]\)"),
         (pl.DataFrame(VALUES).lazy(), r"give what its collect\(\) returns"),
         (Rows(), r"give what its to_pandas\(\) returns"),
     ],
@@ -275,6 +274,11 @@ class Rows:
 def test_other_tables_are_refused_with_how_to_convert_them(source: object, how: str) -> None:
     with pytest.raises(UnsupportedTypeError, match=f"is a table, but not one that is read.*{how}"):
         as_cloud(source)
+
+
+def test_dicts_of_columns_are_refused_with_how_to_join_them() -> None:
+    with pytest.raises(InputError, match=r"np\.column_stack\(\[points\['x'\], points\['y'\]\]\)"):
+        as_cloud({"x": [1.0], "y": [2.0]})
 
 
 def test_options_of_tables_are_for_tables() -> None:
