@@ -170,7 +170,8 @@ class TestHowMany:
     def test_other_values_of_the_variable_are_refused(self, value, monkeypatch):
         monkeypatch.setenv(VARIABLE, value)
         points = uniform(2 * _kernel.ROWS_PER_THREAD, np.random.default_rng(0))
-        with pytest.raises(InputError, match=f"{VARIABLE} is '{value[:20]}.*': give a whole number"):
+        said = f"{VARIABLE} is '{value[:20]}.*': give a whole number"
+        with pytest.raises(InputError, match=said):
             liftmesh.delaunay(points)
         # Who says a number does not ask the environment, and few rows do not either.
         liftmesh.delaunay(points, threads=2)
