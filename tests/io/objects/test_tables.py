@@ -276,6 +276,11 @@ def test_other_tables_are_refused_with_how_to_convert_them(source: object, how: 
         as_cloud(source)
 
 
+def test_dicts_of_columns_are_refused_with_how_to_join_them() -> None:
+    with pytest.raises(InputError, match=r"np\.column_stack\(\[points\['x'\], points\['y'\]\]\)"):
+        as_cloud({"x": [1.0], "y": [2.0]})
+
+
 def test_options_of_tables_are_for_tables() -> None:
     with pytest.raises(InputError, match="columns= cannot be given: a liftmesh"):
         as_cloud(Cloud(np.zeros((3, 3))), columns="x,y,z")
