@@ -14,6 +14,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import kept_depth
 from liftmesh.io import gltf_names
 from liftmesh.io.format import Format, Origin
 from liftmesh.io.gltf_file import File
@@ -81,6 +82,7 @@ def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
     shown = Cloud(
         without_origin(cloud.points, origin),
         colors=cloud.colors,
+        color_depth=kept_depth(cloud.colors),
         normals=_squarable(cloud.normals),
         faces=cloud.faces,
     )
