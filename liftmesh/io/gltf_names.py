@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.io.whole_numbers import SINGLE, fit
 
 _OTHER = re.compile(r"[^A-Z0-9_]+")
 _WIDEST = 4
@@ -66,7 +67,7 @@ def lost(attributes: Mapping[str, Array]) -> list[str]:
     for name, values in sorted(attributes.items()):
         if why := reason(values):
             found.append(f"{name} ({why})")
-        elif not np.array_equal(_single(values).astype(values.dtype), values):
+        elif not _is_exact(values):
             found.append(f"double precision of {name}")
     return found
 
@@ -135,6 +136,13 @@ def _converted(values: Array, dtype: np.dtype) -> Array:
         converted = values.astype(dtype)
         is_exact = np.array_equal(converted.astype(values.dtype), values)
     return converted if is_exact else values
+
+
+def _is_exact(values: Array) -> bool:
+    """Whether single precision holds all values."""
+    if values.dtype.kind in "iu":
+        return fit(values, SINGLE)
+    return np.array_equal(_single(values).astype(values.dtype), values)
 
 
 def _single(values: Array) -> Array:

@@ -118,9 +118,13 @@ def _has_faces(cloud: Cloud) -> bool:
 
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Points are written without normals, and normals of meshes with unit length."""
-    is_kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
-    return (*gltf_names.lost(cloud.attributes), *(() if is_kept else ("normals",)))
+    """Points are written without normals; those of meshes get the length 1, but for zeros."""
+    lost = gltf_names.lost(cloud.attributes)
+    if cloud.normals is None:
+        return tuple(lost)
+    if not _has_faces(cloud) or not _are_unit(cloud.normals):
+        return (*lost, "normals")
+    return (*lost, *gltf_names.lost({"normals": cloud.normals}))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -135,7 +139,7 @@ def _squarable(normals: Array | None) -> Array | None:
 def _are_unit(normals: Array) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         lengths = np.sqrt((normals.astype(np.float64) ** 2).sum(axis=1))
-    return bool((np.abs(lengths - 1.0) <= TOLERANCE).all())
+    return bool(((np.abs(lengths - 1.0) <= TOLERANCE) | (lengths == 0)).all())
 
 
 def _check_gltf(cloud: Cloud) -> None:
