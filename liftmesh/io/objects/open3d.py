@@ -174,11 +174,25 @@ def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Clou
     named = {name: _numpy(tensor) for name, tensor in rows.items()}
     return Cloud(
         points=arrays.as_rows3(named.pop("positions", np.zeros((0, 3)))),
-        colors=named.pop("colors", None),
+        colors=_tensor_shades(named),
         normals=named.pop("normals", None),
         attributes={name: _flat(values) for name, values in named.items()},
         faces=_numpy(triangles["indices"]).astype(np.int32) if "indices" in triangles else None,
     )
+
+
+def _tensor_shades(named: dict[str, Array]) -> Array | None:
+    """Remove and return the colours, with the alpha that `to_tensor` keeps beside them."""
+    colors, alpha = named.pop("colors", None), named.get("alpha")
+    if colors is None or alpha is None or alpha.shape != (len(colors), 1):
+        return colors
+    if alpha.dtype != colors.dtype or colors.shape[1:] != (3,) or not _are_shares(alpha):
+        return colors
+    return np.concatenate([colors, named.pop("alpha")], axis=1)
+
+
+def _are_shares(values: Array) -> bool:
+    return values.dtype.kind == "f" and bool(((values >= 0) & (values <= 1)).all())
 
 
 def _numpy(tensor: Any) -> Array:
@@ -276,5 +290,5 @@ def _column(name: str, values: Array) -> Array:
             "convert it to integers or floats of at most 64 bits"
         )
     dtype = np.dtype(np.float32) if values.dtype == np.float16 else values.dtype
-    native = values.astype(dtype.newbyteorder("="), copy=False)
+    native = np.require(values, dtype.newbyteorder("="), "A")  # fields of records are not aligned
     return native[:, None] if native.ndim == 1 else native

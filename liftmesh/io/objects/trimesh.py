@@ -8,6 +8,7 @@ copied: trimesh edits meshes in place and makes the arrays of normals it is give
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,7 @@ from liftmesh.io.faces import checked_faces
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     import trimesh
 
@@ -59,11 +60,7 @@ def to_cloud(source: Any) -> Cloud:
     >>> len(to_cloud(trimesh.PointCloud([[0, 0, 5], [1, 0, 6], [0, 1, 7]])))
     3
     """
-    if hasattr(source, "graph"):
-        return from_scene(source, "the scene")
-    named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
-    attributes = {name: np.atleast_1d(values) for name, values in named.items()}
-    return replace(_geometry(source), attributes=attributes)
+    return from_scene(source, "the scene") if hasattr(source, "graph") else _geometry(source)
 
 
 def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
@@ -79,9 +76,9 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
     Returns
     -------
     Cloud
-        All vertices, transformed, and all faces, in the order of the scene. Colours and normals are
-        kept if every geometry has them; named values are dropped. Lines are skipped and counted in
-        ``metadata["skipped"]``.
+        All vertices, transformed, and all faces, in the order of the scene. Colours, normals and
+        named values are kept if every geometry has them, metadata if they are the same everywhere.
+        Others are named, and lines counted, in ``metadata["skipped"]``.
 
     Raises
     ------
@@ -98,18 +95,20 @@ def from_scene(scene: trimesh.Scene, name: str) -> Cloud:
     placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
     held = [(_geometry(each), matrix) for each, matrix in placed if _holds_points(each)]
     parts = [transformed(cloud, matrix) for cloud, matrix in held]
-    skipped = len(placed) - len(parts)
     described = _described(scene.metadata)
-    described["crs"] = described["crs"] or _common_crs(parts)
-    if skipped:
-        described["metadata"]["skipped"] = (f"{skipped} lines",)
-    return Cloud(
+    common = _common(part.metadata for part in parts)
+    cloud = Cloud(
         np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
         colors=_joined([part.colors for part in parts]),
         normals=_joined([part.normals for part in parts]),
+        attributes=_joined_attributes(parts),
         faces=_joined_faces(parts, name),
-        **described,
+        metadata=common | described["metadata"],
+        crs=described["crs"] or _common({"": part.crs} for part in parts).get(""),
     )
+    lines = len(placed) - len(parts)
+    skipped = (*([f"{lines} lines"] if lines else []), *_not_in(cloud, parts))
+    return replace(cloud, metadata={**cloud.metadata, "skipped": skipped}) if skipped else cloud
 
 
 def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
@@ -185,7 +184,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
             vertices=cloud.points.copy(),
             faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
             vertex_colors=colors,
-            vertex_normals=None if cloud.normals is None else np.array(cloud.normals),
+            vertex_normals=_copied(cloud.normals),
             vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
             metadata=_metadata(cloud),
             process=False,
@@ -228,12 +227,19 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
     return points
 
 
+def _copied(normals: Array | None) -> Array | None:
+    """A copy of the normals; None if there are none, which trimesh cannot look at."""
+    return None if normals is None or not len(normals) else np.array(normals)
+
+
 def _geometry(source: Any) -> Cloud:
-    """A mesh or a point cloud without its named values."""
+    """A mesh or a point cloud."""
+    named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
     return Cloud(
         points=arrays.as_rows3(np.asarray(source.vertices)),
         colors=_colors(source),
         normals=_normals(source),
+        attributes={name: np.atleast_1d(values) for name, values in named.items()},
         faces=_faces(source),
         **_described(source.metadata),
     )
@@ -250,9 +256,48 @@ def _faces(source: Any) -> Array | None:
     return faces.astype(np.int32, copy=False) if fit else faces
 
 
-def _common_crs(parts: list[Cloud]) -> str | None:
-    stated = {part.crs for part in parts}
-    return stated.pop() if len(stated) == 1 else None
+def _common(parts: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the entries that are the same in all mappings."""
+    first, *others = [*parts] or [{}]
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in each and _is_same(each[key], value) for each in others)
+    }
+
+
+def _is_same(a: object, b: object) -> bool:
+    """Whether two values are equal; those that cannot tell, such as arrays, are not."""
+    if a is b:
+        return True
+    with suppress(Exception):  # of whatever class the values have
+        return bool(type(a) is type(b) and a == b)
+    return False
+
+
+def _joined_attributes(parts: list[Cloud]) -> dict[str, Array]:
+    """Join the named values that all parts have, with one type and width."""
+    layouts = (
+        {name: (each.dtype, each.shape[1:]) for name, each in part.attributes.items()}
+        for part in parts
+    )
+    return {
+        name: np.concatenate([part.attributes[name] for part in parts]) for name in _common(layouts)
+    }
+
+
+def _not_in(cloud: Cloud, parts: list[Cloud]) -> list[str]:
+    """Name what some parts have, and the cloud made of them has not."""
+    words = ("colors", "normals", "crs")
+    lost = [
+        word
+        for word in words
+        if getattr(cloud, word) is None and any(getattr(part, word) is not None for part in parts)
+    ]
+    named = {name: None for part in parts for name in part.attributes}
+    lost += [f"attribute {name}" for name in named if name not in cloud.attributes]
+    keys = {key: None for part in parts for key in part.metadata}
+    return [*lost, *(f"metadata {key}" for key in keys if key not in cloud.metadata)]
 
 
 def _metadata(cloud: Cloud) -> dict[str, Any]:

@@ -239,3 +239,18 @@ def test_no_library_of_tables_is_imported() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "set()\n"
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_colours_of_floats_are_rounded_to_8_bits_only_where_they_are_these(dtype: type) -> None:
+    eighths = np.array([0, 51, 254, 255]) / 255
+    near = eighths + np.array([0, 4e-7, 0, 0])
+    for shades in (eighths, near):
+        column = shades.astype(dtype)
+        table = {"x": [0.0, 1, 0, 1], "y": [0.0, 0, 1, 1], "z": [5.0, 6, 7, 8]}
+        cloud = as_cloud(pd.DataFrame({**table, "r": column, "g": column, "b": column}))
+        assert cloud.colors is not None
+        if shades is eighths:
+            assert cloud.colors[:, 0].tolist() == [0, 51, 254, 255]
+        else:
+            assert_same_bits(cloud.colors[:, 0], column)

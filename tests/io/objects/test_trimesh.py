@@ -179,3 +179,39 @@ def test_places_beyond_doubles_end_in_infinities_without_a_warning():
         normals = transformed(cloud, np.diag([*sizes, 1.0])).normals
         lengths = np.sqrt((normals**2).sum(axis=1))
         np.testing.assert_allclose(lengths, 1.0, rtol=1e-12)
+
+
+def part(**given):
+    return trimesh.Trimesh(POINTS, FACES, process=False, **given)
+
+
+def test_a_scene_of_one_mesh_keeps_what_the_mesh_has():
+    mesh = part(vertex_attributes={"age": np.arange(4)}, metadata={"survey": 2024})
+    cloud = as_cloud(trimesh.Scene(mesh))
+    assert cloud.attributes["age"].tolist() == [0, 1, 2, 3]
+    assert dict(cloud.metadata) == {"survey": 2024}
+
+
+def test_a_scene_keeps_what_all_meshes_have_and_names_the_rest():
+    both = {"age": np.arange(4)}
+    first = part(
+        vertex_attributes={**both, "first": np.ones(4), "kind": np.ones(4)},
+        metadata={"survey": 2024, "by": "a", "grid": np.eye(2)},
+        vertex_colors=COLORS,
+    )
+    second = part(
+        vertex_attributes={**both, "kind": np.ones(4, dtype=np.int8)},
+        metadata={"survey": 2024, "by": "b", "grid": np.eye(2)},
+    )
+    cloud = as_cloud(trimesh.Scene([first, second]))
+    assert cloud.attributes["age"].tolist() == [0, 1, 2, 3, 0, 1, 2, 3]
+    assert cloud.metadata["survey"] == 2024
+    assert cloud.metadata["skipped"] == (
+        "colors", "attribute first", "attribute kind", "metadata by", "metadata grid",
+    )  # fmt: skip
+
+
+def test_an_empty_mesh_with_normals():
+    none = np.zeros((0, 3))
+    mesh = to_mesh(Cloud(none, normals=none, faces=np.zeros((0, 3), dtype=np.int32)))
+    assert len(mesh.vertices) == 0
