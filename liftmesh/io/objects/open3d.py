@@ -261,6 +261,9 @@ def _named_columns(cloud: Cloud, precision: np.dtype[Any]) -> dict[str, Array]:
         raise InputError(
             f"an attribute is named {min(taken)!r}, which is reserved in Open3D meshes: rename it"
         )
+    for name in cloud.attributes:
+        if name.encode(errors="replace") != name.encode(errors="surrogatepass"):
+            raise InputError(f"an attribute is named {name!r}, half a character: rename it")
     named = {name: _column(name, values) for name, values in cloud.attributes.items()}
     with np.errstate(under="ignore"):
         named["positions"] = cloud.points.astype(precision, copy=False)

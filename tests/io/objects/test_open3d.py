@@ -317,6 +317,12 @@ def test_names_that_tensors_keep_for_themselves(name):
         to_tensor(cloud)
 
 
+def test_half_a_character_is_no_name_of_a_tensor():
+    cloud = Cloud(POINTS, attributes={"\ud800": np.arange(4.0)}, faces=FACES)
+    with pytest.raises(InputError, match=r"named '\\ud800', half a character: rename it"):
+        to_tensor(cloud)
+
+
 def test_types_unknown_to_tensors_name_the_attribute():
     cloud = Cloud(POINTS, attributes={"name": np.array(list("abcd"))}, faces=FACES)
     with pytest.raises(InputError, match=r"attribute 'name' has the type <U1"):
