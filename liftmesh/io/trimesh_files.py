@@ -139,7 +139,7 @@ def _squarable(normals: Array | None) -> Array | None:
 def _are_unit(normals: Array) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         lengths = np.sqrt((normals.astype(np.float64) ** 2).sum(axis=1))
-    return bool(((np.abs(lengths - 1.0) <= TOLERANCE) | (lengths == 0)).all())
+    return bool(((np.abs(lengths - 1.0) <= TOLERANCE) | (normals == 0).all(axis=1)).all())
 
 
 def _check_gltf(cloud: Cloud) -> None:

@@ -289,5 +289,7 @@ def test_normals_that_single_precision_rounds_are_named(kind: str) -> None:
     back = loaded(saved(cloud, kind), kind).normals
     assert back is not None
     assert np.array_equal(back, normals.astype(np.float32))
+    tiny = Cloud(MESH.points, faces=MESH.faces, normals=normals * 1e-180)
+    assert liftmesh.write(io.BytesIO(), tiny, format=kind).dropped == ("normals",)
     single = Cloud(MESH.points, faces=MESH.faces, normals=normals.astype(np.float32))
     assert liftmesh.write(io.BytesIO(), single, format=kind).dropped == ()
