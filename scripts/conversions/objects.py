@@ -23,6 +23,7 @@ from laspy.vlrs.known import WktCoordinateSystemVlr
 from conversions.passages import Arrival, Passage
 from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
 from liftmesh.color_depth import stated_depth
+from liftmesh.io.column_names import meaning
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.objects import open3d, trimesh
 from liftmesh.io.whole_numbers import DOUBLE, fit
@@ -31,7 +32,8 @@ Array = np.ndarray[Any, np.dtype[Any]]
 
 STEP = 1 / 1024  # of LAS coordinates
 _NOT_OF_POLARS = {"float16", np.dtype(np.longdouble).name}
-_PARTS = {*POSITION, *NORMAL, *COLOR, ALPHA}
+_VALUES = {*NORMAL, *COLOR, ALPHA}
+_PARTS = {*POSITION, *_VALUES}
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def table_columns(cloud: Cloud) -> dict[str, Array]:
     if cloud.colors is not None:
         found |= zip((*COLOR, ALPHA), cloud.colors.T, strict=False)
     flat = {name: each for name, each in cloud.attributes.items() if each.ndim == 1}
-    if flat.keys() & {*_PARTS, ""}:
+    if "" in flat or any(name in _PARTS or meaning(name).part in _VALUES for name in flat):
         raise InputError("an attribute has the name of a column, or none")
     return found | {name: _native(each) for name, each in flat.items()}
 
