@@ -111,6 +111,53 @@ def kept_depth(colors: Array | None) -> int | None:
     return 8 * colors.dtype.itemsize if colors is not None and is_wide else None
 
 
+def stated_depth(colors: Array | None) -> int | None:
+    """Return the depth that a file must state, because its values alone would tell another.
+
+    Parameters
+    ----------
+    colors : (n, c) ndarray, optional
+        Colours whose depth was decided before.
+
+    Returns
+    -------
+    int or None
+        Bits per channel; None where the values suffice.
+
+    Examples
+    --------
+    >>> dark = np.array([[0, 51, 255]], dtype=np.uint16)
+    >>> stated_depth(dark), stated_depth(dark * 2)
+    (16, None)
+    """
+    depth = kept_depth(colors)
+    return None if colors is None or judged(colors)[1] == depth else depth
+
+
+def confirmed_depth(colors: Array | None, stated: int | None) -> int | None:
+    """Return the depth that a file states of its colours, if it is that of their type.
+
+    Parameters
+    ----------
+    colors : (n, c) ndarray, optional
+        The colours as the file holds them.
+    stated : int, optional
+        What it says.
+
+    Returns
+    -------
+    int or None
+        The `color_depth` of the cloud; None lets the values decide.
+
+    Examples
+    --------
+    >>> dark = np.array([[0, 51, 255]], dtype=np.uint16)
+    >>> confirmed_depth(dark, 16), confirmed_depth(dark, 8)
+    (16, None)
+    """
+    return stated if stated == kept_depth(colors) else None
+
+
 def check_depth(depth: int | None, *, is_optional: bool = True) -> None:
     """Raise if an option is no depth.
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Rows
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import confirmed_depth
 
 POSITION = ("x", "y", "z")
 NORMAL = ("nx", "ny", "nz")
@@ -77,8 +78,9 @@ class CloudBuilder:
         faces: Rows | None = None,
         metadata: Mapping[str, Any] = MappingProxyType({}),
         crs: str | None = None,
+        color_depth: int | None = None,
     ) -> Cloud:
-        """Return the filled arrays as a cloud."""
+        """Return the filled arrays as a cloud; the depth is what the file states."""
         return Cloud(
             self.points,
             colors=self.colors,
@@ -87,6 +89,7 @@ class CloudBuilder:
             faces=faces,
             metadata=metadata,
             crs=crs,
+            color_depth=confirmed_depth(self.colors, color_depth),
         )
 
     def _grouped(

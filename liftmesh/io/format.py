@@ -226,20 +226,23 @@ def dropped(
     kept = set(found.keeps) - set(losses)
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
-    missing = [name for word, name in CONTENT.items() if word not in kept and _has(cloud, word)]
+    lost = [word for word in CONTENT if word not in kept and _has(cloud, word)]
     if "float64" not in kept and not _fits_single(_held(found, cloud), origin):
-        missing.append(CONTENT["float64"])
-    if "attributes" in missing:
-        at = missing.index("attributes")
-        missing[at : at + 1] = sorted(cloud.attributes)
-    entries = metadata.named(metadata.said(cloud.metadata))
-    if "metadata" in missing:
-        at = missing.index("metadata")
-        missing[at : at + 1] = entries
-    else:
-        missing += metadata.lost(cloud.metadata)
+        lost.append("float64")
+    names = [name for word in lost for name in _names(cloud, word)]
+    if "metadata" in kept:
+        names += metadata.lost(cloud.metadata)
     named = (each for each in losses if each not in CONTENT)
-    return (*missing, *named, *metadata.not_read(cloud.metadata))
+    return (*names, *named, *metadata.not_read(cloud.metadata))
+
+
+def _names(cloud: Cloud, word: str) -> list[str]:
+    """Name a part of a cloud: attributes and metadata one by one."""
+    if word == "attributes":
+        return sorted(cloud.attributes)
+    if word == "metadata":
+        return metadata.named(metadata.said(cloud.metadata))
+    return [CONTENT[word]]
 
 
 def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
@@ -258,9 +261,10 @@ def _has(cloud: Cloud, word: str) -> bool:
         return colors is not None and not is_opaque(colors)
     if word == "deep_colors":
         return colors is not None and not fits_eight_bits(colors)
-    if word in ("attributes", "metadata"):
-        return len(metadata.said(cloud.metadata) if word == "metadata" else cloud.attributes) > 0
-    return getattr(cloud, word) is not None
+    if word == "metadata":
+        return bool(metadata.said(cloud.metadata))
+    part = getattr(cloud, word)
+    return part is not None and len(part) > 0
 
 
 def _held(found: Format, cloud: Cloud) -> Floats:

@@ -15,6 +15,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
+from liftmesh.io.whole_numbers import SINGLE, fit
 
 _OTHER = re.compile(r"[^A-Z0-9_]+")
 _WIDEST = 4
@@ -76,7 +77,7 @@ def lost(attributes: Mapping[str, Array]) -> list[str]:
     for name, values in sorted(attributes.items()):
         if why := reason(values):
             found.append(f"{name} ({why})")
-        elif not _is_single(values):
+        elif not _is_exact(values):
             found.append(f"double precision of {name}")
     return found
 
@@ -147,12 +148,11 @@ def _converted(values: Array, dtype: np.dtype) -> Array:
     return converted if is_exact else values
 
 
-def _is_single(values: Array) -> bool:
+def _is_exact(values: Array) -> bool:
     """Whether single precision holds all values."""
-    single = _single(values)
-    if values.dtype.kind in "iu" and float(single.max()) > np.iinfo(values.dtype).max:
-        return False  # rounded up to what the type does not hold
-    return np.array_equal(single.astype(values.dtype), values)
+    if values.dtype.kind in "iu":
+        return fit(values, SINGLE)
+    return np.array_equal(_single(values).astype(values.dtype), values)
 
 
 def _single(values: Array) -> Array:

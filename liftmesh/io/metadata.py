@@ -29,6 +29,7 @@ _NOTES = (
 LINES = ("comments", "obj_info")
 
 _STATED = "metadata "  # begins the comment that states an entry
+_OWN = (_STATED, "crs ", "property ", "color_depth ")  # and those that state something else
 
 # Characters of an entry, and of all: a line of a PLY header is as long at most, and objects of
 # Python take up to 64 times their JSON.
@@ -162,7 +163,7 @@ def _line(key: str, line: str) -> str:
 
 def _is_plain(line: str) -> bool:
     is_bare = line.isascii() and line.isprintable() and line == line.strip()
-    is_own = line == "liftmesh" or line.startswith(("crs ", _STATED))
+    is_own = line == "liftmesh" or line.startswith(_OWN)
     is_marked = line.startswith("#") or line.endswith("\\")  # which mean something in OBJ
     return is_bare and not is_own and not is_marked and len(line) <= LONGEST
 

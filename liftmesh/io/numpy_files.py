@@ -17,6 +17,7 @@ from numpy.lib import format as npy
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_rows3
 from liftmesh.cloud import Cloud, is_crs
+from liftmesh.color_depth import confirmed_depth, stated_depth
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
 from liftmesh.io.columns import CloudBuilder
@@ -31,6 +32,7 @@ _POINTS = ("points", "vertices", "xyz")
 _FACES = ("faces", "triangles")
 _CRS = "crs"
 _METADATA = "metadata"
+_DEPTH = "color_depth"
 _RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
 
 
@@ -122,12 +124,12 @@ def read_npz_chunks(
     with opened(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
-        check_content([members[key] for key in (*needed, *roles.texts)], max_bytes, name)
+        check_content([members[key] for key in (*needed, *roles.scalars)], max_bytes, name)
         _check_layout(members[needed[0]].layout, name)
-        texts = {key: members[key].whole() for key in roles.texts}
+        scalars = {key: members[key].whole() for key in roles.scalars}
         streams = [members[key].parts(rows) for key in needed]
         for number, parts in enumerate(zip(*streams, strict=True)):
-            yield roles.cloud(dict(zip(needed, parts, strict=True)) | texts, number * rows)
+            yield roles.cloud(dict(zip(needed, parts, strict=True)) | scalars, number * rows)
 
 
 def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> None:
@@ -137,7 +139,8 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     ----------
     cloud : Cloud
         Written as ``points`` and, if present, ``colors``, ``normals``, ``faces``, ``crs``,
-        ``metadata`` (JSON) and each attribute by its name.
+        ``metadata`` (JSON) and each attribute by its name. ``color_depth`` is written where the
+        values of the colours would tell another.
     compressed : bool
         Compress the arrays (deflate).
 
@@ -149,8 +152,10 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
     """
     crs = None if cloud.crs is None else np.array(cloud.crs)
     entries = metadata.storable(cloud.metadata)
+    depth = stated_depth(cloud.colors)
     parts = {
         "colors": cloud.colors,
+        _DEPTH: None if depth is None else np.array(depth, np.uint8),
         "normals": cloud.normals,
         "faces": cloud.faces,
         _CRS: crs,
@@ -163,12 +168,21 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
 
 def check_npz(cloud: Cloud) -> None:
     """Raise for an attribute that an archive cannot hold."""
-    states = {_CRS: cloud.crs is not None, _METADATA: bool(metadata.storable(cloud.metadata))}
+    states = {
+        _CRS: cloud.crs is not None,
+        _METADATA: bool(metadata.storable(cloud.metadata)),
+        _DEPTH: stated_depth(cloud.colors) is not None,
+    }
     taken = _RESERVED | {key for key, is_stated in states.items() if is_stated}
     for key, values in cloud.attributes.items():
         leads_out = ".." in re.split(r"[/\\]", key) or key.startswith(("/", "\\"))
-        if key in taken or "\0" in key or values.dtype.hasobject or leads_out:
+        if key in taken or not _is_name(key) or values.dtype.hasobject or leads_out:
             raise FormatError(f"attribute {key!r} of type {values.dtype}: rename or convert it")
+
+
+def _is_name(key: str) -> bool:
+    """Whether an archive can hold a name: one without NUL, and without half a character."""
+    return "\0" not in key and key.encode(errors="replace") == key.encode(errors="surrogatepass")
 
 
 def _write_arrays(stream: BinaryIO, arrays: Mapping[str, Array], compressed: bool) -> None:
@@ -255,9 +269,10 @@ class _Roles:
         self.crs, self.metadata = (
             key if key in arrays and _is_text(arrays[key]) else None for key in (_CRS, _METADATA)
         )
+        self.depth = _DEPTH if _DEPTH in arrays and _is_count(arrays[_DEPTH]) else None
         self._check(arrays, "colors", (3, 4), count)
         self._check(arrays, "normals", (3,), count)
-        known = {self._points, self._faces, self.crs, self.metadata, "colors", "normals"}
+        known = {self._points, self._faces, *self.scalars, "colors", "normals"}
         rest = {key: arrays[key].shape for key in arrays if key not in known}
         fits = {
             key: key not in _RESERVED and len(shape) > 0 and shape[0] == count
@@ -277,6 +292,7 @@ class _Roles:
         return Cloud(
             points,
             colors=arrays.get("colors"),
+            color_depth=self._stated_depth(arrays),
             normals=arrays.get("normals"),
             attributes={key: arrays[key] for key in self._attributes},
             faces=None if faces is None else checked_faces(faces, len(points), self._name),
@@ -291,10 +307,14 @@ class _Roles:
         skipped = (*self._skipped, *([f"{_METADATA} ()"] if is_other else []))
         return (entries or {}) | ({"skipped": skipped} if skipped else {})
 
+    def _stated_depth(self, arrays: Mapping[str, Array]) -> int | None:
+        stated = None if self.depth is None else int(arrays[self.depth])
+        return confirmed_depth(arrays.get("colors"), stated)
+
     @property
-    def texts(self) -> list[str]:
-        """The arrays that hold a text."""
-        return [key for key in (self.crs, self.metadata) if key is not None]
+    def scalars(self) -> list[str]:
+        """The arrays that hold a text or a number."""
+        return [key for key in (self.crs, self.metadata, self.depth) if key is not None]
 
     def _key_of_points(self, arrays: Mapping[str, _Shaped]) -> str:
         if self._alone:
@@ -320,6 +340,10 @@ class _Roles:
 def _crs(array: Array) -> str | None:
     crs = str(array)
     return crs if is_crs(crs) else None
+
+
+def _is_count(array: _Shaped) -> bool:
+    return array.shape == () and array.dtype == np.uint8
 
 
 def _is_text(array: _Shaped) -> bool:

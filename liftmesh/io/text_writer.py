@@ -18,7 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io import text
+from liftmesh.io import text, whole_numbers
 from liftmesh.io.colors import as_float, as_uint8, fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.limits import COLUMN_BYTES
@@ -26,6 +26,7 @@ from liftmesh.io.table_columns import unnamed
 from liftmesh.io.table_doubts import Doubts
 from liftmesh.io.table_options import TableOptions
 from liftmesh.io.text_tables import quoted, write_rows
+from liftmesh.io.whole_numbers import DOUBLE
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -177,7 +178,13 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
 
 
 def _lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Colours within printed precision of 8-bit ones are read as these."""
+    """Numbers are read as doubles, and colours close to those of 8 bits as these."""
+    whole = {k: each for k, each in sorted(cloud.attributes.items()) if each.dtype.kind in "iu"}
+    wide = [name for name, values in whole.items() if not whole_numbers.fit(values, DOUBLE)]
+    return (*(f"whole numbers of {name} beyond 2**53" for name in wide), *_lost_colors(cloud))
+
+
+def _lost_colors(cloud: Cloud) -> tuple[str, ...]:
     if cloud.colors is None or fits_eight_bits(cloud.colors):
         return ()
     back = recognized(_plain_colors(cloud.colors).astype(np.float64))

@@ -14,6 +14,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
+from liftmesh.color_depth import kept_depth
 from liftmesh.io import gltf_names
 from liftmesh.io.format import Format, Origin
 from liftmesh.io.gltf_file import File
@@ -81,6 +82,7 @@ def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
     shown = Cloud(
         without_origin(cloud.points, origin),
         colors=cloud.colors,
+        color_depth=kept_depth(cloud.colors),
         normals=_squarable(cloud.normals),
         faces=cloud.faces,
     )
@@ -116,9 +118,13 @@ def _has_faces(cloud: Cloud) -> bool:
 
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Points are written without normals, and normals of meshes with unit length."""
-    is_kept = cloud.normals is None or (_has_faces(cloud) and _are_unit(cloud.normals))
-    return (*gltf_names.lost(cloud.attributes), *(() if is_kept else ("normals",)))
+    """Points are written without normals; those of meshes get the length 1, but for zeros."""
+    lost = gltf_names.lost(cloud.attributes)
+    if cloud.normals is None:
+        return tuple(lost)
+    if not _has_faces(cloud) or not _are_unit(cloud.normals):
+        return (*lost, "normals")
+    return (*lost, *gltf_names.lost({"normals": cloud.normals}))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -133,7 +139,7 @@ def _squarable(normals: Array | None) -> Array | None:
 def _are_unit(normals: Array) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         lengths = np.sqrt((normals.astype(np.float64) ** 2).sum(axis=1))
-    return bool((np.abs(lengths - 1.0) <= TOLERANCE).all())
+    return bool(((np.abs(lengths - 1.0) <= TOLERANCE) | (normals == 0).all(axis=1)).all())
 
 
 def _check_gltf(cloud: Cloud) -> None:

@@ -228,3 +228,56 @@ def test_replacing_colours_of_a_surface_keeps_their_depth() -> None:
     assert anew.dtype == np.uint8
     with pytest.raises(InputError, match=r"row 0 has the colour .* color_depth=8"):
         surface.replace(colors=RED * 257, color_depth=8)
+
+
+EXACT = [
+    ("npz", {}),
+    ("ply", {"colors": "exact"}),
+    ("ply", {"colors": "exact", "encoding": "ascii"}),
+]
+
+
+@pytest.mark.parametrize(("kind", "options"), EXACT)
+def test_a_dark_part_of_a_deep_cloud_stays_dark(kind: str, options: dict[str, str]) -> None:
+    dark = Cloud(FIVE, colors=DEEP.astype(np.uint16)).select(slice(0, 4))
+    assert dark.color_depth == 16
+    data = saved(dark, kind, **options)
+    back = loaded(data, kind)
+    assert back.color_depth == 16
+    assert np.array_equal(back.colors, dark.colors)  # type: ignore[arg-type]
+    pieces = [*liftmesh.read_chunks(io.BytesIO(data), format=kind, rows=3)]
+    assert [piece.color_depth for piece in pieces] == [16, 16]
+    assert saved(back, kind, **options) == data
+    assert loaded(data, kind).metadata.keys() <= {"source", "format"}
+
+
+@pytest.mark.parametrize(("kind", "options"), EXACT)
+def test_a_depth_that_the_values_tell_is_not_stated(kind: str, options: dict[str, str]) -> None:
+    for colors in (RED.astype(np.uint8), RED.astype(np.uint16), DEEP.astype(np.uint16)):
+        data = saved(Cloud(FIVE[: len(colors)], colors=colors), kind, **options)
+        assert b"color_depth" not in data
+
+
+@pytest.mark.parametrize("kind", ["glb", "gltf"])
+def test_gltf_rounds_dark_colours_of_16_bits_to_black(kind: str) -> None:
+    dark = Cloud(FIVE, colors=DEEP.astype(np.uint16)).select(slice(0, 4))
+    back = loaded(saved(dark, kind), kind).colors
+    assert back is not None
+    assert back[:, :3].max() == 1  # 255 of 65,535
+
+
+def test_a_depth_of_another_type_is_a_comment_like_others() -> None:
+    text = saved(Cloud(POINTS, colors=RED.astype(np.uint8)), "ply", comments=["color_depth 16"])
+    back = loaded(text, "ply")
+    assert (back.color_depth, back.metadata["comments"]) == (None, ("color_depth 16",))
+    stream = io.BytesIO()
+    np.savez(stream, points=POINTS, colors=RED.astype(np.uint16), color_depth=np.uint8(32))
+    assert loaded(stream.getvalue(), "npz").color_depth == 8
+
+
+def test_an_archive_has_an_attribute_or_a_depth_of_one_name() -> None:
+    named = {"color_depth": np.arange(4)}
+    assert [*loaded(saved(Cloud(POINTS, attributes=named), "npz"), "npz").attributes] == [*named]
+    dark = Cloud(POINTS, colors=RED.astype(np.uint16), color_depth=16, attributes=named)
+    with pytest.raises(liftmesh.FormatError, match="attribute 'color_depth'"):
+        saved(dark, "npz")

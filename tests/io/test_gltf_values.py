@@ -308,3 +308,37 @@ def test_colours_of_all_types(
     counted = {1: "1 primitive", 2: "2 primitives"}[uses]
     noted = (f"{counted} with COLOR_0 of more than 8 bits, rounded",) if is_rounded else None
     assert cloud.metadata.get("skipped") == noted
+
+
+WIDEST = [np.int32(2**31 - 1), np.uint32(2**32 - 1), np.int64(2**63 - 1), np.uint64(2**64 - 1)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("value", WIDEST, ids=[value.dtype.name for value in WIDEST])
+def test_the_largest_number_of_a_type_is_named_without_a_warning(kind: str, value: Any) -> None:
+    cloud = Cloud(MESH.points, faces=MESH.faces, attributes={"id": np.full(4, value)})
+    assert liftmesh.write(io.BytesIO(), cloud, format=kind).dropped == ("double precision of id",)
+    assert (loaded(saved(cloud, kind), kind).attributes["id"] == np.float32(value)).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_whole_numbers_of_24_bits_are_kept(kind: str) -> None:
+    values = np.array([2**24 - 1, -(2**40), 2**62, 0])
+    cloud = Cloud(MESH.points, faces=MESH.faces, attributes={"id": values})
+    assert liftmesh.write(io.BytesIO(), cloud, format=kind).dropped == ()
+    assert_same_bits(loaded(saved(cloud, kind), kind).attributes["id"], values)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_normals_that_single_precision_rounds_are_named(kind: str) -> None:
+    normals = np.array([[0, 0.6, 0.8], [0, 0, 1], [1, 0, 0], [0, 0, 0]])
+    cloud = Cloud(MESH.points, faces=MESH.faces, normals=normals)
+    dropped = liftmesh.write(io.BytesIO(), cloud, format=kind).dropped
+    assert dropped == ("double precision of normals",)
+    back = loaded(saved(cloud, kind), kind).normals
+    assert back is not None
+    assert np.array_equal(back, normals.astype(np.float32))
+    tiny = Cloud(MESH.points, faces=MESH.faces, normals=normals * 1e-180)
+    assert liftmesh.write(io.BytesIO(), tiny, format=kind).dropped == ("normals",)
+    single = Cloud(MESH.points, faces=MESH.faces, normals=normals.astype(np.float32))
+    assert liftmesh.write(io.BytesIO(), single, format=kind).dropped == ()

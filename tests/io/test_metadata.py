@@ -217,3 +217,12 @@ def test_columns_and_notes_of_the_user_are_named_if_they_are_no_tables() -> None
     cloud = mesh({"notes": "by hand", "columns": 7})
     written = liftmesh.write(io.BytesIO(), cloud, format="ply")
     assert written.dropped == ("metadata columns", "metadata notes")
+
+
+@pytest.mark.parametrize("line", ['property class "code"', "color_depth 16", 'crs "EPSG:1"'])
+def test_lines_that_look_like_statements_come_back_as_lines(line: str) -> None:
+    colors = np.full((4, 3), 999, dtype=np.uint16)
+    cloud = mesh({"comments": (line,)}, colors=colors, attributes={"class": np.arange(4)})
+    again = loaded(saved(cloud, "ply", colors="exact"), "ply")
+    assert again.metadata["comments"] == (line,)
+    assert ([*again.attributes], again.crs) == (["class"], None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,3 +64,21 @@ def test_coordinates_that_no_float32_holds(kind: str) -> None:
     points = np.array([[1e308, 0, 0], [-1e308, 0, 0], [0, 1, 0]])
     with pytest.raises(FormatError, match="do not fit the single precision"):
         saved(Cloud(points, faces=FULL.faces), kind)
+
+
+def test_attributes_are_named_whatever_their_names() -> None:
+    names = ("metadata", "attributes", "faces")
+    cloud = Cloud(
+        np.eye(3),
+        attributes={name: np.arange(3) for name in names},
+        faces=FULL.faces,
+    )
+    for metadata in ({}, {"survey": 2024}):
+        described = replace(cloud, metadata=metadata)
+        dropped = liftmesh.write(io.BytesIO(), described, format="off").dropped
+        assert sorted(dropped) == sorted([*names, *(f"metadata {key}" for key in metadata)])
+
+
+def test_a_mesh_without_a_face_loses_none() -> None:
+    cloud = Cloud(np.eye(3), faces=np.zeros((0, 3), dtype=np.int32))
+    assert liftmesh.write(io.BytesIO(), cloud, format="csv").dropped == ()

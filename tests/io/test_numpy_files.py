@@ -287,3 +287,9 @@ def test_many_arrays_are_not_compared_with_each_other() -> None:
     begin = time.thread_time()
     assert len(_Roles(arrays, "cloud.npz").row_arrays) == 60_001
     assert time.thread_time() - begin < 3
+
+
+def test_half_a_character_is_no_name_of_an_archive() -> None:
+    cloud = Cloud(AWKWARD, attributes={"\ud800": np.zeros(len(AWKWARD))})
+    with pytest.raises(FormatError, match=r"attribute '\\ud800' of type float64: rename"):
+        saved(cloud, "npz")

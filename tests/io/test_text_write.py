@@ -224,3 +224,11 @@ def test_an_alpha_that_is_no_colour_is_not_joined_to_colours() -> None:
     )
     with pytest.raises(FormatError, match="'alpha' cannot name a column"):
         written(cloud, "csv")
+
+
+def test_whole_numbers_that_doubles_round_are_named() -> None:
+    stream = io.BytesIO()
+    attributes = {"id": np.array([2**53 + 1, 1]), "even": np.array([2**60, 3 << 52])}
+    dropped = liftmesh.write(stream, Cloud(POINTS, attributes=attributes), format="csv").dropped
+    assert dropped == ("whole numbers of id beyond 2**53",)
+    assert b"9007199254740993" in stream.getvalue()

@@ -186,7 +186,7 @@ def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Clou
     named = {name: _numpy(tensor) for name, tensor in rows.items()}
     return Cloud(
         points=arrays.as_rows3(named.pop("positions", np.zeros((0, 3)))),
-        colors=named.pop("colors", None),
+        colors=_tensor_shades(named),
         normals=named.pop("normals", None),
         attributes={name: _flat(values) for name, values in named.items()},
         faces=narrowed(_numpy(triangles["indices"])) if "indices" in triangles else None,
@@ -200,6 +200,20 @@ def _unread(names: Iterable[str]) -> dict[str, Any]:
     """The metadata that name what a cloud does not hold."""
     skipped = tuple(names)
     return {"skipped": skipped} if skipped else {}
+
+
+def _tensor_shades(named: dict[str, Array]) -> Array | None:
+    """Remove and return the colours, with the alpha that `to_tensor` keeps beside them."""
+    colors, alpha = named.pop("colors", None), named.get("alpha")
+    if colors is None or alpha is None or alpha.shape != (len(colors), 1):
+        return colors
+    if alpha.dtype != colors.dtype or colors.shape[1:] != (3,) or not _are_shares(alpha):
+        return colors
+    return np.concatenate([colors, named.pop("alpha")], axis=1)
+
+
+def _are_shares(values: Array) -> bool:
+    return values.dtype.kind == "f" and bool(((values >= 0) & (values <= 1)).all())
 
 
 def _numpy(tensor: Any) -> Array:
@@ -268,6 +282,9 @@ def _named_columns(cloud: Cloud, precision: np.dtype[Any]) -> dict[str, Array]:
         raise InputError(
             f"an attribute is named {min(taken)!r}, which is reserved in Open3D meshes: rename it"
         )
+    for name in cloud.attributes:
+        if name.encode(errors="replace") != name.encode(errors="surrogatepass"):
+            raise InputError(f"an attribute is named {name!r}, half a character: rename it")
     named = {name: _column(name, values) for name, values in cloud.attributes.items()}
     with np.errstate(under="ignore"):
         named["positions"] = cloud.points.astype(precision, copy=False)
@@ -297,5 +314,5 @@ def _column(name: str, values: Array) -> Array:
             "convert it to integers or floats of at most 64 bits"
         )
     dtype = np.dtype(np.float32) if values.dtype == np.float16 else values.dtype
-    native = values.astype(dtype.newbyteorder("="), copy=False)
+    native = np.require(values, dtype.newbyteorder("="), "A")  # fields of records are not aligned
     return native[:, None] if native.ndim == 1 else native

@@ -19,7 +19,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.interruption import kept
-from liftmesh.io.colors import recognized
+from liftmesh.io.colors import fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.objects.plain import is_array, qualified_name
 from liftmesh.io.table_columns import Columns, understood, unnamed
@@ -342,12 +342,18 @@ def _colors(found: dict[str, Array]) -> Array | None:
     names = (*COLOR, ALPHA) if ALPHA in found else COLOR
     rest = dict(found)
     values = _stacked(rest, names)
-    if values is not None and values.dtype.kind != "u":
+    if values is not None and values.dtype.kind != "u" and not _are_shades(values):
         values = recognized(values.astype(np.float64))
     if values is not None:
         for name in names:
             del found[name]
     return values
+
+
+def _are_shades(values: Array) -> bool:
+    """Whether floats are colours, but none of 8 bits: they are not rounded to these."""
+    is_share = values.dtype.kind == "f" and bool(((values >= 0) & (values <= 1)).all())
+    return is_share and not fits_eight_bits(values)
 
 
 def _stacked(found: dict[str, Array], names: tuple[str, ...]) -> Array | None:

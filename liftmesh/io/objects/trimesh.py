@@ -148,7 +148,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
             vertices=cloud.points.copy(),
             faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
             vertex_colors=colors,
-            vertex_normals=None if cloud.normals is None else np.array(cloud.normals),
+            vertex_normals=_copied(cloud.normals),
             vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
             metadata=_metadata(cloud),
             process=False,
@@ -232,6 +232,11 @@ def _faces(source: Any) -> Array | None:
 def _metadata(cloud: Cloud) -> dict[str, Any]:
     crs = {} if cloud.crs is None else {"crs": cloud.crs}
     return {**cloud.metadata, **crs}
+
+
+def _copied(normals: Array | None) -> Array | None:
+    """A copy of the normals; None if there are none, which trimesh cannot look at."""
+    return None if normals is None or not len(normals) else np.array(normals)
 
 
 def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,9 +37,8 @@ def to_cloud(scene: trimesh.Scene) -> Cloud:
     -------
     Cloud
         All vertices, transformed, and all faces, in the order of the scene. Colours, normals and
-        named values are kept if every geometry has them; metadata are those of the scene, and of
-        its geometry if there is only one. ``metadata["skipped"]`` names what is not kept, and
-        counts lines.
+        named values are kept if every geometry has them, metadata if they are the same everywhere.
+        ``metadata["skipped"]`` names what is not kept, and counts lines.
 
     Raises
     ------
@@ -61,8 +61,8 @@ def to_cloud(scene: trimesh.Scene) -> Cloud:
     stated = {part.crs for part in parts}
     if described["crs"] is None and len(stated) == 1:
         described["crs"] = stated.pop()
-    if len(parts) == 1:
-        described["metadata"] = {**said(parts[0].metadata), **described["metadata"]}
+    common = _common([said(part.metadata) for part in parts])
+    described["metadata"] = {**common, **described["metadata"]}
     lines = len(placed) - len(parts)
     skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
     if skipped:
@@ -103,6 +103,25 @@ def _joined_values(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
     return found
 
 
+def _common(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
+    """Return the entries that are the same in all mappings."""
+    first, *others = parts or [{}]
+    return {
+        key: value
+        for key, value in first.items()
+        if all(key in each and _is_same(each[key], value) for each in others)
+    }
+
+
+def _is_same(a: object, b: object) -> bool:
+    """Whether two values are equal; those that cannot tell, such as arrays, are not."""
+    if a is b:
+        return True
+    with suppress(Exception):  # of whatever class the values have
+        return bool(type(a) is type(b) and a == b)
+    return False
+
+
 def _joined_faces(parts: list[Cloud]) -> Rows | None:
     found: list[Rows] = []
     start = 0
@@ -123,7 +142,11 @@ def _lost(
         lost.update(name for name in part.attributes if name not in kept)
         if part.crs not in (None, described["crs"]):
             lost["crs"] += 1
-        lost["metadata"] += len(parts) > 1 and len(said(part.metadata)) > 0
+        lost.update(
+            f"metadata {key}"
+            for key, value in said(part.metadata).items()
+            if not _is_same(described["metadata"].get(key), value)
+        )
     for name in ("colors", "normals"):
         count = sum(getattr(part, name) is not None for part in parts)
         lost[name] = count if count < len(parts) else 0

@@ -15,12 +15,13 @@ import numpy as np
 
 from liftmesh._typing import Array, Rows
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import CloudBuilder, built_in_chunks
+from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
 from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import Format, others, stated_crs
 from liftmesh.io.metadata import stated
 from liftmesh.io.ply.ascii_body import AsciiBody
 from liftmesh.io.ply.binary_body import BinaryBody
+from liftmesh.io.ply.depth import stated as stated_depth
 from liftmesh.io.ply.header import Element, read_header
 from liftmesh.io.ply.names import old_names
 from liftmesh.io.ply.writer import check_ply, not_numeric, renamed_properties, write_ply
@@ -51,7 +52,8 @@ def read_ply(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
         red, green, blue (alpha) as colours, other scalar properties as attributes, all in the
         file's types, under the names that comments ``property a_b "a b"`` state; polygons as fans
         of triangles.
-        A comment ``crs "EPSG:25832"`` is the coordinate system.
+        A comment ``crs "EPSG:25832"`` is the coordinate system, ``color_depth 16`` says that dark
+        colours use all bits of their type.
         ``metadata`` holds what comments ``metadata {"survey": 2024}`` state, other ``comments``
         than liftmesh's own, ``obj_info``, and, if there are any, the number of
         ``polygons`` split into triangles, of omitted ``degenerate_faces`` of fewer than three
@@ -103,13 +105,15 @@ class _Reading:
         )
         self._name = name
         self._skipped: list[str] = []
+        properties = self._properties()
         comments = others(self._header.comments, self._crs())
-        self._names, self._comments = old_names(comments, self._properties())
+        self._depth, rest = stated_depth(comments, properties.get(COLOR[0]))
+        self._names, self._comments = old_names(rest, properties)
 
-    def _properties(self) -> list[str]:
+    def _properties(self) -> dict[str, np.dtype]:
         """The properties that become attributes, coordinates, normals and colours."""
         vertex = (each for each in self._header.elements if each.name == "vertex")
-        return [name for element in vertex for name in _scalars(element)]
+        return {name: dtype for element in vertex for name, dtype in _scalars(element).items()}
 
     def cloud(self) -> Cloud:
         builder, faces = None, None
@@ -129,7 +133,7 @@ class _Reading:
 
     def _cloud(self, builder: CloudBuilder, faces: Rows | None, metadata: dict[str, Any]) -> Cloud:
         """Give attributes the names that comments state."""
-        made = builder.cloud(faces, metadata, self._crs())
+        made = builder.cloud(faces, metadata, self._crs(), self._depth)
         if not self._names:
             return made
         named = {self._names.get(key, key): values for key, values in made.attributes.items()}

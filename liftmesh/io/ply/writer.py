@@ -22,6 +22,7 @@ from liftmesh.io.colors import as_uint8
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import OWN, crs_comment
 from liftmesh.io.metadata import plain_lines, statements, storable
+from liftmesh.io.ply.depth import statement as depth_statement
 from liftmesh.io.ply.header import LONGEST_LINE
 from liftmesh.io.ply.names import property_names, statements as old_names
 from liftmesh.io.text_tables import shortened, write_rows
@@ -75,7 +76,8 @@ def write_ply(
     names = property_names(_names(numeric), columns)
     attributes = scalar_columns(numeric)
     columns |= {names[name]: values for name, values in attributes.items()}
-    lines = _comments(cloud, names, comments)
+    depth = depth_statement(cloud.colors if colors == "exact" else None)
+    lines = _comments(cloud, [*depth, *old_names(names)], comments)
     stream.write(_header(cloud, columns, _ENCODINGS[encoding], lines))
     if encoding == "ascii":
         _write_text(stream, cloud, columns)
@@ -137,11 +139,11 @@ def _header(
     return "\n".join([*lines, "end_header", ""]).encode("ascii")
 
 
-def _comments(cloud: Cloud, names: Mapping[str, str], comments: Sequence[str]) -> Iterator[str]:
+def _comments(cloud: Cloud, stated: list[str], comments: Sequence[str]) -> Iterator[str]:
     given = [comments] if isinstance(comments, str) else comments
     entries = storable(cloud.metadata)
     infos = plain_lines(entries, "obj_info")
-    own = [OWN, *crs_comment(cloud.crs), *old_names(names), *statements(entries, "comments")]
+    own = [OWN, *crs_comment(cloud.crs), *stated, *statements(entries, "comments")]
     for comment in [*own, *(each for each in given if each not in own)]:
         if not comment.isascii() or not comment.isprintable():
             raise FormatError(f"comment {comment!r} is not one line of ASCII, as PLY requires")

@@ -280,18 +280,47 @@ def test_planar_functions_take_no_paths_and_name_what_is_no_cloud():
         liftmesh.delaunay(o3d.geometry.LineSet())
 
 
-def test_alpha_that_says_something_becomes_an_attribute():
+def test_alpha_that_says_something_comes_back_from_beside_the_colours():
     opaque = np.column_stack([BYTES, np.full(4, 255, dtype=np.uint8)])
     clear = np.column_stack([BYTES, np.array([255, 255, 51, 0], dtype=np.uint8)])
     assert "alpha" not in to_tensor(Cloud(POINTS, colors=opaque, faces=FACES)).vertex
-    back = as_cloud(to_tensor(Cloud(POINTS, colors=clear, faces=FACES)))
-    assert np.rint(back.attributes["alpha"] * 255).tolist() == [255, 255, 51, 0]
+    mesh = to_tensor(Cloud(POINTS, colors=clear, faces=FACES))
+    assert np.rint(mesh.vertex["alpha"].numpy() * 255).ravel().tolist() == [255, 255, 51, 0]
+    back = as_cloud(mesh)
+    assert np.array_equal(np.rint(back.colors * 255), clear)
+    assert not back.attributes
+
+
+@pytest.mark.parametrize(
+    "alpha", [np.full((4, 1), 2, np.float32), np.ones((4, 1)), np.ones((4, 2), np.float32)]
+)
+def test_other_values_called_alpha_stay_named_values(alpha):
+    mesh = to_tensor(Cloud(POINTS, colors=BYTES, faces=FACES))
+    mesh.vertex["alpha"] = o3d.core.Tensor(alpha)
+    back = as_cloud(mesh)
+    assert back.colors.shape == (4, 3)
+    assert np.array_equal(back.attributes["alpha"], np.squeeze(alpha))
+
+
+def test_fields_of_records_become_tensors():
+    records = np.zeros(4, [("x", "f8"), ("y", "f8"), ("z", "f8"), ("c", "u1"), ("time", "f8")])
+    for name, values in zip("xyz", POINTS.T, strict=True):
+        records[name] = values
+    records["time"] = [0.5, 1, 2, 3]
+    mesh = liftmesh.triangulate(records).to_open3d_t()
+    assert mesh.vertex["time"].numpy().ravel().tolist() == [0.5, 1, 2, 3]
 
 
 @pytest.mark.parametrize("name", ["positions", "normals", "colors", "alpha"])
 def test_names_that_tensors_keep_for_themselves(name):
     cloud = Cloud(POINTS, attributes={name: np.arange(4.0)}, faces=FACES)
     with pytest.raises(InputError, match=f"named '{name}', .*: rename it"):
+        to_tensor(cloud)
+
+
+def test_half_a_character_is_no_name_of_a_tensor():
+    cloud = Cloud(POINTS, attributes={"\ud800": np.arange(4.0)}, faces=FACES)
+    with pytest.raises(InputError, match=r"named '\\ud800', half a character: rename it"):
         to_tensor(cloud)
 
 

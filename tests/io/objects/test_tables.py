@@ -324,3 +324,18 @@ def test_columns_that_are_no_numbers_are_named_in_what_is_written() -> None:
     (lost,) = liftmesh.write(io.BytesIO(), frame, format="ply").dropped
     assert lost.startswith("column code (")
     assert liftmesh.triangulate(frame).save(io.BytesIO(), format="ply").dropped == (lost,)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_colours_of_floats_are_rounded_to_8_bits_only_where_they_are_these(dtype: type) -> None:
+    eighths = np.array([0, 51, 254, 255]) / 255
+    near = eighths + np.array([0, 4e-7, 0, 0])
+    for shades in (eighths, near):
+        column = shades.astype(dtype)
+        table = {"x": [0.0, 1, 0, 1], "y": [0.0, 0, 1, 1], "z": [5.0, 6, 7, 8]}
+        cloud = as_cloud(pd.DataFrame({**table, "r": column, "g": column, "b": column}))
+        assert cloud.colors is not None
+        if shades is eighths:
+            assert cloud.colors[:, 0].tolist() == [0, 51, 254, 255]
+        else:
+            assert_same_bits(cloud.colors[:, 0], column)

@@ -194,12 +194,13 @@ def painted_box() -> trimesh.Trimesh:
 
 def test_what_a_union_of_geometries_loses_is_named() -> None:
     other = trimesh.creation.icosphere(1)
+    other.metadata = {}
     other.vertex_attributes["age"] = np.zeros(len(other.vertices))  # of another type
     written = liftmesh.write(io.BytesIO(), trimesh.Scene([painted_box(), other]), format="ply")
     assert sorted(written.dropped) == [
         "age of 2 of 2 geometries",
         "colors of 1 of 2 geometries",
-        "metadata of 2 of 2 geometries",
+        "metadata survey of 1 of 2 geometries",
     ]
 
 
@@ -223,3 +224,20 @@ def test_what_faces_hold_is_named() -> None:
     assert liftmesh.as_cloud(box).metadata["skipped"] == lost
     assert liftmesh.write(io.BytesIO(), box, format="ply").dropped == lost
     assert liftmesh.triangulate(box).save(io.BytesIO(), format="ply").dropped == lost
+
+
+def test_a_scene_keeps_the_metadata_that_all_meshes_have() -> None:
+    boxes = [trimesh.creation.box(), trimesh.creation.box()]
+    for box, by in zip(boxes, "ab", strict=True):
+        box.metadata = {"survey": 2024, "by": by, "grid": np.eye(2)}
+    cloud = liftmesh.as_cloud(trimesh.Scene(boxes))
+    assert cloud.metadata == {
+        "survey": 2024,
+        "skipped": ("metadata by of 2 of 2 geometries", "metadata grid of 2 of 2 geometries"),
+    }
+
+
+def test_an_empty_mesh_with_normals() -> None:
+    none = np.zeros((0, 3))
+    mesh = to_mesh(Cloud(none, normals=none, faces=np.zeros((0, 3), dtype=np.int32)))
+    assert len(mesh.vertices) == 0

@@ -1,0 +1,44 @@
+"""Send clouds through every pair of formats and objects, or make the tables of FORMATS.md.
+
+    python scripts/conversions                  writes the tables into FORMATS.md
+    python scripts/conversions --check          exits with 1 if the page is out of date
+    python scripts/conversions --seconds 600    draws clouds, and sends them through every pair
+
+What comes back must be the same bit for bit, or the loss named (`checking`). A find is shown in its
+smallest form, and the exit code is 1.
+"""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
+
+from conversions.campaign import any_seed, hunt
+from conversions.table import PAGE, page
+
+
+def main() -> None:
+    """Run the command."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="change nothing; 1 if out of date")
+    parser.add_argument("--seconds", type=float, help="draw clouds for so long")
+    parser.add_argument("--seed", type=int, help="of the first cloud; default: random")
+    options = parser.parse_args()
+    if options.seconds is not None:
+        seed = any_seed() if options.seed is None else options.seed
+        print(f"seed {seed}", flush=True)
+        print(f"{hunt(options.seconds, seed):,} clouds, no find")
+        return
+    text = PAGE.read_text("utf-8")
+    made = page(text)
+    if not options.check:
+        PAGE.write_text(made, "utf-8")
+    elif made != text:
+        raise SystemExit(f"{PAGE.name} is out of date: run python scripts/conversions")
+
+
+if __name__ == "__main__":
+    main()

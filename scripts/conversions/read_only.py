@@ -1,0 +1,143 @@
+"""Files of the formats that liftmesh only reads, written by other libraries, or by hand."""
+
+from __future__ import annotations
+
+import gzip
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import open3d as o3d
+
+from conversions.objects import to_structured, to_tensor_points
+from conversions.passages import Arrival, Passage
+from liftmesh import Cloud, InputError, read
+from liftmesh.color_depth import stated_depth
+from liftmesh.io.colors import as_uint8
+from liftmesh.io.registry import FORMATS
+
+Array = np.ndarray[Any, np.dtype[Any]]
+
+
+def npy(cloud: Cloud, path: Path) -> None:
+    """A structured array, of the numbers that it takes."""
+    table = to_structured(_with_numbers(cloud))
+    if not all(name.isascii() for name in table.dtype.names or ()):
+        raise InputError("NumPy warns of such names")
+    np.save(path, table)
+
+
+def pcd(cloud: Cloud, path: Path) -> None:
+    """As Open3D writes it: fields of scalars, colours in 8 bits."""
+    colors = None if cloud.colors is None else as_uint8(cloud.colors)[:, :3]
+    points = to_tensor_points(replace(_with_numbers(cloud), colors=colors, color_depth=None))
+    for name in [*points.point]:
+        if points.point[name].dtype in (o3d.core.bool, o3d.core.Dtype.Bool):
+            raise InputError("PCD has no type for it")
+        is_field = name.isprintable() and name.isascii() and " " not in name and name
+        if name == "alpha" or not is_field:
+            raise InputError("PCD has no such field")
+    with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
+        if not o3d.t.io.write_point_cloud(str(path), points):
+            raise InputError("Open3D does not write this")
+
+
+def pts(cloud: Cloud, path: Path) -> None:
+    columns = [cloud.points, *_column(cloud, "intensity"), *_eight_bits(cloud)]
+    path.write_text(f"{len(cloud)}\n" + _lines(columns))
+
+
+def xyzrgb(cloud: Cloud, path: Path) -> None:
+    columns = [cloud.points, *_eight_bits(cloud)]
+    if len(columns) == 1:
+        raise InputError("XYZRGB has colours")
+    path.write_text(_lines(columns))
+
+
+def xyzn(cloud: Cloud, path: Path) -> None:
+    if cloud.normals is None:
+        raise InputError("XYZN has normals")
+    path.write_text(_lines([cloud.points, cloud.normals.astype(np.float64)]))
+
+
+def node(cloud: Cloud, path: Path) -> None:
+    """A .node file of Triangle's, in space as TetGen's."""
+    values = _column(cloud, "attribute_1")
+    rows = _lines([np.arange(len(cloud))[:, None], cloud.points, *values])
+    path.with_suffix(".node").write_text(f"{len(cloud)} 3 {len(values)} 0\n{rows}")
+
+
+def ele(cloud: Cloud, path: Path) -> None:
+    """The triangles in an .ele file, beside their points."""
+    node(cloud, path)
+    faces = np.zeros((0, 3), np.int32) if cloud.faces is None else cloud.faces
+    rows = _lines([np.arange(len(faces))[:, None], faces])
+    path.write_text(f"{len(faces)} 3 0\n{rows}")
+
+
+MAKERS: dict[str, Callable[[Cloud, Path], None]] = {
+    "npy": npy, "pcd": pcd, "pts": pts, "xyzrgb": xyzrgb, "xyzn": xyzn, "node": node, "ele": ele,
+}  # fmt: skip
+
+
+def read_only() -> Iterator[Passage]:
+    """Every format that is read but not written."""
+    for each in FORMATS:
+        if each.read is not None and each.write is None:
+            yield Passage(each.name, partial(_through_file, each.name))
+            if each.gzip:
+                yield Passage(f"{each.name}.gz", partial(_through_gzip, each.name))
+
+
+def _through_file(kind: str, cloud: Cloud) -> Arrival:
+    with tempfile.TemporaryDirectory() as folder:
+        path = _made(kind, cloud, folder)
+        return Arrival(read(path), cloud, data=path.read_bytes())
+
+
+def _through_gzip(kind: str, cloud: Cloud) -> Arrival:
+    with tempfile.TemporaryDirectory() as folder:
+        path = _made(kind, cloud, folder)
+        compressed = path.with_name(f"{path.name}.gz")
+        compressed.write_bytes(gzip.compress(path.read_bytes(), 1))
+        return Arrival(read(compressed), cloud)
+
+
+def _made(kind: str, cloud: Cloud, folder: str) -> Path:
+    path = Path(folder) / f"cloud.{kind}"
+    MAKERS[kind](cloud, path)
+    return path
+
+
+def _with_numbers(cloud: Cloud) -> Cloud:
+    kinds = {name: each.dtype.str[1:] for name, each in cloud.attributes.items()}
+    if any(kind[0] not in "biuf" or kind == "f16" for kind in kinds.values()):
+        raise InputError("the attributes are no numbers")
+    return cloud
+
+
+def _column(cloud: Cloud, name: str) -> list[Array]:
+    values = cloud.attributes.get(name)
+    is_number = values is not None and values.ndim == 1 and values.dtype.kind in "biuf"
+    return [values.astype(np.float64)[:, None]] if values is not None and is_number else []
+
+
+def _eight_bits(cloud: Cloud) -> list[Array]:
+    """Colours of 8 or 16 bits as whole numbers."""
+    colors = cloud.colors
+    if colors is None:
+        return []
+    if colors.dtype.str[1:] not in {"u1", "u2"} or int(colors[:, :3].max(initial=0)) < 2:
+        raise InputError("as numbers, these colours would be others")
+    if stated_depth(colors[:, :3]) is not None:
+        raise InputError("the values of the colours tell another depth")
+    return [colors[:, :3]]
+
+
+def _lines(columns: list[Array]) -> str:
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return "".join(" ".join(repr(value) for part in row for value in part) + "\n" for row in rows)
