@@ -46,6 +46,8 @@ def numbers(dtype: str, shape: tuple[int, ...]) -> SearchStrategy[Array]:
     """Values of a type: any, or all of them few."""
     few = {"i": [0, 1, -1, 255], "u": [0, 1, 255], "f": [*_SPECIAL[:6], float("nan")]}
     kind = np.dtype(dtype).kind
+    if kind == "M":  # of the years that pandas knows
+        return hnp.arrays(np.int16, shape).map(lambda days: days.astype(dtype))
     usual = hnp.arrays(dtype, shape)
     if kind not in few:
         return usual

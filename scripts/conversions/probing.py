@@ -5,7 +5,7 @@ Each probe is a small cloud that has one thing more than a plain one. What comes
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,7 +76,6 @@ class Kept:
     metadata: bool
     origin: bool
     steps: bool
-    seen: frozenset[str] = field(default=frozenset())
 
     def loses(self, loss: str) -> bool:
         """Whether a part of a cloud is lost, by the word of `losses`."""
