@@ -230,8 +230,8 @@ MAKERS: dict[str, dict[str, Callable[[Cloud], Any]]] = {
     "trimesh": {
         "trimesh.Trimesh": lambda cloud: trimesh.to_mesh(_of_trimesh(cloud)),
         "trimesh.PointCloud": lambda cloud: trimesh.to_points(_of_trimesh(cloud)),
-        "trimesh.Scene": to_scene,
     },
+    "trimesh scene": {"trimesh.Scene": to_scene},
     "open3d": {
         "Open3D TriangleMesh": open3d.to_legacy,
         "Open3D PointCloud": to_legacy_points,
