@@ -6,6 +6,7 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -182,16 +183,19 @@ liftmesh::text::Column column(const Values& values, bool shortest) {
             values.stride(0) * static_cast<std::ptrdiff_t>(size), kind, size};
 }
 
-// Prints rows as text; `around` stands around the values of each row.
+// Prints rows as text while Python does something else, such as writing those before them.
 class Printer {
  public:
-    Printer(Words around, bool shortest) : around_(std::move(around)), shortest_(shortest) {}
+    Printer(Words around, bool shortest, unsigned threads)
+        : columns_(around.size() - 1),
+          shortest_(shortest),
+          printer_(std::move(around), pool_),
+          pool_({threads, true}, interrupt_) {}
     Printer(const Printer&) = delete;
     Printer& operator=(const Printer&) = delete;
 
-    // The text of some rows, in parts.
-    nb::list print(const std::vector<Values>& columns, unsigned threads) {
-        if (columns.empty() || around_.size() != columns.size() + 1)
+    void begin(std::vector<Values> columns) {
+        if (columns.empty() || columns.size() != columns_)
             throw std::invalid_argument("a row needs a value, and text around each");
         std::vector<liftmesh::text::Column> typed;
         for (const Values& values : columns) {
@@ -199,19 +203,50 @@ class Printer {
                 throw std::invalid_argument("lengths differ");
             typed.push_back(column(values, shortest_));
         }
-        in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
-            return print_rows({typed, around_, columns[0].shape(0)}, pool, parts_);
-        });
+        if (std::exchange(printing_, true)) throw std::logic_error("finish the rows before these");
+        values_ = std::move(columns);
+        printer_.begin({std::move(typed), values_[0].shape(0)});
+    }
+
+    // The text of the rows, in parts.
+    nb::list finish() {
+        bool done = false;
+        {
+            const nb::gil_scoped_release unlocked;
+            const liftmesh::IeeeArithmetic ieee;
+            done = printer_.finish();
+        }
+        printing_ = false;
+        if (!done) throw_interruption();
         nb::list texts;
-        for (const liftmesh::text::Part& part : parts_)
-            if (part.size != 0) texts.append(nb::bytes(part.text.get(), part.size));
+        for (const liftmesh::text::Part& part : printer_.parts())
+            if (part.size != 0) texts.append(view(part));
         return texts;
     }
 
  private:
-    Words around_;
-    bool shortest_;
-    std::vector<liftmesh::text::Part> parts_;
+    // The view keeps the memory.
+    static nb::object view(const liftmesh::text::Part& part) {
+        using Text = std::shared_ptr<char[]>;
+        const nb::capsule owner(new Text(part.text),
+                                [](void* p) noexcept { delete static_cast<Text*>(p); });
+        const nb::ndarray<nb::numpy, const std::uint8_t> bytes(part.text.get(), {part.size}, owner);
+        return nb::steal(PyMemoryView_FromObject(nb::cast(bytes).ptr()));
+    }
+
+    // Of what ended a run: the process may also have been forked between `begin` and `finish`.
+    static void throw_interruption() {
+        if (PyErr_Occurred() == nullptr)
+            PyErr_SetString(PyExc_RuntimeError, "the process was forked while it printed");
+        throw nb::python_error();
+    }
+
+    std::size_t columns_;
+    bool shortest_, printing_ = false;
+    std::vector<Values> values_;  // until they are printed
+    PythonInterrupt interrupt_;
+    liftmesh::text::Printer printer_;
+    liftmesh::ThreadPool pool_;  // ends before what its threads work on
 };
 
 }  // namespace
@@ -224,8 +259,9 @@ void bind_text(nb::module_& m) {
     m.def("parse_numbers", &parse_numbers, "data"_a, "lines"_a, "threads"_a);
     m.def("parse_corners", &parse_corners, "data"_a, "lines"_a, "threads"_a);
     nb::class_<Printer>(m, "Printer")
-        .def(nb::init<Words, bool>(), "around"_a, "shortest"_a)
-        .def("print", &Printer::print, "columns"_a, "threads"_a);
+        .def(nb::init<Words, bool, unsigned>(), "around"_a, "shortest"_a, "threads"_a)
+        .def("begin", &Printer::begin, "columns"_a)
+        .def("finish", &Printer::finish);
 }
 
 }  // namespace bindings

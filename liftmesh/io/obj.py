@@ -291,13 +291,10 @@ def write_obj(
 
 
 def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
-    counted = faces.astype(np.int64) + 1
-    if normals:
-        a, b, c = counted.T
-        slashes = ("//", " ", "//", " ", "//")
-        write_rows(stream, [a, a, b, b, c, c], prefix="f ", between=slashes)
-    else:
-        write_rows(stream, [counted], prefix="f ")
+    a, b, c = faces.T
+    columns = [a, a, b, b, c, c] if normals else [a, b, c]
+    between = ("//", " ", "//", " ", "//") if normals else " "
+    write_rows(stream, columns, prefix="f ", between=between, plus=1)
 
 
 def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:

@@ -10,8 +10,6 @@
 #include <limits>
 #include <system_error>
 
-#include "text/shortest.hpp"
-
 namespace liftmesh::text {
 
 namespace {
@@ -194,6 +192,8 @@ std::uint64_t eight_digits(std::uint64_t value) {
     return tens | (twos - 10 * tens) << 8;
 }
 
+constexpr std::uint64_t characters = 0x30303030'30303030;
+
 // All seventeen digits that a double may have; those at the end that are 0 do not count.
 Digits digits_of(Decimal decimal) {
     constexpr std::uint64_t eight = 100'000'000, fifteen = eight * 10'000'000;
@@ -208,7 +208,6 @@ Digits digits_of(Decimal decimal) {
     const std::uint64_t upper = digits / eight;
     const std::uint64_t high = eight_digits(upper % eight), low = eight_digits(digits % eight);
     const int zeros = low != 0 ? std::countl_zero(low) / 8 : 8 + std::countl_zero(high) / 8;
-    constexpr std::uint64_t characters = 0x30303030'30303030;
     return {static_cast<char>('0' + upper / eight),
             {high | characters, low | characters},
             most_digits - zeros,
@@ -238,12 +237,15 @@ bool is_whole(double value) {
 }  // namespace
 
 char* print_shortest(char* out, double value) {
+    return print_shortest(out, value, shortest_decimal(std::abs(value)));
+}
+
+char* print_shortest(char* out, double value, Decimal shortest) {
     if (!std::isfinite(value)) return print_non_finite(out, value);
     if (is_whole(value)) return copied(print_whole(out, static_cast<std::int64_t>(value)), ".0");
     *out = '-';
     out += std::signbit(value);
-    if (value == 0) return copied(out, "0.0");
-    return print_digits(out, digits_of(shortest_decimal(std::abs(value))));
+    return value == 0 ? copied(out, "0.0") : print_digits(out, digits_of(shortest));
 }
 
 char* print_shortest(char* out, float value) {
@@ -259,11 +261,18 @@ char* print_nine_digits(char* out, float value) {
 }
 
 char* print_whole(char* out, std::int64_t value) {
-    return std::to_chars(out, out + longest_number, value).ptr;
+    *out = '-';
+    const auto bits = static_cast<std::uint64_t>(value);
+    return value < 0 ? print_whole(out + 1, 0 - bits) : print_whole(out, bits);
 }
 
 char* print_whole(char* out, std::uint64_t value) {
-    return std::to_chars(out, out + longest_number, value).ptr;
+    if (value >= 100'000'000) return std::to_chars(out, out + longest_number, value).ptr;
+    const std::uint64_t digits = eight_digits(value);
+    constexpr std::uint64_t last = std::uint64_t{1} << 56;  // of 0, too, one digit is shown
+    const int zeros = std::countr_zero(digits | last) / 8;
+    store(out, (digits | characters) >> (8 * zeros));
+    return out + 8 - zeros;
 }
 
 }  // namespace liftmesh::text
