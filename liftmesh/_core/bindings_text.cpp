@@ -105,61 +105,71 @@ nb::object parse_table(const nb::bytes& data, const LinePairs& lines, std::size_
     return writable(std::move(table), {rows.count, width});
 }
 
-// How many words each line has, and what `parse(counts, words, pool)` makes of them.
+// What `parse(words, pool)` makes of lines: first as if all had as many words as the first, since
+// counting takes as long as parsing; if they have not, they are counted.
 template <class Parse>
 liftmesh::text::Parsed parse_words(const liftmesh::text::Block& rows, unsigned threads,
-                                   std::int64_t* counts, Parse parse) {
-    auto parsed = liftmesh::text::Parsed::interrupted;
+                                   liftmesh::text::Words& words, Parse parse) {
+    using liftmesh::text::Parsed;
+    auto parsed = Parsed::interrupted;
+    words.lines = rows.count;
+    words.of_each = rows.count == 0 ? 0 : liftmesh::text::count_values(rows[0], {});
     in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
-        std::size_t words = 0;
-        if (count_words(rows, pool, counts, words)) parsed = parse(words, pool);
-        return parsed != liftmesh::text::Parsed::interrupted;
+        // Each word takes two bytes at least, or one at the end.
+        const bool may_fit = words.count() <= rows.data.size() / 2 + 1;
+        parsed = may_fit ? parse(words, pool) : Parsed::refused;
+        if (parsed == Parsed::refused)
+            parsed = count_words(rows, pool, words) ? parse(words, pool) : Parsed::interrupted;
+        return parsed != Parsed::interrupted;
     });
     return parsed;
+}
+
+nb::object counts(const liftmesh::text::Words& words) {
+    auto found = liftmesh::allocate<std::int64_t>(words.lines);
+    for (std::size_t i = 0; i < words.lines; ++i) found[i] = static_cast<std::int64_t>(words.of(i));
+    return writable(std::move(found), {words.lines});
 }
 
 // The words of each line, and all values: int64 if all are whole numbers, else float64. None if one
 // is no number.
 nb::object parse_numbers(const nb::bytes& data, const LinePairs& lines, unsigned threads) {
+    using liftmesh::text::Parsed;
     const liftmesh::text::Block rows = block(data, lines);
-    auto counts = liftmesh::allocate<std::int64_t>(rows.count);
+    liftmesh::text::Words words;
     liftmesh::Buffer<std::int64_t> wholes;
     liftmesh::Buffer<double> numbers;
-    std::size_t count = 0;
-    const auto parse = [&](std::size_t words, liftmesh::ThreadPool& pool) {
-        count = words;
-        wholes = liftmesh::allocate<std::int64_t>(words);
-        const auto parsed = parse_wholes(rows, counts.get(), pool, wholes.get());
-        if (parsed != liftmesh::text::Parsed::refused) return parsed;
+    const auto parse = [&](const liftmesh::text::Words& expected, liftmesh::ThreadPool& pool) {
+        numbers = {};
+        wholes = liftmesh::allocate<std::int64_t>(expected.count());
+        const auto parsed = parse_wholes(rows, expected, pool, wholes.get());
+        if (parsed != Parsed::refused) return parsed;
         numbers = liftmesh::reuse<double>(std::move(wholes));
-        return liftmesh::text::parse_numbers(rows, counts.get(), pool, numbers.get());
+        return liftmesh::text::parse_numbers(rows, expected, pool, numbers.get());
     };
-    const auto parsed = parse_words(rows, threads, counts.get(), parse);
-    if (parsed == liftmesh::text::Parsed::refused) return nb::none();
-    return nb::make_tuple(
-        writable(std::move(counts), {rows.count}),
-        numbers ? writable(std::move(numbers), {count}) : writable(std::move(wholes), {count}));
+    if (parse_words(rows, threads, words, parse) == Parsed::refused) return nb::none();
+    const std::size_t count = words.count();
+    return nb::make_tuple(counts(words), numbers ? writable(std::move(numbers), {count})
+                                                 : writable(std::move(wholes), {count}));
 }
 
 // The corners of each face, the vertex of each corner, and its normal, or None if none has one.
 // None if a corner is none.
 nb::object parse_corners(const nb::bytes& data, const LinePairs& lines, unsigned threads) {
     const liftmesh::text::Block rows = block(data, lines);
-    auto counts = liftmesh::allocate<std::int64_t>(rows.count);
+    liftmesh::text::Words words;
     liftmesh::Buffer<std::int32_t> vertices, normals;
-    std::size_t count = 0;
     bool named = false;
-    const auto parse = [&](std::size_t words, liftmesh::ThreadPool& pool) {
-        count = words;
-        vertices = liftmesh::allocate<std::int32_t>(words);
-        normals = liftmesh::allocate<std::int32_t>(words);
-        return liftmesh::text::parse_corners(rows, counts.get(), pool, vertices.get(),
-                                             normals.get(), named);
+    const auto parse = [&](const liftmesh::text::Words& expected, liftmesh::ThreadPool& pool) {
+        vertices = liftmesh::allocate<std::int32_t>(expected.count());
+        normals = liftmesh::allocate<std::int32_t>(expected.count());
+        return liftmesh::text::parse_corners(rows, expected, pool, vertices.get(), normals.get(),
+                                             named);
     };
-    const auto parsed = parse_words(rows, threads, counts.get(), parse);
+    const auto parsed = parse_words(rows, threads, words, parse);
     if (parsed == liftmesh::text::Parsed::refused) return nb::none();
-    return nb::make_tuple(writable(std::move(counts), {rows.count}),
-                          writable(std::move(vertices), {count}),
+    const std::size_t count = words.count();
+    return nb::make_tuple(counts(words), writable(std::move(vertices), {count}),
                           named ? writable(std::move(normals), {count}) : nb::object(nb::none()));
 }
 

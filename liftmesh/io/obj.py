@@ -114,12 +114,12 @@ class _Reading:
     def _sorted(self, block: Block) -> tuple[Block, ...]:
         """Return the values of the lines of each relevant keyword, and count the other lines."""
         found = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
-        for text, number in block[found < 0]:
+        for text, number in _where(found, -1, block):
             if text in _KEYWORDS:
                 raise FormatError(f"{self.name}: line {number}: {text!r} without values")
             self._ignore(shortened(text.split(None, 1)[0]))
         return tuple(
-            block[found == k].behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
+            _where(found, k, block).behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
         )
 
     def _ignore(self, keyword: str) -> None:
@@ -186,6 +186,14 @@ class _Reading:
         if not self.normals:
             return None
         return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
+
+
+def _where(found: Array, keyword: int, block: Block) -> Block:
+    """The lines of a keyword: most often all or none."""
+    count = np.count_nonzero(found == keyword)
+    if count in (0, len(block)):
+        return block[:count]
+    return block[found == keyword]
 
 
 def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
