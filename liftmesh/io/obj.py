@@ -28,7 +28,7 @@ from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import OWN, Format, crs_comment, others, stated_crs
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
 from liftmesh.io.metadata import stated, statements, storable
-from liftmesh.io.obj_colors import color_columns, commented_colors, write_comments
+from liftmesh.io.obj_colors import MARK, color_columns, commented_colors, write_comments
 from liftmesh.io.obj_faces import Corners, parse_corners
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
@@ -66,10 +66,14 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
         A line is invalid; the message gives its number.
     """
     crs, entries = _stated(stream, name)
-    reading = _Reading(name, crs, entries, commented_colors(stream, name))
-    lines = Lines(stream, name, comments=("#",), continued=True)
+    reading = _Reading(name, crs, entries)
+    begin = stream.tell()
+    lines = Lines(stream, name, comments=("#",), continued=True, sought=MARK.encode())
     while len(block := lines.take(BLOCK)):
         reading.take(block)
+    if lines.found:
+        stream.seek(begin)
+        reading.painted = commented_colors(stream, name)
     return reading.cloud()
 
 
@@ -92,7 +96,7 @@ class _Reading:
     name: str
     crs: str | None
     entries: dict[str, Any]
-    painted: Array | None
+    painted: Array | None = None
     vertices: list[Array] = field(default_factory=list)
     normals: list[Array] = field(default_factory=list)
     corners: list[Corners] = field(default_factory=list)
