@@ -176,7 +176,7 @@ def write_rows(
 
     Columns are (n,) or (n, k) arrays of floats or integers. ``between`` stands between all values,
     or is what stands between each and the next. With ``shortest``, single precision too gets the
-    shortest digits. ``plus`` is added to integers.
+    shortest digits. ``plus`` is added to indices.
     """
     flat = [part for each in columns for part in ([each] if each.ndim == 1 else each.T)]
     marks = [between] * (len(flat) - 1) if isinstance(between, str) else between
@@ -206,6 +206,6 @@ def _printable(column: Array, plus: int) -> Array:
     elif not column.dtype.isnative:
         column = column.astype(column.dtype.newbyteorder("="))
     if plus:
-        column = column.astype(np.int64) + plus
+        column = column + np.int32(plus)  # indices of rows stay below the largest int32
     aligned = column.strides[0] % column.itemsize == 0
     return column if aligned else np.ascontiguousarray(column)
