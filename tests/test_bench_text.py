@@ -32,7 +32,7 @@ def test_all_files_hold_the_same_points(folder: Path) -> None:
 
 @pytest.mark.parametrize("call", bench_text.CALLS)
 def test_every_call_reads_or_writes_them(call: str, folder: Path) -> None:
-    assert bench_text.job(call, folder) > 0
+    assert min(bench_text.job(call, folder)) > 0
 
 
 def test_other_values_are_noticed(folder: Path) -> None:
@@ -46,6 +46,6 @@ def test_the_table() -> None:
     command = [sys.executable, bench_text.__file__, *words]
     told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert len(re.findall(r"(?:read|write) (?:CSV|XYZ|OBJ|PLY) .*\d\.\d{3}", told)) == 8
-    best = {"polars read_csv": 0.1, "read OBJ": 0.3}
+    best = {"polars read_csv": (0.1, 0.2), "read OBJ": (0.3, 0.5)}
     table = bench_text.table_of(best, {"CSV": 50, "OBJ": 100}, ROWS)
-    assert [*table.columns[-1].cells] == ["", "1.50"]
+    assert [[*column.cells] for column in table.columns[-2:]] == [["", "1.50"], ["", "1.25"]]

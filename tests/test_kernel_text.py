@@ -5,13 +5,14 @@ The fuzz target `numbers` compares the same properties for longer.
 
 from __future__ import annotations
 
+import os
 import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fuzz.round_trip import FindError
-from fuzz.text_numbers import check, printed, same_bits, value_of
+from fuzz.text_numbers import check, lines_of, printed, same_bits, value_of
 from hypothesis import example, given, settings, strategies as st
 
 from liftmesh import _kernel
@@ -74,7 +75,7 @@ def test_doubles_of_all_bits_are_printed_as_python_does() -> None:
     powers = 2.0 ** np.arange(-1074, 1024)  # where the interval around a double is lopsided
     short = np.round(rng.normal(size=50_000), 2) * 10.0 ** rng.integers(-8, 20, 50_000)
     values = np.concatenate([bits, powers, np.nextafter(powers, 0), -powers, short])
-    text = b"".join(_kernel.Printer(["", "\n"], False).print([values], 2)).decode()
+    text = lines_of([values], ["", "\n"], threads=2).decode()
     assert text.split() == [*map(repr, values.tolist())]
 
 
@@ -97,10 +98,14 @@ def test_all_threads_make_the_same(threads: int) -> None:
     rng = np.random.default_rng(threads)
     values = rng.normal(size=(20_000, 3)) * 10.0 ** rng.integers(-300, 300, (20_000, 3))
     counts = rng.integers(-(2**31), 2**31, 20_000)
-    printer = _kernel.Printer(["", ",", " ,", ", ", "\n"], False)
-    text = b"".join(printer.print([*values.T, counts], threads))
-    fewer = b"".join(printer.print([*values[:9].T, counts[:9]], threads))
-    assert fewer.splitlines() == text.splitlines()[:9]
+    printer = _kernel.Printer(["", ",", " ,", ", ", "\n"], False, threads)
+    texts = []
+    for rows in (slice(None), slice(9), slice(5, 20_000)):
+        printer.begin([*values[rows].T, counts[rows]])
+        texts.append(b"".join(printer.finish()))
+    text = texts[0]
+    assert texts[1].splitlines() == text.splitlines()[:9]
+    assert texts[2].splitlines() == text.splitlines()[5:]
     rows = [[*row, count] for row, count in zip(values.tolist(), counts.tolist(), strict=True)]
     assert text == "".join("{!r},{!r} ,{!r}, {}\n".format(*row) for row in rows).encode()
     found = table(text, 4, ",", threads)
@@ -139,9 +144,9 @@ def test_columns_of_every_type_and_stride() -> None:
         values = np.array([limits.min, 0, limits.max], code)
         assert printed(values[::-1]) == f"<{limits.max}>\n<0>\n<{limits.min}>\n"
     rows = np.arange(12.0).reshape(4, 3)[::2]
-    printer = _kernel.Printer(["", " ", " ", "\n"], False)
-    assert printer.print([*rows.T], 1) == [b"0.0 1.0 2.0\n6.0 7.0 8.0\n"]
-    assert printer.print([*rows[:0].T], 1) == []
+    around = ["", " ", " ", "\n"]
+    assert lines_of([*rows.T], around) == b"0.0 1.0 2.0\n6.0 7.0 8.0\n"
+    assert lines_of([*rows[:0].T], around) == b""
 
 
 def test_memory_is_in_proportion_to_the_text() -> None:
@@ -154,11 +159,36 @@ def test_arguments_are_checked() -> None:
     with pytest.raises(ValueError, match="a line is not within the text"):
         _kernel.parse_table(b"1 2", beyond, 2, "", 1)
     with pytest.raises(ValueError, match="a row needs a value, and text around each"):
-        _kernel.Printer(["\n"], False).print([np.zeros(1)], 1)
+        lines_of([np.zeros(1)], ["\n"])
     with pytest.raises(ValueError, match="lengths differ"):
-        _kernel.Printer(["", "", "\n"], False).print([np.zeros(1), np.zeros(2)], 1)
+        lines_of([np.zeros(1), np.zeros(2)], ["", "", "\n"])
     with pytest.raises(ValueError, match="columns must be"):
-        _kernel.Printer(["", "\n"], False).print([np.zeros(1, complex)], 1)
+        lines_of([np.zeros(1, complex)], ["", "\n"])
+
+
+def test_rows_may_be_left_while_they_are_printed() -> None:
+    rows = np.arange(3e5)
+    printer = _kernel.Printer(["", "\n"], False, 2)
+    printer.begin([rows.copy()])  # the printer keeps what it needs
+    with pytest.raises(RuntimeError, match="finish the rows before these"):
+        printer.begin([rows])
+    del printer  # while its threads are at work
+    for _ in range(50):
+        _kernel.Printer(["", "\n"], False, 3).begin([rows])
+
+
+def test_a_child_forked_amid_rows_is_told() -> None:
+    printer = _kernel.Printer(["", "\n"], False, 2)
+    printer.begin([np.arange(3e5)])
+    child = os.fork()
+    if child == 0:
+        try:
+            printer.finish()
+        except RuntimeError as error:
+            os._exit(7 if "forked" in str(error) else 1)
+        os._exit(2)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    assert b"".join(printer.finish()).split()[-1] == b"299999.0"
 
 
 def test_other_threads_run_meanwhile() -> None:

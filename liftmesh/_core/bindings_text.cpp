@@ -6,6 +6,7 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -104,61 +105,71 @@ nb::object parse_table(const nb::bytes& data, const LinePairs& lines, std::size_
     return writable(std::move(table), {rows.count, width});
 }
 
-// How many words each line has, and what `parse(counts, words, pool)` makes of them.
+// What `parse(words, pool)` makes of lines: first as if all had as many words as the first, since
+// counting takes as long as parsing; if they have not, they are counted.
 template <class Parse>
 liftmesh::text::Parsed parse_words(const liftmesh::text::Block& rows, unsigned threads,
-                                   std::int64_t* counts, Parse parse) {
-    auto parsed = liftmesh::text::Parsed::interrupted;
+                                   liftmesh::text::Words& words, Parse parse) {
+    using liftmesh::text::Parsed;
+    auto parsed = Parsed::interrupted;
+    words.lines = rows.count;
+    words.of_each = rows.count == 0 ? 0 : liftmesh::text::count_values(rows[0], {});
     in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
-        std::size_t words = 0;
-        if (count_words(rows, pool, counts, words)) parsed = parse(words, pool);
-        return parsed != liftmesh::text::Parsed::interrupted;
+        // Each word takes two bytes at least, or one at the end.
+        const bool may_fit = words.count() <= rows.data.size() / 2 + 1;
+        parsed = may_fit ? parse(words, pool) : Parsed::refused;
+        if (parsed == Parsed::refused)
+            parsed = count_words(rows, pool, words) ? parse(words, pool) : Parsed::interrupted;
+        return parsed != Parsed::interrupted;
     });
     return parsed;
+}
+
+nb::object counts(const liftmesh::text::Words& words) {
+    auto found = liftmesh::allocate<std::int64_t>(words.lines);
+    for (std::size_t i = 0; i < words.lines; ++i) found[i] = static_cast<std::int64_t>(words.of(i));
+    return writable(std::move(found), {words.lines});
 }
 
 // The words of each line, and all values: int64 if all are whole numbers, else float64. None if one
 // is no number.
 nb::object parse_numbers(const nb::bytes& data, const LinePairs& lines, unsigned threads) {
+    using liftmesh::text::Parsed;
     const liftmesh::text::Block rows = block(data, lines);
-    auto counts = liftmesh::allocate<std::int64_t>(rows.count);
+    liftmesh::text::Words words;
     liftmesh::Buffer<std::int64_t> wholes;
     liftmesh::Buffer<double> numbers;
-    std::size_t count = 0;
-    const auto parse = [&](std::size_t words, liftmesh::ThreadPool& pool) {
-        count = words;
-        wholes = liftmesh::allocate<std::int64_t>(words);
-        const auto parsed = parse_wholes(rows, counts.get(), pool, wholes.get());
-        if (parsed != liftmesh::text::Parsed::refused) return parsed;
+    const auto parse = [&](const liftmesh::text::Words& expected, liftmesh::ThreadPool& pool) {
+        numbers = {};
+        wholes = liftmesh::allocate<std::int64_t>(expected.count());
+        const auto parsed = parse_wholes(rows, expected, pool, wholes.get());
+        if (parsed != Parsed::refused) return parsed;
         numbers = liftmesh::reuse<double>(std::move(wholes));
-        return liftmesh::text::parse_numbers(rows, counts.get(), pool, numbers.get());
+        return liftmesh::text::parse_numbers(rows, expected, pool, numbers.get());
     };
-    const auto parsed = parse_words(rows, threads, counts.get(), parse);
-    if (parsed == liftmesh::text::Parsed::refused) return nb::none();
-    return nb::make_tuple(
-        writable(std::move(counts), {rows.count}),
-        numbers ? writable(std::move(numbers), {count}) : writable(std::move(wholes), {count}));
+    if (parse_words(rows, threads, words, parse) == Parsed::refused) return nb::none();
+    const std::size_t count = words.count();
+    return nb::make_tuple(counts(words), numbers ? writable(std::move(numbers), {count})
+                                                 : writable(std::move(wholes), {count}));
 }
 
 // The corners of each face, the vertex of each corner, and its normal, or None if none has one.
 // None if a corner is none.
 nb::object parse_corners(const nb::bytes& data, const LinePairs& lines, unsigned threads) {
     const liftmesh::text::Block rows = block(data, lines);
-    auto counts = liftmesh::allocate<std::int64_t>(rows.count);
+    liftmesh::text::Words words;
     liftmesh::Buffer<std::int32_t> vertices, normals;
-    std::size_t count = 0;
     bool named = false;
-    const auto parse = [&](std::size_t words, liftmesh::ThreadPool& pool) {
-        count = words;
-        vertices = liftmesh::allocate<std::int32_t>(words);
-        normals = liftmesh::allocate<std::int32_t>(words);
-        return liftmesh::text::parse_corners(rows, counts.get(), pool, vertices.get(),
-                                             normals.get(), named);
+    const auto parse = [&](const liftmesh::text::Words& expected, liftmesh::ThreadPool& pool) {
+        vertices = liftmesh::allocate<std::int32_t>(expected.count());
+        normals = liftmesh::allocate<std::int32_t>(expected.count());
+        return liftmesh::text::parse_corners(rows, expected, pool, vertices.get(), normals.get(),
+                                             named);
     };
-    const auto parsed = parse_words(rows, threads, counts.get(), parse);
+    const auto parsed = parse_words(rows, threads, words, parse);
     if (parsed == liftmesh::text::Parsed::refused) return nb::none();
-    return nb::make_tuple(writable(std::move(counts), {rows.count}),
-                          writable(std::move(vertices), {count}),
+    const std::size_t count = words.count();
+    return nb::make_tuple(counts(words), writable(std::move(vertices), {count}),
                           named ? writable(std::move(normals), {count}) : nb::object(nb::none()));
 }
 
@@ -182,16 +193,19 @@ liftmesh::text::Column column(const Values& values, bool shortest) {
             values.stride(0) * static_cast<std::ptrdiff_t>(size), kind, size};
 }
 
-// Prints rows as text; `around` stands around the values of each row.
+// Prints rows as text while Python does something else, such as writing those before them.
 class Printer {
  public:
-    Printer(Words around, bool shortest) : around_(std::move(around)), shortest_(shortest) {}
+    Printer(Words around, bool shortest, unsigned threads)
+        : columns_(around.size() - 1),
+          shortest_(shortest),
+          printer_(std::move(around), pool_),
+          pool_({threads, true}, interrupt_) {}
     Printer(const Printer&) = delete;
     Printer& operator=(const Printer&) = delete;
 
-    // The text of some rows, in parts.
-    nb::list print(const std::vector<Values>& columns, unsigned threads) {
-        if (columns.empty() || around_.size() != columns.size() + 1)
+    void begin(std::vector<Values> columns) {
+        if (columns.empty() || columns.size() != columns_)
             throw std::invalid_argument("a row needs a value, and text around each");
         std::vector<liftmesh::text::Column> typed;
         for (const Values& values : columns) {
@@ -199,19 +213,50 @@ class Printer {
                 throw std::invalid_argument("lengths differ");
             typed.push_back(column(values, shortest_));
         }
-        in_parallel(threads, [&](liftmesh::ThreadPool& pool) {
-            return print_rows({typed, around_, columns[0].shape(0)}, pool, parts_);
-        });
+        if (std::exchange(printing_, true)) throw std::logic_error("finish the rows before these");
+        values_ = std::move(columns);
+        printer_.begin({std::move(typed), values_[0].shape(0)});
+    }
+
+    // The text of the rows, in parts.
+    nb::list finish() {
+        bool done = false;
+        {
+            const nb::gil_scoped_release unlocked;
+            const liftmesh::IeeeArithmetic ieee;
+            done = printer_.finish();
+        }
+        printing_ = false;
+        if (!done) throw_interruption();
         nb::list texts;
-        for (const liftmesh::text::Part& part : parts_)
-            if (part.size != 0) texts.append(nb::bytes(part.text.get(), part.size));
+        for (const liftmesh::text::Part& part : printer_.parts())
+            if (part.size != 0) texts.append(view(part));
         return texts;
     }
 
  private:
-    Words around_;
-    bool shortest_;
-    std::vector<liftmesh::text::Part> parts_;
+    // The view keeps the memory.
+    static nb::object view(const liftmesh::text::Part& part) {
+        using Text = std::shared_ptr<char[]>;
+        const nb::capsule owner(new Text(part.text),
+                                [](void* p) noexcept { delete static_cast<Text*>(p); });
+        const nb::ndarray<nb::numpy, const std::uint8_t> bytes(part.text.get(), {part.size}, owner);
+        return nb::steal(PyMemoryView_FromObject(nb::cast(bytes).ptr()));
+    }
+
+    // Of what ended a run: the process may also have been forked between `begin` and `finish`.
+    static void throw_interruption() {
+        if (PyErr_Occurred() == nullptr)
+            PyErr_SetString(PyExc_RuntimeError, "the process was forked while it printed");
+        throw nb::python_error();
+    }
+
+    std::size_t columns_;
+    bool shortest_, printing_ = false;
+    std::vector<Values> values_;  // until they are printed
+    PythonInterrupt interrupt_;
+    liftmesh::text::Printer printer_;
+    liftmesh::ThreadPool pool_;  // ends before what its threads work on
 };
 
 }  // namespace
@@ -224,8 +269,9 @@ void bind_text(nb::module_& m) {
     m.def("parse_numbers", &parse_numbers, "data"_a, "lines"_a, "threads"_a);
     m.def("parse_corners", &parse_corners, "data"_a, "lines"_a, "threads"_a);
     nb::class_<Printer>(m, "Printer")
-        .def(nb::init<Words, bool>(), "around"_a, "shortest"_a)
-        .def("print", &Printer::print, "columns"_a, "threads"_a);
+        .def(nb::init<Words, bool, unsigned>(), "around"_a, "shortest"_a, "threads"_a)
+        .def("begin", &Printer::begin, "columns"_a)
+        .def("finish", &Printer::finish);
 }
 
 }  // namespace bindings

@@ -113,7 +113,8 @@ class Lines:
     ``remarks`` are the numbers of the first of them behind other lines, and how many there are.
     With ``continued``, a backslash at the end of a line joins it to the next. With ``keep_tabs``,
     tabs at the ends of lines stay: there they may separate empty values. ``number`` is that of the
-    last line taken.
+    last line taken; ``found`` tells whether the text read so far holds ``sought``, comments
+    included.
     """
 
     def __init__(
@@ -127,10 +128,13 @@ class Lines:
         before: int = 0,
         keep_tabs: bool = False,
         whole: bool = False,
+        sought: bytes = b"",
     ) -> None:
         self.number = before
         self.remarks = (0, 0)
+        self.found = False
         self._whole = whole
+        self._sought = sought
         self._keep_tabs = keep_tabs
         self._stream = stream
         self._name = name
@@ -185,6 +189,8 @@ class Lines:
         return b"".join(parts)
 
     def _block(self, data: bytes) -> Block:
+        if self._sought and not self.found:
+            self.found = _holds(data, self._sought)
         if b"\r" in data:
             data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         last: Mask | None = None
@@ -200,7 +206,7 @@ class Lines:
             numbers, count = np.flatnonzero(last)[numbers], len(last)
         numbers += self._read + 1
         self._read += count
-        if self._whole and any(mark.encode() in data for mark in self._comments):
+        if self._whole and any(_holds(data, mark.encode()) for mark in self._comments):
             rows = ~_begin_with(data, places, self._comments)
             self._notice_remarks(rows, numbers)
             places, numbers = places[rows], numbers[rows]
@@ -240,6 +246,11 @@ def _continues(data: bytes) -> bool:
     body = data[:-1].removesuffix(b"\r")
     line = body[max(body.rfind(b"\n"), body.rfind(b"\r")) + 1 :].rstrip()
     return line.endswith(b"\\") or (not line and b"\n" not in body and b"\r" not in body)
+
+
+def _holds(data: bytes, mark: bytes) -> bool:
+    """Whether a mark is in the data: a search for one byte is ten times as fast as for two."""
+    return mark[:1] in data and mark in data
 
 
 def _begin_with(data: bytes, places: Integers, marks: tuple[str, ...]) -> Mask:

@@ -28,7 +28,7 @@ from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import OWN, Format, crs_comment, others, stated_crs
 from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
 from liftmesh.io.metadata import stated, statements, storable
-from liftmesh.io.obj_colors import color_columns, commented_colors, write_comments
+from liftmesh.io.obj_colors import MARK, color_columns, commented_colors, write_comments
 from liftmesh.io.obj_faces import Corners, parse_corners
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
@@ -66,10 +66,14 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
         A line is invalid; the message gives its number.
     """
     crs, entries = _stated(stream, name)
-    reading = _Reading(name, crs, entries, commented_colors(stream, name))
-    lines = Lines(stream, name, comments=("#",), continued=True)
+    reading = _Reading(name, crs, entries)
+    begin = stream.tell()
+    lines = Lines(stream, name, comments=("#",), continued=True, sought=MARK.encode())
     while len(block := lines.take(BLOCK)):
         reading.take(block)
+    if lines.found:
+        stream.seek(begin)
+        reading.painted = commented_colors(stream, name)
     return reading.cloud()
 
 
@@ -92,7 +96,7 @@ class _Reading:
     name: str
     crs: str | None
     entries: dict[str, Any]
-    painted: Array | None
+    painted: Array | None = None
     vertices: list[Array] = field(default_factory=list)
     normals: list[Array] = field(default_factory=list)
     corners: list[Corners] = field(default_factory=list)
@@ -114,12 +118,12 @@ class _Reading:
     def _sorted(self, block: Block) -> tuple[Block, ...]:
         """Return the values of the lines of each relevant keyword, and count the other lines."""
         found = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
-        for text, number in block[found < 0]:
+        for text, number in _where(found, -1, block):
             if text in _KEYWORDS:
                 raise FormatError(f"{self.name}: line {number}: {text!r} without values")
             self._ignore(shortened(text.split(None, 1)[0]))
         return tuple(
-            block[found == k].behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
+            _where(found, k, block).behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
         )
 
     def _ignore(self, keyword: str) -> None:
@@ -186,6 +190,14 @@ class _Reading:
         if not self.normals:
             return None
         return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
+
+
+def _where(found: Array, keyword: int, block: Block) -> Block:
+    """The lines of a keyword: most often all or none."""
+    count = np.count_nonzero(found == keyword)
+    if count in (0, len(block)):
+        return block[:count]
+    return block[found == keyword]
 
 
 def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
@@ -291,13 +303,10 @@ def write_obj(
 
 
 def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
-    counted = faces.astype(np.int64) + 1
-    if normals:
-        a, b, c = counted.T
-        slashes = ("//", " ", "//", " ", "//")
-        write_rows(stream, [a, a, b, b, c, c], prefix="f ", between=slashes)
-    else:
-        write_rows(stream, [counted], prefix="f ")
+    a, b, c = faces.T
+    columns = [a, a, b, b, c, c] if normals else [a, b, c]
+    between = ("//", " ", "//", " ", "//") if normals else " "
+    write_rows(stream, columns, prefix="f ", between=between, plus=1)
 
 
 def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:

@@ -15,9 +15,8 @@ from liftmesh._typing import Array
 from liftmesh.io.colors import as_float, as_uint8
 from liftmesh.io.lines import BLOCK, Lines
 
-_MARK = "#MRGB"
+MARK = "#MRGB"
 _PER_LINE = 64
-_BYTES = 1 << 19
 _OPAQUE = 255
 
 # k/255 in the shortest digits of single precision: readers that use floats get this number.
@@ -40,43 +39,24 @@ def write_comments(stream: BinaryIO, colors: Array) -> None:
     masked[:, 1:] = as_uint8(colors)[:, :3]
     for start in range(0, len(masked), _PER_LINE):
         digits = masked[start : start + _PER_LINE].tobytes().hex()
-        stream.write(f"{_MARK} {digits}\n".encode("ascii"))
+        stream.write(f"{MARK} {digits}\n".encode("ascii"))
 
 
 def commented_colors(stream: BinaryIO, name: str) -> Array | None:
-    """Read the colours that comments hold, if any; the stream stays where it is.
+    """Read the colours that comments hold, from the beginning of a stream.
 
     Returns
     -------
     (n, 3) ndarray of uint8, or None
         None if there are none, or digits are missing.
     """
-    begin = stream.tell()
-    try:
-        return _colors(stream, name) if _has_mark(stream, begin) else None
-    finally:
-        stream.seek(begin)
-
-
-def _has_mark(stream: BinaryIO, begin: int) -> bool:
-    """Whether the mark occurs anywhere: files without it are not looked at line by line."""
-    mark, last = _MARK.encode(), b""
-    while data := stream.read(_BYTES):
-        if mark in data or mark in last + data[: len(mark)]:
-            stream.seek(begin)
-            return True
-        last = data[-len(mark) :]
-    return False
-
-
-def _colors(stream: BinaryIO, name: str) -> Array | None:
     values = bytearray()
     lines = Lines(stream, name)
     while len(block := lines.take(BLOCK)):
         for text in block.texts:
-            if text.startswith(_MARK):
+            if text.startswith(MARK):
                 try:
-                    values += bytes.fromhex(text[len(_MARK) :])
+                    values += bytes.fromhex(text[len(MARK) :])
                 except ValueError:
                     return None
     if len(values) % 4:

@@ -87,11 +87,11 @@ def parse_corners(
 def _from_zero(
     numbers: Array, sizes: Integers, at: Integers, lines: Integers, before: int
 ) -> Array:
-    """Count from 0; resolve negative indices, which count back from their own line."""
+    """Count from 0, in place; resolve negative indices, which count back from their own line."""
+    if not len(numbers) or numbers.min() >= 0:
+        numbers -= 1
+        return numbers
     backward = numbers < 0
-    if not backward.any():
-        counted: Array = numbers - np.int32(1)
-        return counted
     so_far = np.repeat(before + np.searchsorted(lines, at), sizes)
     resolved = np.where(backward, so_far + numbers, numbers - 1)
     # Before the first there is no vertex; keep it distinct from -1, which means no normal.

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
 from liftmesh._typing import Array, Integers
 
@@ -91,9 +92,22 @@ def gathered(values: Array, starts: Integers, sizes: Integers) -> Array:
     return found
 
 
+def _gathered_evenly(values: Array, starts: Integers, size: int) -> Array | None:
+    """The same for starts at equal distances, as in lines of triangles; None for others."""
+    step = int(starts[1] - starts[0])
+    if step < size or starts[-1] + size > len(values) or (np.diff(starts) != step).any():
+        return None
+    (stride,) = values.strides
+    rows = as_strided(values[int(starts[0]) :], (len(starts), size), (step * stride, stride))
+    flat: Array = np.array(rows, order="C").reshape(-1)
+    return flat
+
+
 def _gathered_uniform(values: Array, starts: Integers, size: int) -> Array:
     if len(starts) == 1:
         return np.array(values[int(starts[0]) : int(starts[0]) + size])
+    if (even := _gathered_evenly(values, starts, size)) is not None:
+        return even
     found = np.empty((len(starts), size), values.dtype)
     for row in range(0, len(starts), max(_RUN // max(size, 1), 1)):
         some = slice(row, row + max(_RUN // max(size, 1), 1))

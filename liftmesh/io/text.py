@@ -267,10 +267,7 @@ class _Meaning:
         """Make a cloud of rows that were examined."""
         names = self._names()
         columns = {names[k]: table[:, k] for k in self._kept()}
-        points = np.zeros((len(table), 3))
-        for position, each in enumerate(POSITION):
-            if each in columns:
-                points[:, position] = columns.pop(each)
+        points = _points(table, columns)
         if self._columns.negated is not None:
             points[:, 2] = 0.0 - points[:, 2]  # 0 stays 0
         colors = self._colors(columns)
@@ -332,6 +329,18 @@ class _Meaning:
             for each in self._color_names():
                 del columns[each]
         return colors
+
+
+def _points(table: Floats, columns: dict[str, Floats]) -> Floats:
+    """Remove and return the coordinates: the table itself if it holds nothing else."""
+    if tuple(columns) == POSITION and table.shape[1] == len(POSITION):
+        columns.clear()
+        return np.ascontiguousarray(table)
+    points = np.zeros((len(table), len(POSITION)))
+    for position, each in enumerate(POSITION):
+        if each in columns:
+            points[:, position] = columns.pop(each)
+    return points
 
 
 def _popped(columns: dict[str, Floats], names: tuple[str, ...]) -> Floats | None:

@@ -160,7 +160,7 @@ def quoted(text: str) -> str:
     return repr(shortened(text))
 
 
-_VALUES = 1 << 17  # printed at a time
+_VALUES = 1 << 18  # printed at a time
 
 
 def write_rows(
@@ -170,25 +170,33 @@ def write_rows(
     prefix: str = "",
     between: str | Sequence[str] = " ",
     shortest: bool = False,
+    plus: int = 0,
 ) -> None:
     """Write one line per row: ``prefix``, then the values of all columns.
 
     Columns are (n,) or (n, k) arrays of floats or integers. ``between`` stands between all values,
     or is what stands between each and the next. With ``shortest``, single precision too gets the
-    shortest digits.
+    shortest digits. ``plus`` is added to indices.
     """
     flat = [part for each in columns for part in ([each] if each.ndim == 1 else each.T)]
     marks = [between] * (len(flat) - 1) if isinstance(between, str) else between
-    printer = _kernel.Printer([prefix, *marks, "\n"], shortest)
+    threads, _ = as_threads(None, len(flat) * len(flat[0]))
+    printer = _kernel.Printer([prefix, *marks, "\n"], shortest, threads)
     rows = max(_VALUES // len(flat), 1)
+    texts: list[memoryview] = []
     for start in range(0, len(flat[0]), rows):
-        some = [_printable(each[start : start + rows]) for each in flat]
-        threads, _ = as_threads(None, len(some) * len(some[0]))
-        for text in printer.print(some, threads):  # noqa: FURB122 - streams may only `write`
-            stream.write(text)
+        printer.begin([_printable(each[start : start + rows], plus) for each in flat])
+        _write(stream, texts)  # while other threads print the rows that follow
+        texts = printer.finish()
+    _write(stream, texts)
 
 
-def _printable(column: Array) -> Array:
+def _write(stream: BinaryIO, texts: Sequence[memoryview]) -> None:
+    for text in texts:  # noqa: FURB122 - streams may only `write`
+        stream.write(text)
+
+
+def _printable(column: Array, plus: int) -> Array:
     """Convert a column, if necessary, to a type that the kernel prints."""
     kind, size = column.dtype.kind, column.dtype.itemsize
     if kind == "b":
@@ -197,5 +205,7 @@ def _printable(column: Array) -> Array:
         column = column.astype(np.float64 if size >= 8 else np.float32, copy=False)
     elif not column.dtype.isnative:
         column = column.astype(column.dtype.newbyteorder("="))
+    if plus:
+        column = column + np.int32(plus)  # indices of rows stay below the largest int32
     aligned = column.strides[0] % column.itemsize == 0
     return column if aligned else np.ascontiguousarray(column)

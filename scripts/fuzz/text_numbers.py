@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from collections.abc import Sequence
 from decimal import Context, Decimal
 from itertools import product
 
@@ -163,8 +164,20 @@ def check_printing(data: bytes) -> None:
 
 def printed(values: NDArray[np.generic], *, shortest: bool = False) -> str:
     """Print one column."""
-    parts = _kernel.Printer(["<", ">\n"], shortest).print([values], 1)
-    return b"".join(parts).decode("ascii")
+    return lines_of([values], ["<", ">\n"], shortest=shortest).decode("ascii")
+
+
+def lines_of(
+    columns: Sequence[NDArray[np.generic]],
+    around: Sequence[str],
+    *,
+    shortest: bool = False,
+    threads: int = 1,
+) -> bytes:
+    """Print columns, with text around the values of each row."""
+    printer = _kernel.Printer(around, shortest, threads)
+    printer.begin(columns)
+    return b"".join(printer.finish())
 
 
 def check_halfway(value: float) -> None:

@@ -5,7 +5,8 @@
     python scripts/sanitize thread --rows 9000
 
 A small driver, `driver.cpp`, triangulates and verifies several point sets on 2 to 8 threads, with
-duplicates and non-finite rows, interrupts runs, and makes several runs at the same time. Exits with
+duplicates and non-finite rows, interrupts runs, and makes several runs at the same time; `text.cpp`
+prints and parses numbers, and leaves rows that are being printed. Exits with
 1 if the sanitizer reports anything, or if a result differs from that of one thread. Needs clang
 with its sanitizers.
 """

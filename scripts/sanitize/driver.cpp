@@ -18,6 +18,7 @@
 #include "delaunay/delaunay.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
+#include "text.hpp"
 #include "verify/verify.hpp"
 
 namespace parallel {
@@ -145,5 +146,6 @@ void check(const Cloud& cloud) {
 
 int main(int, char** arguments) {
     const std::size_t rows = std::stoul(arguments[1]);
+    parallel::check_text(rows);
     for (const parallel::Cloud& cloud : parallel::clouds(rows)) parallel::check(cloud);
 }

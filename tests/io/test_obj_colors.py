@@ -76,3 +76,17 @@ def test_a_mark_between_two_blocks_is_found() -> None:
     for shift in range(7):
         text = b"v 0 0 0\n#" + b"a" * ((1 << 19) - 15 + shift) + b"\n#MRGB ff010203\n"
         assert loaded(text, "obj").colors is not None
+
+
+def test_colours_are_found_where_comments_fill_a_block(tmp_path: Path) -> None:
+    """The reader sees such a block without a line."""
+    vertex, block = b"v 1.25 2.5 3.75\n", 1 << 21
+    vertices = vertex * (block // len(vertex))
+    marks = b"#MRGB " + b"ff010203" * 64 + b"\n"
+    path = tmp_path / "painted.obj"
+    count = len(vertices) // len(vertex)
+    path.write_bytes(vertices + marks * (count // 64))
+    assert len(vertices) == block
+    colors = liftmesh.read(path).colors
+    assert colors is not None
+    assert colors.tolist() == [[1, 2, 3]] * count

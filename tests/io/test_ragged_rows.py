@@ -249,3 +249,12 @@ def test_streams_that_return_parts_are_read_whole() -> None:
         faces = liftmesh.read(Part(data), format=kind).faces
         assert faces is not None
         assert faces.tolist() == fans(rows)
+
+
+@pytest.mark.parametrize("starts", [[1, 5, 9], [0, 3, 6], [2, 2, 2], [9, 5, 1], [1, 5, 8]])
+@pytest.mark.parametrize("size", [0, 1, 3])
+def test_rows_at_equal_distances_and_others(starts: list[int], size: int) -> None:
+    values = np.arange(24)[::2]
+    found = gathered(values, np.array(starts), np.full(3, size))
+    assert found.tolist() == [x for k in starts for x in values[k : k + size].tolist()]
+    assert not np.shares_memory(found, values)

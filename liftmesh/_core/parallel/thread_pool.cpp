@@ -47,6 +47,7 @@ ThreadPool::~ThreadPool() {
         static_cast<void>(workers_.release());
         return;
     }
+    next_ = tasks_;
     {
         const std::lock_guard lock(mutex_);
         stopping_ = true;
@@ -97,7 +98,7 @@ void ThreadPool::run_tasks() {
     try {
         for (std::size_t task; (task = next_.fetch_add(1)) < tasks_;) {
             if (interrupt_.requested()) return;
-            (*work_)(task);
+            work_(task);
         }
     } catch (...) {
         next_ = tasks_;
@@ -106,23 +107,31 @@ void ThreadPool::run_tasks() {
     }
 }
 
-bool ThreadPool::run(std::size_t tasks, const std::function<void(std::size_t)>& work) {
-    if (forked()) return false;
+bool ThreadPool::run(std::size_t tasks, std::function<void(std::size_t)> work) {
+    begin(tasks, std::move(work));
+    return finish();
+}
+
+void ThreadPool::begin(std::size_t tasks, std::function<void(std::size_t)> work) {
+    if (forked()) return;
     if (tasks > 1 && size_ > 1 && workers_->threads.empty()) start_workers();
-    work_ = &work;
+    work_ = std::move(work);
     tasks_ = tasks;
     next_ = 0;
-    const bool alone = tasks < 2 || workers_->threads.empty();
-    if (!alone) {
-        {
-            const std::lock_guard lock(mutex_);
-            working_ = workers_->threads.size();
-            ++round_;
-        }
-        workers_->begin.notify_all();
+    alone_ = tasks < 2 || workers_->threads.empty();
+    if (alone_) return;
+    {
+        const std::lock_guard lock(mutex_);
+        working_ = workers_->threads.size();
+        ++round_;
     }
+    workers_->begin.notify_all();
+}
+
+bool ThreadPool::finish() {
+    if (forked()) return false;
     run_tasks();
-    if (!alone && !forked()) wait();
+    if (!alone_ && !forked()) wait();
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     return !interrupt_.requested();
 }

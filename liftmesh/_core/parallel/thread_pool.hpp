@@ -47,7 +47,12 @@ class ThreadPool {
 
     // Calls work(task) for every task below `tasks`. False if the interrupt ended it early.
     // Rethrows the first exception of a task.
-    bool run(std::size_t tasks, const std::function<void(std::size_t)>& work);
+    bool run(std::size_t tasks, std::function<void(std::size_t)> work);
+
+    // `run` in two halves: after the first the other threads work, and the caller's is free; with
+    // the second it joins them, and waits for the end.
+    void begin(std::size_t tasks, std::function<void(std::size_t)> work);
+    bool finish();
 
  private:
     // Any thread may ask; only the caller's thread passes the question on.
@@ -86,8 +91,9 @@ class ThreadPool {
     bool stopping_ = false;
     std::exception_ptr error_;
 
-    const std::function<void(std::size_t)>* work_ = nullptr;
+    std::function<void(std::size_t)> work_;
     std::size_t tasks_ = 0;
+    bool alone_ = true;  // none but the caller's thread works on the list
     std::atomic<std::size_t> next_ = 0;
 };
 

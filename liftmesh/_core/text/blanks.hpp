@@ -2,13 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 namespace liftmesh::text {
 
 inline bool is_blank(char c) {
+    constexpr std::uint64_t blanks = std::uint64_t{0x1F} << 9 | std::uint64_t{0x1F} << 28;
     const auto code = static_cast<unsigned char>(c);
-    return code == ' ' || (code >= 9 && code <= 13) || (code >= 28 && code <= 31);
+    return code <= ' ' && (blanks >> code & 1) != 0;
 }
 
 // Without the white space around it; with `keep_tabs`, tabs stay.

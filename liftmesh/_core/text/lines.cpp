@@ -27,22 +27,31 @@ std::size_t line_begin(std::string_view data, std::size_t from) {
     return end == std::string_view::npos ? data.size() : end + 1;
 }
 
-std::string_view bare(std::string_view line, const Margins& margins) {
+// Whether a word, most often of one letter, begins a line: the first letter nearly always decides,
+// without a call.
+bool begins(std::string_view line, std::string_view word) {
+    return !line.empty() && !word.empty() && line[0] == word[0] && line.starts_with(word);
+}
+
+// `has_remarks`: whether there may be a # in the line.
+std::string_view bare(std::string_view line, const Margins& margins, bool has_remarks) {
     line = stripped(line, margins.keep_tabs);
-    if (margins.comments.empty()) return line;
     for (const std::string& mark : margins.comments)
-        if (line.starts_with(mark)) return line.substr(0, 0);
+        if (begins(line, mark)) return line.substr(0, 0);
+    if (!has_remarks) return line;
     return stripped(line.substr(0, line.find('#')), margins.keep_tabs);
 }
 
 // Takes the lines that begin in [begin, end).
 void take_lines(std::string_view data, std::size_t begin, std::size_t end, const Margins& margins,
                 Piece& piece) {
+    const bool has_remarks = !margins.comments.empty() &&
+                             data.substr(begin, end - begin).find('#') != std::string_view::npos;
     for (std::size_t at = begin, stop = 0; at < end; at = stop + 1, ++piece.all) {
         stop = at;
         if (data[at] == '\n') continue;
         stop = std::min(data.find('\n', at), data.size());
-        const std::string_view line = bare(data.substr(at, stop - at), margins);
+        const std::string_view line = bare(data.substr(at, stop - at), margins, has_remarks);
         if (line.empty()) continue;
         const std::int64_t first = line.data() - data.data();
         piece.lines.push_back({first, first + static_cast<std::int64_t>(line.size())});
@@ -88,7 +97,7 @@ void find_keywords(const Block& block, std::span<const std::string> keywords, st
         for (std::size_t k = 0; k < keywords.size() && found[i] < 0; ++k) {
             const std::size_t size = keywords[k].size();
             const bool followed = line.size() > size && (line[size] == ' ' || line[size] == '\t');
-            if (followed && line.starts_with(keywords[k])) found[i] = static_cast<std::int8_t>(k);
+            if (followed && begins(line, keywords[k])) found[i] = static_cast<std::int8_t>(k);
         }
     }
 }

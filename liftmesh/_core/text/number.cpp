@@ -10,8 +10,6 @@
 #include <limits>
 #include <system_error>
 
-#include "text/shortest.hpp"
-
 namespace liftmesh::text {
 
 namespace {
@@ -106,17 +104,10 @@ char* print_non_finite(char* out, double value) {
     return copied(out, value < 0 ? "-inf" : "inf");
 }
 
-// Sixteen characters in two registers, the first in the least byte: text that was just stored in
-// pieces is slow to load as a whole.
+// Text of sixteen characters in two registers, the first in the least byte: text that was just
+// stored in pieces is slow to load as a whole.
 struct Characters {
     std::uint64_t early, late;
-
-    Characters behind(std::ptrdiff_t count) const {
-        const auto bits = static_cast<unsigned>(8 * count);
-        if (bits == 0) return *this;
-        if (bits >= 64) return {late >> (bits - 64), 0};
-        return {early >> bits | late << (64 - bits), late >> bits};
-    }
 };
 
 void store(char* out, std::uint64_t text) {
@@ -145,16 +136,37 @@ char* print_all(char* out, const Digits& digits) {
     return out + digits.count;
 }
 
+// With the point amid the digits. It stands behind one, two or three most often, at random: so it
+// is put among the first eight without a branch.
+char* print_around_point(char* out, const Digits& digits) {
+    const auto [early, late] = digits.rest;
+    *out = digits.first;
+    if (digits.point > 8) {
+        store(out + 1, digits.rest);
+        out[digits.point] = '.';
+        store(out + digits.point + 1, late >> (8 * (digits.point - 9)));
+    } else {
+        const auto bits = static_cast<unsigned>(8 * (digits.point - 1));
+        const std::uint64_t before = (std::uint64_t{1} << bits) - 1;
+        store(out + 1, (early & before) | std::uint64_t{'.'} << bits | (early & ~before) << 8);
+        store(out + 9, early >> 56 | late << 8);
+        out[17] = static_cast<char>(late >> 56);
+    }
+    return out + digits.count + 1;
+}
+
 // Python writes an exponent where the point would stand behind the sixteenth digit, or behind four
 // zeros after "0.".
+char* print_exponent(char* out, std::ptrdiff_t exponent) {
+    out = copied(out, exponent < 0 ? "e-" : "e+");
+    exponent = std::abs(exponent);
+    if (exponent < 10) *out++ = '0';
+    return std::to_chars(out, out + 3, exponent).ptr;
+}
+
 char* print_digits(char* out, const Digits& digits) {
     const std::ptrdiff_t count = digits.count, point = digits.point;
-    if (point > 0 && point < count) {
-        print_all(out, digits);
-        out[point] = '.';
-        store(out + point + 1, digits.rest.behind(point - 1));
-        return out + count + 1;
-    }
+    if (point > 0 && point < count) return print_around_point(out, digits);
     if (point > -4 && point <= 0) {
         std::memcpy(out, "0.000", 5);
         return print_all(out + 2 - point, digits);
@@ -167,10 +179,7 @@ char* print_digits(char* out, const Digits& digits) {
         store(out + 1, digits.rest);
         out += count;
     }
-    const std::ptrdiff_t exponent = std::abs(point - 1);
-    out = copied(out, point < 1 ? "e-" : "e+");
-    if (exponent < 10) *out++ = '0';
-    return std::to_chars(out, out + 3, exponent).ptr;
+    return print_exponent(out, point - 1);
 }
 
 // The digits of a number below 10^8, each halving in all parts at once: 4 and 4, 2 and 2, 1 and 1.
@@ -183,22 +192,26 @@ std::uint64_t eight_digits(std::uint64_t value) {
     return tens | (twos - 10 * tens) << 8;
 }
 
+constexpr std::uint64_t characters = 0x30303030'30303030;
+
 // All seventeen digits that a double may have; those at the end that are 0 do not count.
 Digits digits_of(Decimal decimal) {
-    constexpr std::uint64_t eight = 100'000'000, sixteen = eight * eight;
+    constexpr std::uint64_t eight = 100'000'000, fifteen = eight * 10'000'000;
     constexpr int most_digits = 17;
-    while (decimal.digits < sixteen) {
+    while (decimal.digits < fifteen) {  // of subnormal numbers
         decimal.digits *= 10;
         --decimal.exponent;
     }
-    const std::uint64_t rest = decimal.digits % sixteen;
-    const std::uint64_t high = eight_digits(rest / eight), low = eight_digits(rest % eight);
+    // Sixteen or seventeen digits are equally likely: no branch is guessed.
+    const bool is_sixteen = decimal.digits < 10 * fifteen;
+    const std::uint64_t digits = decimal.digits * (1 + std::uint64_t{9} * is_sixteen);
+    const std::uint64_t upper = digits / eight;
+    const std::uint64_t high = eight_digits(upper % eight), low = eight_digits(digits % eight);
     const int zeros = low != 0 ? std::countl_zero(low) / 8 : 8 + std::countl_zero(high) / 8;
-    constexpr std::uint64_t characters = 0x30303030'30303030;
-    return {static_cast<char>('0' + decimal.digits / sixteen),
+    return {static_cast<char>('0' + upper / eight),
             {high | characters, low | characters},
             most_digits - zeros,
-            most_digits + decimal.exponent};
+            most_digits + decimal.exponent - is_sixteen};
 }
 
 // From what std::to_chars writes with an exponent.
@@ -224,11 +237,15 @@ bool is_whole(double value) {
 }  // namespace
 
 char* print_shortest(char* out, double value) {
+    return print_shortest(out, value, shortest_decimal(std::abs(value)));
+}
+
+char* print_shortest(char* out, double value, Decimal shortest) {
     if (!std::isfinite(value)) return print_non_finite(out, value);
     if (is_whole(value)) return copied(print_whole(out, static_cast<std::int64_t>(value)), ".0");
-    if (std::signbit(value)) *out++ = '-';
-    if (value == 0) return copied(out, "0.0");
-    return print_digits(out, digits_of(shortest_decimal(std::abs(value))));
+    *out = '-';
+    out += std::signbit(value);
+    return value == 0 ? copied(out, "0.0") : print_digits(out, digits_of(shortest));
 }
 
 char* print_shortest(char* out, float value) {
@@ -244,11 +261,18 @@ char* print_nine_digits(char* out, float value) {
 }
 
 char* print_whole(char* out, std::int64_t value) {
-    return std::to_chars(out, out + longest_number, value).ptr;
+    *out = '-';
+    const auto bits = static_cast<std::uint64_t>(value);
+    return value < 0 ? print_whole(out + 1, 0 - bits) : print_whole(out, bits);
 }
 
 char* print_whole(char* out, std::uint64_t value) {
-    return std::to_chars(out, out + longest_number, value).ptr;
+    if (value >= 100'000'000) return std::to_chars(out, out + longest_number, value).ptr;
+    const std::uint64_t digits = eight_digits(value);
+    constexpr std::uint64_t last = std::uint64_t{1} << 56;  // of 0, too, one digit is shown
+    const int zeros = std::countr_zero(digits | last) / 8;
+    store(out, (digits | characters) >> (8 * zeros));
+    return out + 8 - zeros;
 }
 
 }  // namespace liftmesh::text

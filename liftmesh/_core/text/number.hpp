@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "text/shortest.hpp"
+
 namespace liftmesh::text {
 
 // Reads the longest number at the beginning of [at, end), and returns where it ends; null if there
@@ -27,6 +29,9 @@ inline constexpr int longest_number = 48;
 // The shortest digits that round-trip, as Python's `repr` writes them.
 char* print_shortest(char* out, double value);
 char* print_shortest(char* out, float value);
+
+// The same, given the shortest decimal of the value without its sign, if it is finite and not 0.
+char* print_shortest(char* out, double value, Decimal shortest);
 
 // Nine significant digits, as "%.9g": they round-trip in single precision even if they are read as
 // a double first, which the shortest ones do not guarantee.

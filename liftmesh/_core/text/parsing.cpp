@@ -4,7 +4,7 @@
 #include <atomic>
 #include <limits>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "text/blanks.hpp"
 #include "text/number.hpp"
@@ -60,21 +60,32 @@ bool parse_quoted_row(std::string_view line, Separation separation, std::size_t 
 
 // parse(word, k) for the k-th word of all, in parallel.
 template <class Parse>
-Parsed each_word_of_all(const Block& block, const std::int64_t* counts, ThreadPool& pool,
-                        Parse parse) {
-    std::vector<std::size_t> begins(block.count);
-    std::size_t words = 0;
-    for (std::size_t i = 0; i < block.count; ++i) {
-        begins[i] = words;
-        words += static_cast<std::size_t>(counts[i]);
-    }
+Parsed each_word_of_all(const Block& block, const Words& words, ThreadPool& pool, Parse parse) {
     return each_run(block.count, pool, [&](std::size_t first, std::size_t last) {
-        std::size_t k = first < last ? begins[first] : 0;
-        const auto take = [&](std::string_view word) { return parse(word, k++); };
-        for (std::size_t i = first; i < last; ++i)
-            if (!each_word(block[i], take)) return false;
+        for (std::size_t i = first; i < last; ++i) {
+            std::size_t k = words.before(i);
+            const std::size_t end = k + words.of(i);
+            const auto take = [&](std::string_view word) { return k < end && parse(word, k++); };
+            if (!each_word(block[i], take) || k != end) return false;
+        }
         return true;
     });
+}
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+// A whole number of nine digits at most without a sign, as nearly all indices are.
+bool parse_short(std::string_view word, std::int32_t& value) {
+    if (word.empty() || word.size() > 9) return false;
+    std::int32_t sum = 0;
+    for (const char c : word) {
+        if (!is_digit(c)) return false;
+        sum = 10 * sum + (c - '0');
+    }
+    value = sum;
+    return true;
 }
 
 bool parse_index(std::string_view word, std::int32_t& index) {
@@ -89,6 +100,7 @@ bool parse_index(std::string_view word, std::int32_t& index) {
 
 bool parse_corner(std::string_view word, std::int32_t& vertex, std::int32_t& normal) {
     normal = 0;
+    if (parse_short(word, vertex)) return vertex != 0;
     const std::size_t first = word.find('/');
     if (first == std::string_view::npos) return parse_index(word, vertex);
     if (!parse_index(word.substr(0, first), vertex)) return false;
@@ -120,38 +132,36 @@ Parsed parse_table(const Block& block, Separation separation, std::size_t width,
     });
 }
 
-bool count_words(const Block& block, ThreadPool& pool, std::int64_t* counts, std::size_t& words) {
-    std::atomic<std::size_t> sum = 0;
+bool count_words(const Block& block, ThreadPool& pool, Words& words) {
+    words.begins = allocate<std::size_t>(block.count + 1);
+    words.begins[block.count] = 0;
     const Parsed parsed = each_run(block.count, pool, [&](std::size_t first, std::size_t last) {
-        std::size_t of_run = 0;
-        for (std::size_t i = first; i < last; ++i) {
-            const std::size_t count = count_words(block[i]);
-            counts[i] = static_cast<std::int64_t>(count);
-            of_run += count;
-        }
-        sum += of_run;
+        for (std::size_t i = first; i < last; ++i) words.begins[i] = count_words(block[i]);
         return true;
     });
-    words = sum;
+    for (std::size_t i = 0, sum = 0; i <= block.count; ++i)
+        sum += std::exchange(words.begins[i], sum);
     return parsed == Parsed::all;
 }
 
-Parsed parse_numbers(const Block& block, const std::int64_t* counts, ThreadPool& pool,
-                     double* values) {
-    return each_word_of_all(block, counts, pool, [=](std::string_view word, std::size_t k) {
+Parsed parse_numbers(const Block& block, const Words& words, ThreadPool& pool, double* values) {
+    return each_word_of_all(block, words, pool, [=](std::string_view word, std::size_t k) {
         const char* const end = word.data() + word.size();
         return parse_number(word.data(), end, values[k]) == end;
     });
 }
 
-Parsed parse_wholes(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+Parsed parse_wholes(const Block& block, const Words& words, ThreadPool& pool,
                     std::int64_t* values) {
-    return each_word_of_all(block, counts, pool, [=](std::string_view word, std::size_t k) {
-        return parse_whole(word, values[k]);
+    return each_word_of_all(block, words, pool, [=](std::string_view word, std::size_t k) {
+        std::int32_t value = 0;
+        if (!parse_short(word, value)) return parse_whole(word, values[k]);
+        values[k] = value;
+        return true;
     });
 }
 
-Parsed parse_corners(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+Parsed parse_corners(const Block& block, const Words& words, ThreadPool& pool,
                      std::int32_t* vertices, std::int32_t* normals, bool& named) {
     std::atomic<bool> any = false;
     const auto parse = [&, vertices, normals](std::string_view word, std::size_t k) {
@@ -159,7 +169,7 @@ Parsed parse_corners(const Block& block, const std::int64_t* counts, ThreadPool&
         if (normals[k] != 0 && !any.load(std::memory_order_relaxed)) any = true;
         return true;
     };
-    const Parsed parsed = each_word_of_all(block, counts, pool, parse);
+    const Parsed parsed = each_word_of_all(block, words, pool, parse);
     named = any;
     return parsed;
 }

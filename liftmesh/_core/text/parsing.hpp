@@ -26,19 +26,28 @@ std::size_t count_values(std::string_view line, Separation separation);
 Parsed parse_table(const Block& block, Separation separation, std::size_t width, ThreadPool& pool,
                    double* rows);
 
-// Counts the words of each line; `words` is the sum.
-bool count_words(const Block& block, ThreadPool& pool, std::int64_t* counts, std::size_t& words);
+// How many words the lines of a block have: each as many as the first, or `begins`, the number of
+// words before each line and before the end.
+struct Words {
+    std::size_t lines = 0, of_each = 0;
+    Buffer<std::size_t> begins;
 
-// These parse all words of all lines into one list; `counts` are the words of each line.
-Parsed parse_numbers(const Block& block, const std::int64_t* counts, ThreadPool& pool,
-                     double* values);
-Parsed parse_wholes(const Block& block, const std::int64_t* counts, ThreadPool& pool,
-                    std::int64_t* values);
+    std::size_t before(std::size_t i) const { return begins ? begins[i] : i * of_each; }
+    std::size_t of(std::size_t i) const { return begins ? begins[i + 1] - begins[i] : of_each; }
+    std::size_t count() const { return before(lines); }
+};
+
+// Counts the words of each line. False if the interrupt ended it early.
+bool count_words(const Block& block, ThreadPool& pool, Words& words);
+
+// These parse all words of all lines into one list; they refuse lines of other numbers of words.
+Parsed parse_numbers(const Block& block, const Words& words, ThreadPool& pool, double* values);
+Parsed parse_wholes(const Block& block, const Words& words, ThreadPool& pool, std::int64_t* values);
 
 // The vertex of each corner of the faces in an OBJ file, and its normal, 0 for none: a corner is
 // vertex, vertex/texture, vertex/texture/normal or vertex//normal, of whole numbers. Those of
 // vertices and normals are within int32, and not 0. `named`: whether any corner has a normal.
-Parsed parse_corners(const Block& block, const std::int64_t* counts, ThreadPool& pool,
+Parsed parse_corners(const Block& block, const Words& words, ThreadPool& pool,
                      std::int32_t* vertices, std::int32_t* normals, bool& named);
 
 }  // namespace liftmesh::text

@@ -1,6 +1,8 @@
 #include "text/printing.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 
 #include "text/number.hpp"
@@ -9,7 +11,7 @@ namespace liftmesh::text {
 
 namespace {
 
-constexpr std::size_t values_of_a_task = std::size_t{1} << 13;
+constexpr std::size_t values_of_a_task = std::size_t{1} << 12;
 
 template <class T>
 T loaded(const std::byte* place) {
@@ -54,53 +56,97 @@ char* print_value(char* out, const Column& column, const std::byte* place) {
 }
 
 char* copied(char* out, const std::string& text) {
-    if (text.size() == 1) {  // most often, and not worth a call
+    if (text.size() < 2) {  // most often, and not worth a call
         *out = text[0];
-        return out + 1;
+        return out + text.size();
     }
     std::memcpy(out, text.data(), text.size());
     return out + text.size();
 }
 
-char* print_row(char* out, const Rows& rows, std::size_t i) {
-    for (std::size_t k = 0; k < rows.columns.size(); ++k) {
-        const Column& column = rows.columns[k];
-        out = copied(out, rows.around[k]);
-        out = print_value(out, column,
-                          column.values + static_cast<std::ptrdiff_t>(i) * column.stride);
-    }
-    return copied(out, rows.around.back());
-}
+using Around = std::span<const std::string>;
 
-std::size_t longest_row(const Rows& rows) {
-    std::size_t size = rows.columns.size() * longest_number;
-    for (const std::string& text : rows.around) size += text.size();
+// A few rows, whose doubles are turned into decimals before any of them is printed: the processor
+// works on several at once if no text stands between them.
+class Strip {
+ public:
+    static constexpr std::size_t most_rows = 32;
+
+    Strip(const Rows& rows, Around around) : rows_(rows), around_(around) {}
+
+    char* print(char* out, std::size_t first, std::size_t last) {
+        const std::size_t columns = std::min(rows_.columns.size(), most_columns);
+        for (std::size_t k = 0; k < columns; ++k)
+            if (rows_.columns[k].kind == Kind::shortest) prepare(k, first, last);
+        for (std::size_t i = first; i < last; ++i) out = print_row(out, i, i - first);
+        return out;
+    }
+
+ private:
+    static constexpr std::size_t most_columns = 8;
+
+    static const std::byte* place(const Column& column, std::size_t i) {
+        return column.values + static_cast<std::ptrdiff_t>(i) * column.stride;
+    }
+
+    void prepare(std::size_t k, std::size_t first, std::size_t last) {
+        const Column& column = rows_.columns[k];
+        for (std::size_t i = first; i < last; ++i)
+            decimals_[k][i - first] = shortest_decimal(std::abs(loaded<double>(place(column, i))));
+    }
+
+    char* print_row(char* out, std::size_t i, std::size_t in_strip) const {
+        const std::size_t columns = rows_.columns.size();
+        for (std::size_t k = 0; k < columns; ++k) {
+            const Column& column = rows_.columns[k];
+            out = copied(out, around_[k]);
+            if (column.kind == Kind::shortest && k < most_columns)
+                out = print_shortest(out, loaded<double>(place(column, i)), decimals_[k][in_strip]);
+            else
+                out = print_value(out, column, place(column, i));
+        }
+        return copied(out, around_[columns]);
+    }
+
+    const Rows& rows_;
+    Around around_;
+    std::array<std::array<Decimal, most_rows>, most_columns> decimals_;
+};
+
+std::size_t longest_row(Around around) {
+    std::size_t size = (around.size() - 1) * longest_number;
+    for (const std::string& text : around) size += text.size();
     return size;
 }
 
-void print_part(const Rows& rows, std::size_t first, std::size_t last, std::size_t longest,
-                Part& part) {
-    const std::size_t room = (last - first) * longest;
+void print_part(const Rows& rows, Around around, std::size_t first, std::size_t last, Part& part) {
+    const std::size_t room = (last - first) * longest_row(around);
     if (part.room < room) {
         part.text = allocate<char>(room);
         part.room = room;
     }
     char* out = part.text.get();
-    for (std::size_t i = first; i < last; ++i) out = print_row(out, rows, i);
+    Strip strip(rows, around);
+    for (std::size_t i = first; i < last; i += Strip::most_rows)
+        out = strip.print(out, i, std::min(i + Strip::most_rows, last));
     part.size = static_cast<std::size_t>(out - part.text.get());
 }
 
 }  // namespace
 
-bool print_rows(const Rows& rows, ThreadPool& pool, std::vector<Part>& parts) {
-    const std::size_t longest = longest_row(rows);
-    const std::size_t size = std::max<std::size_t>(values_of_a_task / rows.columns.size(), 1);
-    const std::size_t tasks = (rows.count + size - 1) / size;
-    for (Part& part : parts) part.size = 0;
-    if (parts.size() < tasks) parts.resize(tasks);
-    return pool.run(tasks, [&](std::size_t task) {
+void Printer::begin(Rows rows) {
+    rows_ = std::move(rows);
+    const std::size_t size = std::max<std::size_t>(values_of_a_task / rows_.columns.size(), 1);
+    const std::size_t tasks = (rows_.count + size - 1) / size;
+    parts_.swap(others_);
+    for (Part& part : parts_) {
+        part.size = 0;
+        if (part.text.use_count() > 1) part = {};
+    }
+    if (parts_.size() < tasks) parts_.resize(tasks);
+    pool_.begin(tasks, [this, size](std::size_t task) {
         const std::size_t first = task * size;
-        print_part(rows, first, std::min(first + size, rows.count), longest, parts[task]);
+        print_part(rows_, around_, first, std::min(first + size, rows_.count), parts_[task]);
     });
 }
 

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/buffer.hpp"
@@ -22,21 +24,41 @@ struct Column {
     std::size_t size;
 };
 
-// What stands around the values of a line: before the first, between them, and behind the last.
 struct Rows {
-    std::span<const Column> columns;
-    std::span<const std::string> around;
+    std::vector<Column> columns;
     std::size_t count;
 };
 
 // A part of the text, in the order of the rows.
 struct Part {
-    Buffer<char> text;
+    std::shared_ptr<char[]> text;
     std::size_t size = 0, room = 0;
 };
 
-// False if the interrupt ended it early. The memory of `parts` is used again: memory that is new
-// takes the system nearly as long as the numbers take.
-bool print_rows(const Rows& rows, ThreadPool& pool, std::vector<Part>& parts);
+// Prints some rows after others. The memory of the text is used again for every second lot of rows,
+// unless somebody still holds it: memory that is new takes the system nearly as long as the numbers
+// take. A pool whose rows were not finished must end before the printer.
+class Printer {
+ public:
+    // `around` stands around the values of each row: before the first, between them, and behind
+    // the last.
+    Printer(std::vector<std::string> around, ThreadPool& pool)
+        : around_(std::move(around)), pool_(pool) {}
+
+    // The other threads begin to print these rows; `finish` joins them.
+    void begin(Rows rows);
+
+    // False if the interrupt ended it early.
+    bool finish() { return pool_.finish(); }
+
+    // The text of the rows that were printed last.
+    std::span<const Part> parts() const { return parts_; }
+
+ private:
+    std::vector<std::string> around_;
+    ThreadPool& pool_;
+    Rows rows_{};
+    std::vector<Part> parts_, others_;
+};
 
 }  // namespace liftmesh::text

@@ -29,7 +29,7 @@ class Powers {
  public:
     // 10^n multiplied up from 1, 10^-n divided down from a power of two: the floor of a floor is
     // the floor of the whole quotient.
-    Powers() {
+    constexpr Powers() {
         Integer number{};
         number[0] = 1;
         for (int power = 0; power <= greatest_power; ++power) {
@@ -44,16 +44,16 @@ class Powers {
         }
     }
 
-    Wide operator[](int power) const {
+    constexpr Wide operator[](int power) const {
         return powers_[static_cast<std::size_t>(power - least_power)];
     }
 
  private:
     using Integer = std::array<std::uint64_t, 20>;  // the least word first
 
-    Wide& at(int power) { return powers_[static_cast<std::size_t>(power - least_power)]; }
+    constexpr Wide& at(int power) { return powers_[static_cast<std::size_t>(power - least_power)]; }
 
-    static void multiply_by_ten(Integer& number) {
+    static constexpr void multiply_by_ten(Integer& number) {
         Wide carry = 0;
         for (std::uint64_t& word : number) {
             carry += Wide{word} * 10;
@@ -62,7 +62,7 @@ class Powers {
         }
     }
 
-    static void divide_by_ten(Integer& number) {
+    static constexpr void divide_by_ten(Integer& number) {
         Wide rest = 0;
         for (std::size_t i = number.size(); i-- > 0;) {
             rest = rest << 64 | number[i];
@@ -71,7 +71,7 @@ class Powers {
         }
     }
 
-    static Wide leading_bits(const Integer& number) {
+    static constexpr Wide leading_bits(const Integer& number) {
         std::size_t top = number.size() - 1;
         while (number[top] == 0) --top;
         const int shift = std::countl_zero(number[top]);
@@ -84,16 +84,16 @@ class Powers {
     std::array<Wide, greatest_power - least_power + 1> powers_{};
 };
 
-const Powers& powers() {
-    static const Powers instance;
-    return instance;
+constexpr Powers powers;
+
+// A product of a power and a number, without its last 64 bits.
+Wide product(Wide power, std::uint64_t number) {
+    return (power >> 64) * number + (Wide{static_cast<std::uint64_t>(power)} * number >> 64);
 }
 
-// The product of a power and a number, without its last 128 bits, and odd if these are not all 0.
-std::uint64_t rounded_to_odd(Wide power, std::uint64_t number) {
-    const Wide low = Wide{static_cast<std::uint64_t>(power)} * number;
-    const Wide high = (power >> 64) * number + (low >> 64);
-    return static_cast<std::uint64_t>(high >> 64) | (static_cast<std::uint64_t>(high) > 1);
+// Without its last 128 bits, and odd if these are not all 0.
+std::uint64_t rounded_to_odd(Wide product) {
+    return static_cast<std::uint64_t>(product >> 64) | (static_cast<std::uint64_t>(product) > 1);
 }
 
 std::uint64_t chosen(bool first, std::uint64_t one, std::uint64_t other) {
@@ -114,10 +114,11 @@ Decimal shortest_decimal(double value) {
 
     // The double and both ends of its interval, in quarters of 10^k. The ends belong to it if c is
     // even, since halfway a number is rounded to even.
-    const Wide power = powers()[-k];
-    const std::uint64_t number = rounded_to_odd(power, (4 * c) << h);
-    const std::uint64_t below = rounded_to_odd(power, (4 * c - 2 + is_closer) << h) + (c & 1);
-    const std::uint64_t above = rounded_to_odd(power, (4 * c + 2) << h) - (c & 1);
+    const Wide power = powers[-k];
+    const std::uint64_t number = rounded_to_odd(product(power, (4 * c) << h));
+    const std::uint64_t below =
+        rounded_to_odd(product(power, (4 * c - 2 + is_closer) << h)) + (c & 1);
+    const std::uint64_t above = rounded_to_odd(product(power, (4 * c + 2) << h)) - (c & 1);
 
     // A multiple of 10^(k+1) in the interval is shorter, and there is one at most. Which case it is
     // looks random to the processor: both are computed, and no branch is guessed.

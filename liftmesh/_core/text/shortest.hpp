@@ -15,7 +15,7 @@ struct Decimal {
     int exponent;
 };
 
-// Of a finite number above zero.
+// Of a finite number above zero; for all others it means nothing.
 Decimal shortest_decimal(double value);
 
 }  // namespace liftmesh::text
