@@ -9,7 +9,7 @@ import pytest
 from conversions import campaign
 from conversions.campaign import BY_NAME, IN_CHUNKS, WAYS
 from conversions.checking import check_chunks, check_pairs, went_through
-from conversions.comparing import ChangedError, losses, unnamed, untrue
+from conversions.comparing import ChangedError, losses, same, unnamed, untrue
 from conversions.drawn import clouds
 from conversions.objects import MAKERS, REFUSING
 from conversions.passages import Arrival, Passage
@@ -133,6 +133,12 @@ LESS = {
 def test_a_loss_has_a_name(loss: str) -> None:
     assert losses(FULL, LESS[loss]) == {loss}
     assert losses(FULL, FULL) == set()
+
+
+def test_complex_numbers_are_the_same_part_by_part() -> None:
+    values = np.array([complex(0.0, np.nan), 1j])
+    assert same(values, values.copy())
+    assert not same(values, values.conj())
 
 
 def test_names_of_losses() -> None:

@@ -105,42 +105,52 @@ class Block:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Syntax:
+    """What the lines of a format are.
+
+    Lines that begin with one of ``comments`` are skipped, and a ``#`` and the text after it are
+    removed; with ``whole``, only such lines. With ``continued``, a backslash at the end of a line
+    joins it to the next. With ``keep_tabs``, tabs at the ends of lines stay: there they may
+    separate empty values.
+    """
+
+    comments: tuple[str, ...] = ()
+    whole: bool = False
+    continued: bool = False
+    keep_tabs: bool = False
+
+
+_PLAIN = Syntax()
+HASH = Syntax(comments=("#",))
+
+
 class Lines:
     """The non-empty lines of a stream, taken block by block.
 
-    Empty lines are skipped but counted. With ``comments``, so are lines that begin with one of
-    them, and a ``#`` and the text after it are removed; with ``whole``, only such lines, and
-    ``remarks`` are the numbers of the first of them behind other lines, and how many there are.
-    With ``continued``, a backslash at the end of a line joins it to the next. With ``keep_tabs``,
-    tabs at the ends of lines stay: there they may separate empty values. ``number`` is that of the
-    last line taken; ``found`` tells whether the text read so far holds ``sought``, comments
-    included.
+    Empty lines and comments are skipped but counted. ``number`` is that of the last line taken. Of
+    ``whole`` comments, ``remarks`` are the number of the first behind other lines, and how many
+    there are. ``found`` tells whether the text read so far holds ``sought``, comments included.
     """
 
     def __init__(
         self,
         stream: BinaryIO,
         name: str,
+        syntax: Syntax = _PLAIN,
         *,
         encoding: str = "latin-1",
-        comments: tuple[str, ...] = (),
-        continued: bool = False,
         before: int = 0,
-        keep_tabs: bool = False,
-        whole: bool = False,
         sought: bytes = b"",
     ) -> None:
         self.number = before
         self.remarks = (0, 0)
         self.found = False
-        self._whole = whole
         self._sought = sought
-        self._keep_tabs = keep_tabs
         self._stream = stream
         self._name = name
         self._encoding = encoding
-        self._comments = comments
-        self._continued = continued
+        self._syntax = syntax
         self._read = before
         self._held = Block.empty(encoding)
         self._taken = 0
@@ -182,7 +192,7 @@ class Lines:
             parts.append(data)
             # CR as the last byte may be half of a line end.
             end = max(data.rfind(b"\n"), data.rfind(b"\r", 0, len(data) - 1)) + 1
-            if end and not (self._continued and _continues(data[:end])):
+            if end and not (self._syntax.continued and _continues(data[:end])):
                 self._stream.seek(end - len(data), os.SEEK_CUR)
                 parts[-1] = data[:end]
                 break
@@ -194,20 +204,22 @@ class Lines:
         if b"\r" in data:
             data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         last: Mask | None = None
-        if self._continued and b"\\" in data:
+        if self._syntax.continued and b"\\" in data:
             data = _BLANKS_BEHIND.sub(rb"\\", data.removesuffix(b"\n")).removesuffix(b"\\")
             last = _last_of_lines(data)
             data = data.replace(b"\\\n", b"  ")
         plain = data if data.isascii() else self._plain(data)
         threads, _ = as_threads(None, len(data) // _BYTES_OF_A_LINE)
-        marks = () if self._whole else self._comments
-        places, numbers, count = _kernel.find_lines(plain, marks, self._keep_tabs, threads)
+        marks = () if self._syntax.whole else self._syntax.comments
+        places, numbers, count = _kernel.find_lines(plain, marks, self._syntax.keep_tabs, threads)
         if last is not None:
             numbers, count = np.flatnonzero(last)[numbers], len(last)
         numbers += self._read + 1
         self._read += count
-        if self._whole and any(_holds(data, mark.encode()) for mark in self._comments):
-            rows = ~_begin_with(data, places, self._comments)
+        if self._syntax.whole and any(
+            _holds(data, mark.encode()) for mark in self._syntax.comments
+        ):
+            rows = ~_begin_with(data, places, self._syntax.comments)
             self._notice_remarks(rows, numbers)
             places, numbers = places[rows], numbers[rows]
         self._has_rows = self._has_rows or len(places) > 0

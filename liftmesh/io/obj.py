@@ -26,7 +26,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, fits_eight_bits, recognized
 from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import OWN, Format, crs_comment, others, stated_crs
-from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
+from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
 from liftmesh.io.metadata import stated, statements, storable
 from liftmesh.io.obj_colors import MARK, color_columns, commented_colors, write_comments
 from liftmesh.io.obj_faces import Corners, parse_corners
@@ -35,6 +35,7 @@ from liftmesh.io.text_tables import number_table, shortened, write_rows
 if TYPE_CHECKING:
     from liftmesh.io.ragged import Ragged
 
+_SYNTAX = Syntax(comments=("#",), continued=True)
 _KEYWORDS = ("v", "vn", "f")
 
 # Possible numbers of values of a vertex line: x y z, with a weight, with r g b, with alpha.
@@ -68,7 +69,7 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     crs, entries = _stated(stream, name)
     reading = _Reading(name, crs, entries)
     begin = stream.tell()
-    lines = Lines(stream, name, comments=("#",), continued=True, sought=MARK.encode())
+    lines = Lines(stream, name, _SYNTAX, sought=MARK.encode())
     while len(block := lines.take(BLOCK)):
         reading.take(block)
     if lines.found:

@@ -19,7 +19,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import face_counts, triangulated
 from liftmesh.io.format import Format
-from liftmesh.io.lines import Block, Lines, promised
+from liftmesh.io.lines import HASH, Block, Lines, promised
 from liftmesh.io.number_lines import ragged_numbers, whole
 from liftmesh.io.ragged import Ragged, gathered
 from liftmesh.io.text_tables import number_table, quoted, write_rows
@@ -44,7 +44,7 @@ def read_off(stream: BinaryIO, name: str) -> Cloud:
         The file is invalid, or holds fewer or more rows than its header promises; the message gives
         the line.
     """
-    lines = Lines(stream, name, comments=("#",))
+    lines = Lines(stream, name, HASH)
     vertices, faces = _counts(lines, name)
     points = [_points(block, name) for block in promised(lines, vertices, "vertices", name)]
     if not points:

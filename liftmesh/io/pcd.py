@@ -19,7 +19,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.columns import NORMAL, POSITION, type_in_text
 from liftmesh.io.format import Format
 from liftmesh.io.limits import check_expanded, limit_of
-from liftmesh.io.lines import Lines, promised
+from liftmesh.io.lines import HASH, Lines, promised
 from liftmesh.io.lzf import DENSEST, decompress
 from liftmesh.io.pcd_header import Field, Header, read_header
 from liftmesh.io.streams import read_exactly, remaining
@@ -64,7 +64,7 @@ def read_pcd(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
 
 
 def _text(stream: BinaryIO, header: Header, name: str) -> dict[str, Array]:
-    lines = Lines(stream, name, comments=("#",), before=header.lines)
+    lines = Lines(stream, name, HASH, before=header.lines)
     width = sum(each.count for each in header.fields)
     parts: list[dict[str, Array]] = []
     for block in promised(lines, header.points, "points", name):

@@ -19,10 +19,10 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import recognized
 from liftmesh.io.columns import COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
-from liftmesh.io.lines import BLOCK, Block, Lines, promised
+from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, promised
 from liftmesh.io.text_tables import number_table, quoted, regrouped
 
-_COMMENTS = ("#", "//")
+_SYNTAX = Syntax(comments=("#", "//"))
 _TOGETHER = 1 << 14  # rows: small scans are joined, since each array takes memory of its own
 
 # What the values of a PTS line are, by their number.
@@ -81,7 +81,7 @@ def read_pts(stream: BinaryIO, name: str) -> Cloud:
     FormatError
         A line is invalid, or a scan has fewer points than its first line says.
     """
-    scans = _Scans(Lines(stream, name, comments=_COMMENTS), name)
+    scans = _Scans(Lines(stream, name, _SYNTAX), name)
     parts = [*regrouped(scans.tables(), _TOGETHER)]
     if not parts:
         raise FormatError(f"{name}: the file has no points")
@@ -140,7 +140,7 @@ def _check_width(table: Floats, block: Block, name: str) -> None:
 
 
 def _table(stream: BinaryIO, name: str, width: int) -> Floats:
-    lines = Lines(stream, name, comments=_COMMENTS)
+    lines = Lines(stream, name, _SYNTAX)
     parts: list[Floats] = []
     while len(block := lines.take(BLOCK)):
         parts.append(number_table(block, name, width=width))

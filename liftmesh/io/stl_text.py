@@ -27,13 +27,13 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.lines import BLOCK, Block, Lines
+from liftmesh.io.lines import BLOCK, Block, Lines, Syntax
 from liftmesh.io.text_tables import number_table, quoted
 
 _LINES = 7
 _VERTICES = slice(2, 5)  # of the lines of a facet
 _MARK = "\ufeff".encode().decode("latin-1")  # some editors begin a text with it
-_COMMENTS = ("#", ";")
+_SYNTAX = Syntax(comments=("#", ";"))
 _FILLING = "\0\x1a"  # some programs fill the last block of a file
 
 
@@ -54,7 +54,7 @@ def read_corners(stream: BinaryIO, name: str) -> tuple[Floats, int]:
         the line.
     """
     solids = _Solids(name)
-    lines = Lines(stream, name, comments=_COMMENTS)
+    lines = Lines(stream, name, _SYNTAX)
     parts = [_corners(facets, name) for facets in _facets(lines, solids)]
     return np.concatenate(parts) if parts else np.empty((0, 3)), solids.colors
 

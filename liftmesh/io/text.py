@@ -21,7 +21,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
-from liftmesh.io.lines import BLOCK, Block, Lines, leading_comments
+from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
 from liftmesh.io.table_columns import PARTS, Columns, understood, unnamed
 from liftmesh.io.table_doubts import Doubts, check_count
 from liftmesh.io.table_layout import Layout, before_remark, sniff, stated_separator
@@ -161,14 +161,9 @@ class _Table:
         self._stream.seek(self._begin)
         remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
         self._remark = next(iter(deque(remarks, maxlen=1)), "")
+        syntax = Syntax(comments=_COMMENTS, whole=delimiter != " ", keep_tabs=keep_tabs)
         self._lines = Lines(
-            self._stream,
-            self.name,
-            encoding="utf-8",
-            comments=_COMMENTS,
-            before=self.options.skip_rows,
-            keep_tabs=keep_tabs,
-            whole=delimiter != " ",
+            self._stream, self.name, syntax, encoding="utf-8", before=self.options.skip_rows
         )
         self._first = self._lines.take(1)
         if len(self._first) and (stated := stated_separator(self._first.texts[0])):

@@ -25,7 +25,7 @@ from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import Format
 from liftmesh.io.gzip_stream import decompressed
 from liftmesh.io.limits import check_columns
-from liftmesh.io.lines import Lines, promised
+from liftmesh.io.lines import HASH, Lines, promised
 from liftmesh.io.text_tables import exact_values, number_table, quoted
 
 _MARKER = "boundary_marker"
@@ -74,7 +74,7 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     """
     with _beside(name, max_bytes) as (nodes, beside):
         cloud, first = _nodes(nodes, beside, max_bytes)
-    lines = Lines(stream, name, comments=("#",))
+    lines = Lines(stream, name, HASH)
     count, corners, more = _header(lines, name, "triangles, their nodes and attributes", 3)
     if corners not in (3, 6):
         raise FormatError(
@@ -94,7 +94,7 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
 
 def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, int]:
     """Read a .node file; return its points and the index of the first."""
-    lines = Lines(stream, name, comments=("#",))
+    lines = Lines(stream, name, HASH)
     what = "points, their dimension, attributes and markers"
     count, dimension, more, markers = _header(lines, name, what, 4)
     if dimension not in (2, 3) or markers > 1 or not count:

@@ -63,6 +63,8 @@ def same(a: Array, b: Array) -> bool:
     """Whether two arrays hold the same values in any types, with the signs of zeros."""
     if a.shape != b.shape:
         return False
+    if a.dtype.kind == b.dtype.kind == "c":
+        return same(a.real, b.real) and same(a.imag, b.imag)
     if a.dtype.kind not in "biuf" or b.dtype.kind not in "biuf":
         return a.dtype.kind == b.dtype.kind and a.tolist() == b.tolist()
     if a.dtype.kind in "iu" and b.dtype.kind in "iu":

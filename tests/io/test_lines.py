@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh import FormatError
 from liftmesh.io import lines
-from liftmesh.io.lines import Block, Lines
+from liftmesh.io.lines import Block, Lines, Syntax
 
 TEXT = st.lists(
     st.sampled_from(
@@ -22,7 +22,7 @@ TEXT = st.lists(
 
 
 def taken(data: bytes, *, continued: bool) -> list[tuple[str, int]]:
-    found = Lines(io.BytesIO(data), "name", continued=continued)
+    found = Lines(io.BytesIO(data), "name", Syntax(continued=continued))
     all_of_them: list[tuple[str, int]] = []
     while len(block := found.take(3)):
         all_of_them += [(" ".join(text.split()), number) for text, number in block]
@@ -92,7 +92,7 @@ def test_an_obj_file_of_many_keywords_counts_the_first() -> None:
 def test_tabs_at_the_ends_of_a_line_may_stay() -> None:
     data = b" \t1\t\t \n\n\t# a\n"
     for keep_tabs, texts in ((False, ["1"]), (True, ["\t1\t\t", "\t"])):
-        found = Lines(io.BytesIO(data), "name", comments=("#",), keep_tabs=keep_tabs)
+        found = Lines(io.BytesIO(data), "name", Syntax(comments=("#",), keep_tabs=keep_tabs))
         assert found.take(9).texts == texts
 
 
