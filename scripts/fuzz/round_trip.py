@@ -102,6 +102,10 @@ def _check_obj(cloud: Cloud) -> None:
     _compare(back, cloud, names, "OBJ")
 
 
+READ_BACK: dict[str, dict[str, Any]] = {"csv": {"nodata": "none"}}
+"""Options with which a format reads any values that it wrote: -9999 and the like among them."""
+
+
 def _check_csv(cloud: Cloud) -> None:
     back = _rewritten(cloud, "csv")
     if back is None:
@@ -131,7 +135,7 @@ def _rewritten(cloud: Cloud, kind: str, **options: Any) -> Cloud | None:
         return None
     stream.seek(0)
     try:
-        return read(stream, format=kind)
+        return read(stream, format=kind, **READ_BACK.get(kind, {}))
     except FormatError as error:
         raise FindError(f"{kind} that was written cannot be read: {error}") from error
 
