@@ -104,6 +104,10 @@ def _check_obj(cloud: Cloud) -> None:
     _compare(back, cloud, names, "OBJ")
 
 
+READ_BACK: dict[str, dict[str, Any]] = {"csv": {"nodata": "none"}}
+"""Options with which a format reads any values that it wrote: -9999 and the like among them."""
+
+
 def _check_csv(cloud: Cloud) -> None:
     back = _rewritten(cloud, "csv")
     if back is None:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from beside import stream_of
 
-from fuzz.round_trip import FindError, demand, outcome
+from fuzz.round_trip import READ_BACK, FindError, demand, outcome
 from fuzz.structure.case import Case, in_order
 from liftmesh import Cloud, DataWarning, FormatError, InputError, read, read_chunks, write
 from liftmesh.io.registry import find_format
@@ -137,7 +137,7 @@ def _check_own(cloud: Cloud) -> None:
             continue
         stream.seek(0)
         try:
-            back = read(stream, format=kind)
+            back = read(stream, format=kind, **READ_BACK.get(kind, {}))
         except FormatError as error:
             raise FindError(f"{kind} that was written cannot be read: {error}") from error
         if kind == "npz":
