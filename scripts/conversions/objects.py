@@ -25,6 +25,7 @@ from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
 from liftmesh.color_depth import stated_depth
 from liftmesh.io.column_names import meaning
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.metadata import NOTE
 from liftmesh.io.objects import open3d, trimesh
 from liftmesh.io.whole_numbers import DOUBLE, fit
 
@@ -191,9 +192,9 @@ def to_scene(cloud: Cloud) -> trimesh_library.Scene:
 
 
 def _of_trimesh(cloud: Cloud) -> Cloud:
-    """Refuse an entry of the metadata that is called crs: trimesh has the crs there."""
-    if "crs" in cloud.metadata:
-        raise InputError("the metadata of trimesh hold the crs")
+    """Refuse entries of the metadata that are something else in those of trimesh."""
+    if not {"crs", NOTE}.isdisjoint(cloud.metadata):
+        raise InputError("the metadata of trimesh hold the crs, and liftmesh's note")
     return cloud
 
 

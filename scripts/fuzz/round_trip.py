@@ -136,10 +136,8 @@ def _rewritten(cloud: Cloud, kind: str, **options: Any) -> Cloud | None:
     except (FormatError, InputError):  # InputError: colours outside their range
         return None
     stream.seek(0)
-    # Without the option, outliers such as -9999 may be marks of missing values.
-    reading: dict[str, Any] = {"nodata": "none"} if kind == "csv" else {}
     try:
-        return read(stream, format=kind, **reading)
+        return read(stream, format=kind, **READ_BACK.get(kind, {}))
     except FormatError as error:
         raise FindError(f"{kind} that was written cannot be read: {error}") from error
 

@@ -85,10 +85,9 @@ def check_table(
     """Compare the lines as a table of as many columns as its first line has."""
     if not lines:
         return
-    rows = [
-        [value_of(x) for x in (x.replace('"', "").split(delimiter) if delimiter else x.split())]
-        for x in lines
-    ]
+    values = [x.replace('"', "").split(delimiter) if delimiter else x.split() for x in lines]
+    # `float` alone does not take the control characters 28 to 31 for white space.
+    rows = [[value_of(x.strip()) for x in row] for row in values]
     width = _kernel.count_values(lines[0].encode("ascii"), delimiter)
     demand(width == len(rows[0]), "other values are counted")
     table = _kernel.parse_table(text, places, width, delimiter, threads)
