@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.metadata import said
+from liftmesh.io.metadata import not_read, said
 from liftmesh.io.objects.trimesh import of_metadata, to_cloud as of_geometry, transformed
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ def _lost(
     """Name what geometries have and their union has not, with the number of geometries."""
     lost: Counter[str] = Counter()
     for part in parts:
-        lost.update(part.metadata.get("skipped", ()))
+        lost.update(not_read(part.metadata))
         lost.update(name for name in part.attributes if name not in kept)
         if part.crs not in (None, described["crs"]):
             lost["crs"] += 1

@@ -241,3 +241,9 @@ def test_an_empty_mesh_with_normals() -> None:
     none = np.zeros((0, 3))
     mesh = to_mesh(Cloud(none, normals=none, faces=np.zeros((0, 3), dtype=np.int32)))
     assert len(mesh.vertices) == 0
+
+
+def test_an_entry_of_the_metadata_may_be_called_skipped() -> None:
+    box = trimesh.creation.box()
+    box.metadata = {"skipped": "no"}
+    assert liftmesh.as_cloud(trimesh.Scene(box)).metadata == {"skipped": "no"}
