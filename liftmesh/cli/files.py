@@ -109,7 +109,7 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     tuple of str
         Sentences, the first about the names of the columns.
     """
-    from liftmesh.io.table_columns import described, found_columns  # noqa: PLC0415 - as above
+    from liftmesh.io.tables.columns import described, found_columns  # noqa: PLC0415 - as above
 
     names = found_columns(cloud.metadata)
     said = described(names)

@@ -223,7 +223,7 @@ def parse_table(
     >>> parse_table("id,x,y,z", False, None, None, "2", False, None, None, None)
     {'columns': 'id,x,y,z', 'skip_rows': 2}
     """
-    from liftmesh.io.table_options import checked  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.tables.options import checked  # noqa: PLC0415 - help and --version do without
 
     words = {"columns": columns, "delimiter": delimiter, "decimal": decimal, "nodata": nodata}
     words |= {"end": end, "encoding": encoding}

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh.io.table_columns import found_columns
+from liftmesh.io.tables.columns import found_columns
 
 # What readers note; `read` sets "source" and "format" of every cloud.
 _LABELS = ("source", "format")

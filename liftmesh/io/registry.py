@@ -33,13 +33,13 @@ from liftmesh.io import (
     ply,
     point_lines,
     stl,
-    text_writer,
     triangle_files,
-    trimesh_files,
 )
 from liftmesh.io.format import Format
+from liftmesh.io.gltf import formats as gltf
 from liftmesh.io.objects import open3d, plain, tables, trimesh, trimesh_scene
 from liftmesh.io.objects.plain import qualified_name
+from liftmesh.io.tables import writer as text
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -106,12 +106,12 @@ def _refuse_path(path: object) -> Cloud:
 FORMATS: tuple[Format, ...] = (
     ply.FORMAT,
     obj.FORMAT,
-    text_writer.FORMAT,
+    text.FORMAT,
     numpy_files.NPY,
     numpy_files.NPZ,
     off.FORMAT,
     stl.FORMAT,
-    *trimesh_files.FORMATS,
+    *gltf.FORMATS,
     pcd.FORMAT,
     *point_lines.FORMATS,
     *triangle_files.FORMATS,

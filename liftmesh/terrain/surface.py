@@ -18,7 +18,7 @@ from liftmesh.color_depth import kept_depth
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import files
 from liftmesh.io.objects import matplotlib, open3d, trimesh
-from liftmesh.io.table_columns import described
+from liftmesh.io.tables.columns import described
 from liftmesh.terrain import changes
 from liftmesh.terrain.parts import as_parts
 

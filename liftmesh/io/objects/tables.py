@@ -1,6 +1,6 @@
 """Tables in memory: DataFrames, structured arrays, laspy's points, and arrays with named columns.
 
-They are read by the names of their columns, like the same table as text (`table_columns`), and
+They are read by the names of their columns, like the same table as text (`io.tables.columns`), and
 refused for the same reasons. Values keep their types: text, dates and other objects are left out
 and named. Libraries are recognised by the names of their classes and never imported.
 """
@@ -22,10 +22,10 @@ from liftmesh.interruption import kept
 from liftmesh.io.colors import fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.objects.plain import is_array, qualified_name
-from liftmesh.io.table_columns import Columns, understood, unnamed
-from liftmesh.io.table_doubts import Doubts
-from liftmesh.io.table_options import TableOptions, checked
-from liftmesh.io.table_words import with_point
+from liftmesh.io.tables.columns import Columns, understood, unnamed
+from liftmesh.io.tables.doubts import Doubts
+from liftmesh.io.tables.options import TableOptions, checked
+from liftmesh.io.tables.words import with_point
 from liftmesh.io.text_tables import is_number, shortened
 
 _FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}

@@ -3,7 +3,7 @@
 A line for each point: x, y, z, then normals, colours and named values, in digits that round-trip.
 The first line of CSV and TSV names the columns. XYZ has no such line: it gets one as a comment, if
 there are columns beyond x, y and z, or if x or z could be ids. Names are written only if
-`text` reads them as they are.
+`reader` reads them as they are.
 """
 
 from __future__ import annotations
@@ -18,13 +18,14 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io import text, whole_numbers
+from liftmesh.io import whole_numbers
 from liftmesh.io.colors import as_float, as_uint8, fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.limits import COLUMN_BYTES
-from liftmesh.io.table_columns import unnamed
-from liftmesh.io.table_doubts import Doubts
-from liftmesh.io.table_options import TableOptions
+from liftmesh.io.tables import reader
+from liftmesh.io.tables.columns import unnamed
+from liftmesh.io.tables.doubts import Doubts
+from liftmesh.io.tables.options import TableOptions
 from liftmesh.io.text_tables import quoted, write_rows
 from liftmesh.io.whole_numbers import DOUBLE
 
@@ -85,7 +86,7 @@ def _check(cloud: Cloud) -> None:
 
 
 def _could_be_ids(points: Floats) -> bool:
-    """Whether `text` would doubt that x or z are coordinates, if no line named them."""
+    """Whether `reader` would doubt that x or z are coordinates, if no line named them."""
     options = TableOptions(missing=())
     doubts = Doubts("", unnamed(len(POSITION), options, ""), options)
     doubts.examine(points)
@@ -166,7 +167,7 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
     limit = COLUMN_BYTES * (len(names) + 1)
     try:
         lines = _header(names, delimiter) + delimiter.join("0" * len(names)).encode()
-        back = text.read_text(io.BytesIO(lines), "", max_bytes=limit)
+        back = reader.read_text(io.BytesIO(lines), "", max_bytes=limit)
     except (FormatError, UnicodeEncodeError):
         return False
     channels = 0 if back.colors is None else back.colors.shape[1]
@@ -194,7 +195,7 @@ def _lost_colors(cloud: Cloud) -> tuple[str, ...]:
 
 
 FORMAT = replace(
-    text.FORMAT,
+    reader.FORMAT,
     write=write_text,
     suffix_options={".csv": {"delimiter": ","}, ".tsv": {"delimiter": "\t"}},
     keeps=("points", "colors", "alpha", "deep_colors", "normals", "attributes", "float64"),

@@ -21,13 +21,13 @@ from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.errors import FormatError
 from liftmesh.interruption import kept
 from liftmesh.io.colors import as_uint8, fits_eight_bits, with_alpha
-from liftmesh.io.gltf_meshes import FAN, POINTS, TRIANGLES, Primitive
+from liftmesh.io.gltf.meshes import FAN, POINTS, TRIANGLES, Primitive
 from liftmesh.io.objects.trimesh import to_cloud
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.gltf_validation import Accessor, Document, Tree
+    from liftmesh.io.gltf.validation import Accessor, Document, Tree
 
 ROUNDED = "rounded"  # in the metadata of a primitive: whether its colours are
 

@@ -3,7 +3,7 @@
 Nothing of it is applied, because it may be wrong; nor is it ignored, because the points would be.
 Such a table is refused with both readings and the option that chooses one.
 
-What counts as an id, `table_ids` says. A coordinate counts as a missing value if programs use it as
+What counts as an id, `ids` says. A coordinate counts as a missing value if programs use it as
 one (-9999, -32768, the ends of single precision), and if it stands apart from all others: by more
 than an eighth of their range, or because there are none.
 """
@@ -18,12 +18,12 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION
-from liftmesh.io.table_ids import Ids, RowNumbers
-from liftmesh.io.table_options import MOST_LISTED, spelled
+from liftmesh.io.tables.ids import Ids, RowNumbers
+from liftmesh.io.tables.options import MOST_LISTED, spelled
 
 if TYPE_CHECKING:
-    from liftmesh.io.table_columns import Columns
-    from liftmesh.io.table_options import TableOptions
+    from liftmesh.io.tables.columns import Columns
+    from liftmesh.io.tables.options import TableOptions
 
 _LOW, _HIGH = -999.0, 1e19  # all of the following are beyond
 _SENTINELS = (

@@ -15,10 +15,10 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
 from liftmesh.color_depth import kept_depth
-from liftmesh.io import gltf_names
 from liftmesh.io.format import Format, Origin
-from liftmesh.io.gltf_file import File
-from liftmesh.io.gltf_reader import read_scene
+from liftmesh.io.gltf import names as value_names
+from liftmesh.io.gltf.file import File
+from liftmesh.io.gltf.reader import read_scene
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
@@ -90,11 +90,11 @@ def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
     file = File.of(load("trimesh").Scene(geometry).export(file_type="glb"))
     if origin is not None:
         file.place(origin)
-    values = gltf_names.columns(cloud.attributes)
-    names = gltf_names.keys(values)
+    values = value_names.columns(cloud.attributes)
+    names = value_names.keys(values)
     for name, key in names.items():
         file.add(key, values[name])
-    if extras := _extras(cloud, origin, gltf_names.note(values, names)):
+    if extras := _extras(cloud, origin, value_names.note(values, names)):
         file.tree["scenes"][0]["extras"] = extras
     return file, origin
 
@@ -109,7 +109,7 @@ def _extras(cloud: Cloud, origin: Origin | None, names: dict[str, list[str]]) ->
 
 def _renamed(cloud: Cloud) -> dict[str, str]:
     """The attributes whose names are not just written with an underscore and in capitals."""
-    names = gltf_names.keys(gltf_names.columns(cloud.attributes))
+    names = value_names.keys(value_names.columns(cloud.attributes))
     return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
 
 
@@ -119,12 +119,12 @@ def _has_faces(cloud: Cloud) -> bool:
 
 def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Points are written without normals; those of meshes get the length 1, but for zeros."""
-    lost = gltf_names.lost(cloud.attributes)
+    lost = value_names.lost(cloud.attributes)
     if cloud.normals is None:
         return tuple(lost)
     if not _has_faces(cloud) or not _are_unit(cloud.normals):
         return (*lost, "normals")
-    return (*lost, *gltf_names.lost({"normals": cloud.normals}))
+    return (*lost, *value_names.lost({"normals": cloud.normals}))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -145,7 +145,7 @@ def _are_unit(normals: Array) -> bool:
 def _check_gltf(cloud: Cloud) -> None:
     """Raise for coordinates that single precision cannot hold, and for names that are one."""
     needed_origin(cloud.points, "glTF")
-    gltf_names.columns(cloud.attributes)
+    value_names.columns(cloud.attributes)
 
 
 _GLTF: dict[str, Any] = {

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
-from liftmesh.io.gltf_buffers import Buffers, Chunk, Stated
+from liftmesh.io.gltf.buffers import Buffers, Chunk, Stated
 from liftmesh.io.json_memory import bytes_of_text, bytes_of_tree
 from liftmesh.io.json_numbers import shown
 from liftmesh.io.json_text import check_length, parsed, without_buffers

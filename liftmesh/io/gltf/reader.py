@@ -16,11 +16,11 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
-from liftmesh.io.gltf_decoding import ROUNDED, decoded
-from liftmesh.io.gltf_meshes import Primitive, primitives
-from liftmesh.io.gltf_names import restored
-from liftmesh.io.gltf_nodes import Scene, default_scene, put_exactly
-from liftmesh.io.gltf_validation import Document
+from liftmesh.io.gltf.decoding import ROUNDED, decoded
+from liftmesh.io.gltf.meshes import Primitive, primitives
+from liftmesh.io.gltf.names import restored
+from liftmesh.io.gltf.nodes import Scene, default_scene, put_exactly
+from liftmesh.io.gltf.validation import Document
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.metadata import NOTE, of_extras
 from liftmesh.io.objects.trimesh import transformed

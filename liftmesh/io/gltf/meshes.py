@@ -1,7 +1,7 @@
 """The primitives of glTF meshes: points, triangles, strips and fans of them, and lines.
 
 Lines have no place in a cloud: they are counted. What is read of the others is checked here, and
-decoded in `io.gltf_decoding`.
+decoded in `io.gltf.decoding`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from liftmesh.cloud import is_crs
-from liftmesh.io.gltf_validation import Accessor, Document, Tree, is_harmless
+from liftmesh.io.gltf.validation import Accessor, Document, Tree, is_harmless
 from liftmesh.io.json_numbers import shown
 from liftmesh.io.limits import check_columns
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.io.gltf_validation import Document, Tree, is_harmless
+from liftmesh.io.gltf.validation import Document, Tree, is_harmless
 from liftmesh.io.json_numbers import finite_numbers, shown
 
 if TYPE_CHECKING:

@@ -23,15 +23,15 @@ from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION
 from liftmesh.io.limits import MOST_COLUMNS
 from liftmesh.io.lines import Block
-from liftmesh.io.table_doubts import named_points
-from liftmesh.io.table_options import spelled
-from liftmesh.io.table_words import may_be_grouped, split, with_point, without_remark
+from liftmesh.io.tables.doubts import named_points
+from liftmesh.io.tables.options import spelled
+from liftmesh.io.tables.words import may_be_grouped, split, with_point, without_remark
 from liftmesh.io.text_tables import is_number, number_table, quoted, values_at_most
 
 if TYPE_CHECKING:
-    from liftmesh.io.table_columns import Columns
-    from liftmesh.io.table_layout import Layout
-    from liftmesh.io.table_options import TableOptions
+    from liftmesh.io.tables.columns import Columns
+    from liftmesh.io.tables.layout import Layout
+    from liftmesh.io.tables.options import TableOptions
 
 _NAN = "nan"
 _STRINGS = 1 << 17  # held at a time

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from liftmesh.errors import FormatError
 from liftmesh.io.limits import check_columns, most_columns
-from liftmesh.io.table_columns import known_header
-from liftmesh.io.table_options import TableOptions
-from liftmesh.io.table_words import split, with_point, without_remark
+from liftmesh.io.tables.columns import known_header
+from liftmesh.io.tables.options import TableOptions
+from liftmesh.io.tables.words import split, with_point, without_remark
 from liftmesh.io.text_tables import is_number, values_at_most
 
 _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)  # the first line of a spreadsheet's file

@@ -1,8 +1,8 @@
 """Reader for points as text: XYZ, CSV, TSV, TXT and ASC, with or without a header.
 
-`table_layout` detects the layout, `table_columns` what the columns are, `table_values` parses the
-values, and `table_doubts` looks for what only they suggest. Here it comes together: a table is read
-in blocks, and made a cloud once all its rows are known.
+`layout` detects the layout, `columns` what the columns are, `values` parses the values, and
+`doubts` looks for what only they suggest. Here it comes together: a table is read in blocks, and
+made a cloud once all its rows are known.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import Format
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
-from liftmesh.io.table_columns import PARTS, Columns, understood, unnamed
-from liftmesh.io.table_doubts import Doubts, check_count
-from liftmesh.io.table_layout import Layout, before_remark, sniff, stated_separator
-from liftmesh.io.table_options import TableOptions, checked
-from liftmesh.io.table_values import TableValues
-from liftmesh.io.text_encoding import as_utf8, skip_lines
+from liftmesh.io.tables.columns import PARTS, Columns, understood, unnamed
+from liftmesh.io.tables.doubts import Doubts, check_count
+from liftmesh.io.tables.encoding import as_utf8, skip_lines
+from liftmesh.io.tables.layout import Layout, before_remark, sniff, stated_separator
+from liftmesh.io.tables.options import TableOptions, checked
+from liftmesh.io.tables.values import TableValues
 from liftmesh.io.text_tables import quoted, regrouped
 
 _COMMENTS = ("#", "//")
@@ -56,7 +56,7 @@ def read_text(
     Returns
     -------
     Cloud
-        Columns x, y, z (also easting, northing, elevation and the like, see `column_names`) become
+        Columns x, y, z (also easting, northing, elevation and the like, see `names`) become
         coordinates; red, green, blue (r, g, b) become colours: uint8 or uint16 if they are whole
         numbers, floats if none exceeds 1; nx, ny, nz become normals; all others float64 attributes
         of that name. Columns of text, and empty ones, are named in ``metadata["skipped"]``.

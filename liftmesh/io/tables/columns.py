@@ -13,9 +13,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from liftmesh.errors import DataWarning, FormatError
-from liftmesh.io.column_names import Meaning, meaning
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.table_options import LEFT_OUT, TableOptions, is_plain
+from liftmesh.io.tables.names import Meaning, meaning
+from liftmesh.io.tables.options import LEFT_OUT, TableOptions, is_plain
 
 PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
