@@ -342,3 +342,9 @@ def test_normals_that_single_precision_rounds_are_named(kind: str) -> None:
     assert liftmesh.write(io.BytesIO(), tiny, format=kind).dropped == ("normals",)
     single = Cloud(MESH.points, faces=MESH.faces, normals=normals.astype(np.float32))
     assert liftmesh.write(io.BytesIO(), single, format=kind).dropped == ()
+
+
+def test_a_name_may_be_the_key_of_another() -> None:
+    values = {"a": np.ones(4), "_A": np.zeros(4)}
+    cloud = Cloud(MESH.points, faces=MESH.faces, attributes=values)
+    assert {*loaded(saved(cloud, "glb"), "glb").attributes} == {*values}

@@ -124,9 +124,11 @@ def restored(attributes: Mapping[str, Array], stated: object) -> dict[str, Array
     """
     noted = stated if isinstance(stated, dict) else {}
     found: dict[str, Array] = {}
+    wanted = {key: _stated(noted.get(key), key) for key in attributes}
+    are_distinct = len({name for name, _ in wanted.values()}) == len(wanted)
     for key, values in attributes.items():
-        name, dtype = _stated(noted.get(key), key)
-        if name in found or (name != key and name in attributes):
+        name, dtype = wanted[key]
+        if not are_distinct and (name in found or (name != key and name in attributes)):
             name = key
         found[name] = values if dtype is None else _converted(values, dtype)
     return found
