@@ -104,6 +104,11 @@ def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
     found = run("verify", cloud)
     assert found.returncode == 3
     assert "cloud.xyz: holds no triangles: make some with liftmesh triangulate" in found.stderr
+    cloud.write_text("North;East\n0;0\n")  # options of tables would not make it a mesh
+    found = run("verify", cloud)
+    assert found.returncode == 3
+    assert "cloud.xyz: holds no triangles" in found.stderr
+    assert "columns" not in found.stderr
     points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [np.nan, 0.0]])
     path = mesh(tmp_path / "mesh.ply", points, [[0, 1, 2]])
     found = run("verify", path)

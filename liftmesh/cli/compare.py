@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import exit_codes, files, options, standard_streams, terminal
+from liftmesh.cli import exit_codes, files, options, standard_streams, tables, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -26,6 +26,7 @@ EXAMPLES = [
 ]
 
 
+@tables.with_options
 def run(
     source: options.Source,
     q: Annotated[
@@ -49,15 +50,7 @@ def run(
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
-    columns: options.Columns = None,
-    flat: options.Flat = False,
-    delimiter: options.Delimiter = None,
-    decimal: options.Decimal = None,
-    skip_rows: options.SkipRows = "0",
-    no_header: options.NoHeader = False,
-    nodata: options.NoData = None,
-    end: options.End = None,
-    encoding: options.Encoding = None,
+    table: Any = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -75,8 +68,8 @@ def run(
         Maximum number of proofs.
     source_format : str, optional
         Format of IN, instead of its suffix.
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-        Options of tables, as in `liftmesh.read`.
+    table : dict
+        Options of tables, as in `liftmesh.read`: see `tables.with_options`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     json : bool
@@ -85,9 +78,6 @@ def run(
     standard_streams.check_stdout()
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
     limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)
-    table = options.parse_table(
-        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-    )
     files.check_target(lower)
     files.check_target(hull)
     files.check_apart(source, lower, hull)

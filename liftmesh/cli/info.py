@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import files, options, standard_streams, terminal
+from liftmesh.cli import files, options, standard_streams, tables, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cli.summary import Summary
@@ -22,20 +22,13 @@ HELP = (
 EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
 
 
+@tables.with_options
 def run(
     source: Annotated[
         Path, typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --from).")
     ],
     source_format: options.SourceFormat = None,
-    columns: options.Columns = None,
-    flat: options.Flat = False,
-    delimiter: options.Delimiter = None,
-    decimal: options.Decimal = None,
-    skip_rows: options.SkipRows = "0",
-    no_header: options.NoHeader = False,
-    nodata: options.NoData = None,
-    end: options.End = None,
-    encoding: options.Encoding = None,
+    table: Any = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -47,17 +40,14 @@ def run(
         FILE.
     source_format : str, optional
         Format of FILE, instead of its suffix.
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-        Options of tables, as in `liftmesh.read`.
+    table : dict
+        Options of tables, as in `liftmesh.read`: see `tables.with_options`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
-    table = options.parse_table(
-        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-    )
     cloud = files.read(source, source_format, options.parse_size(max_bytes), table)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 

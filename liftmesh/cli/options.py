@@ -48,44 +48,6 @@ MaxBytes: TypeAlias = Annotated[
         "500M or 4G.",
     ),
 ]
-Columns: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAMES",
-        help="Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
-        "of all in order, as id,x,y,z; - leaves one out.",
-    ),
-]
-Flat: TypeAlias = Annotated[
-    bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
-]
-Delimiter: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="MARK", help="Tables: what separates values, as ';', tab or space."),
-]
-Decimal: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="MARK", help="Tables: the decimal mark, . or ,")
-]
-SkipRows: TypeAlias = Annotated[
-    str, typer.Option("--skip-rows", metavar="N", help="Tables: skip the first N lines.")
-]
-NoHeader: TypeAlias = Annotated[
-    bool, typer.Option("--no-header", help="Tables: the first line is a row.")
-]
-NoData: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="VALUE",
-        help="Tables: what stands for a missing value, as -9999; none if nothing does.",
-    ),
-]
-End: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="LINE", help="Tables: the line that ends them, as END.")
-]
-Encoding: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="Tables: the encoding of the text, as cp1252, if not UTF."),
-]
 ColorDepth: TypeAlias = Annotated[
     str | None,
     typer.Option(
@@ -188,55 +150,6 @@ def parse_size(text: str | None) -> int | None:
     if not size:
         raise typer.BadParameter(f"--max-bytes {text!r} is not a size: give one as 500M or 4G")
     return size
-
-
-def parse_table(
-    columns: str | None,
-    flat: bool,
-    delimiter: str | None,
-    decimal: str | None,
-    skip_rows: str,
-    no_header: bool,
-    nodata: str | None,
-    end: str | None,
-    encoding: str | None,
-) -> dict[str, Any]:
-    """Check the options of tables, and return those that were given.
-
-    Parameters
-    ----------
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.read`.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have.
-
-    Examples
-    --------
-    >>> parse_table("id,x,y,z", False, None, None, "2", False, None, None, None)
-    {'columns': 'id,x,y,z', 'skip_rows': 2}
-    """
-    from liftmesh.io.tables.options import checked  # noqa: PLC0415 - help and --version do without
-
-    words = {"columns": columns, "delimiter": delimiter, "decimal": decimal, "nodata": nodata}
-    words |= {"end": end, "encoding": encoding}
-    given: dict[str, Any] = {k: word for k, word in words.items() if word is not None}
-    given |= {"flat": True} if flat else {}
-    given |= {"header": False} if no_header else {}
-    lines = parse_count("--skip-rows", skip_rows, 0)
-    given |= {"skip_rows": lines} if lines else {}
-    try:
-        checked(**given)
-    except InputError as error:
-        raise typer.BadParameter(f"--{error}") from error
-    return given
 
 
 def parse_count(option: str, text: str, least: int) -> int:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates, Method
-from liftmesh.cli import files, options, standard_streams, terminal
+from liftmesh.cli import files, options, standard_streams, tables, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -30,6 +30,7 @@ EXAMPLES = [
 ]
 
 
+@tables.with_options
 def run(
     source: options.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
@@ -57,15 +58,7 @@ def run(
         typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
     ] = None,
     threads: options.Threads = None,
-    columns: options.Columns = None,
-    flat: options.Flat = False,
-    delimiter: options.Delimiter = None,
-    decimal: options.Decimal = None,
-    skip_rows: options.SkipRows = "0",
-    no_header: options.NoHeader = False,
-    nodata: options.NoData = None,
-    end: options.End = None,
-    encoding: options.Encoding = None,
+    table: Any = None,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
     json: options.Json = False,
@@ -82,8 +75,8 @@ def run(
         Formats, instead of the suffixes.
     threads : str, optional
         As in `liftmesh.triangulate`.
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-        Options of tables, as in `liftmesh.read`.
+    table : dict
+        Options of tables, as in `liftmesh.read`: see `tables.with_options`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     color_depth : str, optional
@@ -97,9 +90,6 @@ def run(
     count = options.parse_threads(threads)
     depth = options.parse_color_depth(color_depth)
     limit = options.parse_size(max_bytes)
-    table = options.parse_table(
-        columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-    )
     files.check_target(target, target_format)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     files.check_apart(source, target)

@@ -11,6 +11,7 @@ import typer
 
 from liftmesh.choices import NonFinite
 from liftmesh.cli import exit_codes, files, options, standard_streams, terminal
+from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -74,6 +75,7 @@ def run(
     limit = options.parse_size(max_bytes)
     files.check_place(certificate)
     files.check_apart(source, certificate)
+    _check_format(source, source_format)
     cloud = files.read(source, source_format, limit)
     _note_polygons(cloud)
     with files.about(source):
@@ -92,17 +94,31 @@ def run(
         raise typer.Exit(exit_codes.DIFFERENT)
 
 
+def _check_format(source: Path, file_format: str | None) -> None:
+    """Raise for a file of points before it is read: options of tables would not help."""
+    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+
+    if file_format is None and not source.is_file():
+        return
+    found = find_format(file_format or suffix_of(source.name), str(source))
+    if "faces" not in found.keeps:
+        raise _no_triangles(source)
+
+
+def _no_triangles(source: Path) -> InputError:
+    return InputError(
+        f"{source}: holds no triangles: make some with liftmesh triangulate {source} OUT"
+    )
+
+
 def _verify(
     cloud: Cloud, source: Path, plane: Any, nonfinite: NonFinite, threads: int | None
 ) -> Certificate:
-    from liftmesh.errors import InputError  # noqa: PLC0415 - help and --version do without
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - as above
+    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
     from liftmesh.terrain.plane import resolve_plane  # noqa: PLC0415 - as above
 
     if cloud.faces is None or not len(cloud.faces):
-        raise InputError(
-            f"{source}: holds no triangles: make some with liftmesh triangulate {source} OUT"
-        )
+        raise _no_triangles(source)
     with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
         planar = resolve_plane(plane, cloud.points).planar(cloud.points)
         return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads)

@@ -49,6 +49,12 @@ def test_what_an_option_loses_is_named() -> None:
         saved(deep, "obj", colors="vertex")
 
 
+def test_only_alpha_is_named_if_only_alpha_is_deeper_than_a_byte() -> None:
+    clear = Cloud(POINTS[:2], colors=np.array([[0, 1, 1, 0.3], [0, 0, 1, 1]]))
+    found = liftmesh.write(io.BytesIO(), clear, format="obj", colors="comments")
+    assert found.dropped == ("alpha",)
+
+
 @pytest.mark.parametrize(
     ("text", "is_ignored"),
     [

@@ -321,6 +321,17 @@ def test_what_follows_the_end_is_named() -> None:
     assert cloud.metadata["notes"] == ("line 2 ends the table: the lines that follow are not read",)
 
 
+@pytest.mark.parametrize(
+    ("text", "above"), [("x,y,z\nEND\n1,2,3\n", "a header but no points"), ("1 2 3\n", "no points")]
+)
+def test_a_table_that_ends_before_its_first_row_has_no_points(text: str, above: str) -> None:
+    end = "END" if "END" in text else "1 2 3"
+    with pytest.raises(FormatError, match=f"the file has {above}"):
+        read(text, end=end)
+    with pytest.raises(FormatError, match=f"the file has {above}"):
+        list(liftmesh.read_chunks(io.BytesIO(text.encode()), format="csv", end=end))
+
+
 def test_six_columns_that_are_colours_are_said_to_be() -> None:
     cloud = read("1 2 3 255 0 10\n")
     assert cloud.metadata["notes"] == ("columns 4, 5 and 6 are read as red, green and blue",)

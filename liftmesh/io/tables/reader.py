@@ -141,12 +141,14 @@ class _Table:
         """Parse the rows, including the first line unless it is the header."""
         parse = (values or self.values).parse
         block = self._lines.take(BLOCK) if self.layout.in_first_line else self._first
-        if not len(block):
-            raise FormatError(f"{self.name}: the file has a header but no points")
-        while len(block):
-            kept = self._until_end(block)
+        kept = self._until_end(block)
+        if not len(kept):
+            above = "a header but no points" if self.layout.in_first_line else "no points"
+            raise FormatError(f"{self.name}: the file has {above}")
+        while len(kept):
             yield parse(kept)
             block = self._lines.take(BLOCK) if len(kept) == len(block) else block[:0]
+            kept = self._until_end(block)
         first, count = self._lines.remarks
         if count:
             self.notes.append(

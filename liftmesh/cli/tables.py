@@ -1,0 +1,130 @@
+"""The options of tables, which every command that reads points has: `liftmesh.read` knows them."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Annotated, Any
+
+import typer
+
+from liftmesh.cli.options import parse_count
+from liftmesh.errors import InputError
+
+
+def parse(
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
+            "of all in order, as id,x,y,z; - leaves one out.",
+        ),
+    ] = None,
+    flat: Annotated[
+        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
+    ] = False,
+    delimiter: Annotated[
+        str | None,
+        typer.Option(metavar="MARK", help="Tables: what separates values, as ';', tab or space."),
+    ] = None,
+    decimal: Annotated[
+        str | None, typer.Option(metavar="MARK", help="Tables: the decimal mark, . or ,")
+    ] = None,
+    skip_rows: Annotated[
+        str, typer.Option("--skip-rows", metavar="N", help="Tables: skip the first N lines.")
+    ] = "0",
+    no_header: Annotated[
+        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
+    ] = False,
+    nodata: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Tables: what stands for a missing value, as -9999; none if nothing does.",
+        ),
+    ] = None,
+    end: Annotated[
+        str | None, typer.Option(metavar="LINE", help="Tables: the line that ends them, as END.")
+    ] = None,
+    encoding: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Tables: the encoding of the text, as cp1252, if not UTF."
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of tables, and return those that were given.
+
+    Parameters
+    ----------
+    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
+        The options of the command line.
+
+    Returns
+    -------
+    dict
+        Options of `liftmesh.read`.
+
+    Raises
+    ------
+    typer.BadParameter
+        A value is not one that the option can have.
+
+    Examples
+    --------
+    >>> parse(columns="id,x,y,z", skip_rows="2")
+    {'columns': 'id,x,y,z', 'skip_rows': 2}
+    """
+    from liftmesh.io.tables.options import checked  # noqa: PLC0415 - help and --version do without
+
+    words = {"columns": columns, "delimiter": delimiter, "decimal": decimal, "nodata": nodata}
+    words |= {"end": end, "encoding": encoding}
+    given: dict[str, Any] = {k: word for k, word in words.items() if word is not None}
+    given |= {"flat": True} if flat else {}
+    given |= {"header": False} if no_header else {}
+    lines = parse_count("--skip-rows", skip_rows, 0)
+    given |= {"skip_rows": lines} if lines else {}
+    try:
+        checked(**given)
+    except InputError as error:
+        raise typer.BadParameter(f"--{error}") from error
+    return given
+
+
+def with_options(run: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of tables in place of its parameter ``table``.
+
+    Parameters
+    ----------
+    run : callable
+        The command; ``table`` gets what `parse` makes of the options.
+
+    Returns
+    -------
+    callable
+        The command as typer sees it.
+
+    Examples
+    --------
+    >>> @with_options
+    ... def run(path: str, table: dict) -> None:
+    ...     print(path, table)
+    >>> run(path="a.csv", skip_rows="2")
+    a.csv {'skip_rows': 2}
+    """
+    signature = inspect.signature(run, eval_str=True)
+    options = inspect.signature(parse, eval_str=True).parameters
+    parameters: list[inspect.Parameter] = []
+    for each in signature.parameters.values():
+        parameters += options.values() if each.name == "table" else [each]
+
+    @wraps(run)
+    def command(**values: Any) -> None:
+        table = parse(**{name: values.pop(name) for name in options if name in values})
+        run(**values, table=table)
+
+    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    return command
