@@ -8,6 +8,7 @@
 #include <memory>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -46,6 +47,19 @@ template <class T, class Old>
 Buffer<T> reuse(Buffer<Old> old) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignof(Old));
     return Buffer<T>(reinterpret_cast<T*>(old.release()));
+}
+
+// A buffer of `room` objects, for the first `count` of them: memory is returned where more than an
+// eighth would be wasted.
+template <class T, class Old>
+Buffer<T> shrunk(Buffer<Old> old, std::size_t room, std::size_t count) {
+    static_assert(sizeof(T) == sizeof(Old));
+    Buffer<T> buffer = reuse<T>(std::move(old));
+    if (count >= room - room / 8) return buffer;
+    void* smaller = std::realloc(buffer.get(), std::max<std::size_t>(count * sizeof(T), 1));
+    if (smaller == nullptr) return buffer;
+    static_cast<void>(buffer.release());
+    return Buffer<T>(static_cast<T*>(smaller));
 }
 
 }  // namespace liftmesh

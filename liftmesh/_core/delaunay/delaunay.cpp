@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "base/floating_point.hpp"
+#include "delaunay/compact.hpp"
 #include "delaunay/divide_conquer.hpp"
-#include "delaunay/emit.hpp"
 
 namespace liftmesh {
 
@@ -37,9 +37,7 @@ Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Int
     Construction construction;
     outcome.status = divide_and_conquer(order, pool, construction);
     if (outcome.status != Status::ok) return outcome;
-    static_assert(sizeof(Site) == 2 * 3 * sizeof(std::int32_t), "two triangles for each point");
-    Memory sites{reuse<std::int32_t>(std::move(order.sites)), 6 * order.room};
-    outcome.status = emit(construction, pool, std::move(sites), outcome.result);
+    outcome.status = compact(std::move(construction), pool, outcome.result);
     return outcome;
 }
 

@@ -13,8 +13,9 @@
 
 namespace liftmesh {
 
-// Edges are named by 32 bits, fewer than 2 n triangles take six names each.
-inline constexpr std::size_t most_rows = ~std::uint32_t{0} / (2 * words_per_triangle);
+// Fewer than 2 n triangles take three names of edges each, which stay within the numbers of the
+// result.
+inline constexpr std::size_t most_rows = 0x7fffffff / (2 * words_per_triangle);
 
 struct Delaunay {
     Status status = Status::ok;

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -30,9 +31,10 @@ class Engine {
         : order_(order),
           pool_(pool),
           interrupt_(pool.interrupt()),
+          sites_(reinterpret_cast<Site*>(result.vertices.get())),
           points_(result.points.get()),
           rows_(result.rows.get()),
-          mesh_(points_, result.triangles.get()),
+          mesh_(points_, result.vertices.get(), result.twins.get()),
           seam_{mesh_, order.scale.guard, interrupt_} {}
 
     // Returns a ghost of the whole triangulation.
@@ -52,6 +54,7 @@ class Engine {
 
  private:
     using Index = std::size_t;
+    static constexpr Index most_in_a_leaf = 3;
 
     // Nodes of the kd tree are numbered as in a heap: the root is 1, the children of h are 2 h and
     // 2 h + 1.
@@ -102,20 +105,24 @@ class Engine {
     Part cell(Extent at) {
         const Index count = at.last - at.first;
         interrupt_.advance(work::triangulating * count);
-        return build(&order_.sites[at.first], at.first, count);
+        return build(at.first, count);
     }
 
-    Part build(Site* sites, Index first, Index count) {
-        if (count <= 3) return leaf(sites, first, count);
+    Part build(Index first, Index count) {
+        if (count <= most_in_a_leaf) return leaf(first, count);
         if (is_to_end(count)) return {};
-        const Halving half = halve(sites, count);
+        const Halving half = halve(&sites_[first], count);
         const Index rest = count - half.middle, middle = first + half.middle;
-        const Part left = build(sites, first, half.middle);
-        const Part right = build(sites + half.middle, middle, rest);
+        const Part left = build(first, half.middle);
+        const Part right = build(middle, rest);
         return join(left, right, half.axis, count, middle);
     }
 
-    Part leaf(const Site* sites, Index first, Index count) {
+    // The triangles are written where the sites were. `memcpy` reads these before: to a compiler,
+    // objects of other types are never in the same place.
+    Part leaf(Index first, Index count) {
+        Site sites[most_in_a_leaf];
+        std::memcpy(sites, &sites_[first], count * sizeof(Site));
         for (Index i = 0; i < count; ++i) {
             points_[first + i] = sites[i].point;
             rows_[first + i] = sites[i].row;
@@ -194,6 +201,7 @@ class Engine {
     Order& order_;
     ThreadPool& pool_;
     Interrupt& interrupt_;
+    Site* sites_;  // in the memory of the vertices
     Point* points_;
     Row* rows_;
     Mesh mesh_;
@@ -209,7 +217,10 @@ Status divide_and_conquer(Order& order, ThreadPool& pool, Construction& result) 
     result.count = order.count;
     result.points = allocate<Point>(order.count);
     result.rows = allocate<Row>(order.count);
-    result.triangles = allocate<Word>(words_per_triangle * (2 * order.count - 2));
+    static_assert(sizeof(Site) == sizeof(Vertex[2 * words_per_triangle]));
+    result.vertex_room = 2 * words_per_triangle * order.room;
+    result.vertices = reuse<Vertex>(std::move(order.sites));
+    result.twins = allocate<Edge>(words_per_triangle * (2 * order.count - 2));
     result.some_ghost = Engine(order, pool, result).run();
     return pool.interrupt().requested() ? Status::interrupted : Status::ok;
 }

@@ -9,17 +9,19 @@
 namespace liftmesh {
 
 // A triangulation in progress or complete: the points in their final order, and the slots of the
-// triangles.
+// triangles. Each site of the order takes as much room as the vertices of its two slots, so these
+// are written over the sites that have moved to their final places.
 struct Construction {
     Buffer<Point> points;
     Buffer<Row> rows;
-    Buffer<Word> triangles;  // of 2 * count - 2, ghosts included
+    Buffer<Vertex> vertices;  // of 2 * count - 2 triangles, ghosts included
+    Buffer<Edge> twins;
+    std::size_t vertex_room = 0;
     std::size_t count = 0;
     TriangleId some_ghost = 0;
 };
 
-// Triangulates the distinct points of `order` (at least two), whose sites must not be used
-// afterwards.
+// Triangulates the distinct points of `order` (at least two), and takes the memory of its sites.
 Status divide_and_conquer(Order& order, ThreadPool& pool, Construction& result);
 
 }  // namespace liftmesh

@@ -1,4 +1,5 @@
-// The triangulation under construction: one flat array of triangles in static slots.
+// The triangulation under construction: two flat arrays, one of vertices and one of twins, with
+// three words each for a triangle. They become the rows of the result where they lie.
 //
 // A triangulation of k >= 2 distinct points whose hull edges carry a ghost triangle each has
 // exactly 2k - 2 triangles, collinear sets included. A merge of l and r points adds two, and
@@ -6,12 +7,11 @@
 // 2 last - 2, and the two that follow those of its left part belong to the merge. There is no
 // allocator, and the layout does not depend on which thread builds which part.
 //
-// A slot is six words: three vertices and three edge names. A triangle is named by the number of
-// its first word, t; its edge k, which is opposite vertex k and runs from vertex k + 1 to vertex k
-// + 2 (counted modulo 3), by t + k. So the word at the name of an edge is the opposite vertex, and
-// three words later is its twin: the name of the same edge in the triangle across. A ghost
-// triangle has the vertex `ghost` at place 2; for the hull edge tail -> head, taken
-// counter-clockwise, it is {head, tail, ghost}.
+// A triangle is named by the place of its first word, t; its edge k, which is opposite vertex k and
+// runs from vertex k + 1 to vertex k + 2 (counted modulo 3), by t + k. So in one array the word at
+// the name of an edge is the opposite vertex, and in the other its twin: the name of the same edge
+// in the triangle across. A ghost triangle has the vertex `ghost` at place 2; for the hull edge
+// tail -> head, taken counter-clockwise, it is {head, tail, ghost}.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ using TriangleId = Word;
 using Edge = Word;
 
 inline constexpr Vertex ghost = ~Vertex{0};
-inline constexpr Word words_per_triangle = 6;
+inline constexpr Word words_per_triangle = 3;
 
 constexpr Edge edge(TriangleId triangle, unsigned k) {
     return triangle + k;
@@ -35,10 +35,10 @@ constexpr TriangleId triangle_of(Edge e) {
     return e - e % 3;
 }
 constexpr Edge next(Edge e) {
-    return e + 1 - 3 * Word{e % 3 == 2};
+    return e + 1 - 3 * (e % 3 / 2);
 }
 constexpr Edge previous(Edge e) {
-    return e - 1 + 3 * Word{e % 3 == 0};
+    return e - 1 + 3 * ((2 - e % 3) / 2);
 }
 constexpr std::size_t slot_of(TriangleId triangle) {
     return triangle / words_per_triangle;
@@ -49,34 +49,36 @@ constexpr TriangleId triangle_in(std::size_t slot) {
 
 class Mesh {
  public:
-    Mesh(const Point* points, Word* words) : points_(points), words_(words) {}
+    Mesh(const Point* points, Vertex* vertices, Edge* twins)
+        : points_(points), vertices_(vertices), twins_(twins) {}
 
     Point point(Vertex v) const { return points_[v]; }
-    Vertex apex(Edge e) const { return words_[e]; }
-    Vertex& vertex(TriangleId t, unsigned k) { return words_[t + k]; }
-    Edge twin(Edge e) const { return words_[e + 3]; }
+    Vertex apex(Edge e) const { return vertices_[e]; }
+    Vertex& vertex(TriangleId t, unsigned k) { return vertices_[t + k]; }
+    Edge twin(Edge e) const { return twins_[e]; }
     void join(Edge e, Edge f) {
-        words_[e + 3] = f;
-        words_[f + 3] = e;
+        twins_[e] = f;
+        twins_[f] = e;
     }
 
     // The hull, walked by its ghosts: the twin of a ghost's edge 1 is edge 0 of the next.
-    Vertex tail(TriangleId g) const { return words_[g + 1]; }
-    Vertex head(TriangleId g) const { return words_[g]; }
+    Vertex tail(TriangleId g) const { return vertices_[g + 1]; }
+    Vertex head(TriangleId g) const { return vertices_[g]; }
     TriangleId successor(TriangleId g) const { return twin(g + 1); }
     TriangleId predecessor(TriangleId g) const { return twin(g) - 1; }
     Edge hull_edge(TriangleId g) const { return edge(g, 2); }
 
     void place_ghost(TriangleId g, Vertex tail, Vertex head) {
-        words_[g] = head;
-        words_[g + 1] = tail;
-        words_[g + 2] = ghost;
+        vertices_[g] = head;
+        vertices_[g + 1] = tail;
+        vertices_[g + 2] = ghost;
     }
     void chain(TriangleId g, TriangleId successor) { join(edge(g, 1), edge(successor, 0)); }
 
  private:
     const Point* points_;
-    Word* words_;
+    Vertex* vertices_;
+    Edge* twins_;
 };
 
 }  // namespace liftmesh

@@ -65,8 +65,8 @@ class LowerHullBuilder {
     // In the order that the header explains.
     Status write(std::vector<Facet>& facets) const {
         std::vector<Edge> firsts = first_edges();
-        const auto follower = [&](Edge e) { return words_[next(e)]; };
-        const auto least = [&](Edge e) { return words_[e]; };
+        const auto follower = [&](Edge e) { return vertices_[next(e)]; };
+        const auto least = [&](Edge e) { return vertices_[e]; };
         if (!counting_sort(firsts, p_.size(), interrupt_, follower) ||
             !counting_sort(firsts, p_.size(), interrupt_, least))
             return Status::interrupted;
@@ -76,7 +76,7 @@ class LowerHullBuilder {
         const bool done = for_each_in_blocks(firsts.size(), interrupt_, [&](std::size_t i) {
             const Edge e = firsts[i], f = next(e), g = next(f);
             facets.push_back(
-                {{words_[e], words_[f], words_[g]},
+                {{vertices_[e], vertices_[f], vertices_[g]},
                  {name[slot_of(twin(e))], name[slot_of(twin(f))], name[slot_of(twin(g))]}});
         });
         return done ? Status::ok : Status::interrupted;
@@ -95,8 +95,8 @@ class LowerHullBuilder {
     }
 
     Point planar(Vertex v) const { return p_[v].planar(); }
-    const Vertex* corners(TriangleId t) const { return &words_[t]; }
-    Edge twin(Edge e) const { return words_[e + 3]; }
+    const Vertex* corners(TriangleId t) const { return &vertices_[t]; }
+    Edge twin(Edge e) const { return twins_[e]; }
     bool is_ghost(TriangleId t) const { return corners(t)[2] == ghost; }
     bool is_live(TriangleId t) const { return corners(t)[0] != ghost; }
 
@@ -138,19 +138,20 @@ class LowerHullBuilder {
         TriangleId t;
         if (free_.empty()) {
             t = triangle_in(waiting_.size());
-            words_.resize(words_.size() + words_per_triangle);
+            vertices_.resize(vertices_.size() + words_per_triangle);
+            twins_.resize(vertices_.size());
             waiting_.push_back(no_vertex);
         } else {
             t = free_.back();
             free_.pop_back();
         }
-        std::copy(v.begin(), v.end(), &words_[t]);
+        std::copy(v.begin(), v.end(), &vertices_[t]);
         return t;
     }
 
     void join(Edge e, Edge f) {
-        words_[e + 3] = f;
-        words_[f + 3] = e;
+        twins_[e] = f;
+        twins_[f] = e;
     }
 
     // Whether the planar position is in the triangle of the facet, or beyond the hull edge of a
@@ -236,7 +237,7 @@ class LowerHullBuilder {
     // Adds a facet for each edge of the rim; `spoke_` stores the edge from v to each corner.
     void fill_cavity(Vertex v) {
         for (TriangleId t : cavity_) {
-            words_[t] = ghost;
+            vertices_[t] = ghost;
             free_.push_back(t);
         }
         fresh_.clear();
@@ -304,7 +305,7 @@ class LowerHullBuilder {
                 fan.ghosts[ghosts++] = t;
             } else {
                 fan_.push_back(t);
-                spokes_.push_back(planar(words_[next(facing(t, v))]));
+                spokes_.push_back(planar(vertices_[next(facing(t, v))]));
             }
         }
         return fan;
@@ -324,7 +325,8 @@ class LowerHullBuilder {
     Guard guard_;
     Interrupt& interrupt_;
     Patience patience_;
-    std::vector<Word> words_;  // of the facets, as in mesh.hpp
+    std::vector<Vertex> vertices_;  // of the facets, as in mesh.hpp
+    std::vector<Edge> twins_;
     std::vector<TriangleId> free_;
     std::vector<Vertex> waiting_;       // for each facet, the first point that waits there
     std::vector<Vertex> next_waiting_;  // for each point, the next at the same facet
