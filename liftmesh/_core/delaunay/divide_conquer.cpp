@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "delaunay/leaf.hpp"
+#include "delaunay/leaf_patterns.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/cuts.hpp"
 #include "sorting/halving.hpp"
@@ -24,6 +26,10 @@
 namespace liftmesh {
 
 namespace {
+
+struct Box {
+    Pair low{}, high{};
+};
 
 class Engine {
  public:
@@ -49,12 +55,12 @@ class Engine {
             const std::vector<Index>& level = joins_.back();
             pool_.run(level.size(), [&](Index i) { parts_[level[i]] = join_children(level[i]); });
         }
-        return parts_[1].lower;
+        return parts_[1].part.lower;
     }
 
  private:
     using Index = std::size_t;
-    static constexpr Index most_in_a_leaf = 3;
+    static constexpr Index most_in_a_leaf = 4;
 
     // Nodes of the kd tree are numbered as in a heap: the root is 1, the children of h are 2 h and
     // 2 h + 1.
@@ -86,49 +92,113 @@ class Engine {
         joins_[static_cast<Index>(level_of(h))].push_back(h);
     }
 
-    Part node(Index h) {
+    // How a part will be merged: across which axis, and whether as the second one.
+    struct Meeting {
+        Axis axis;
+        bool as_second;
+    };
+    Meeting meeting_of(Index h) const {
+        return {h == 1 ? Axis::x : order_.cuts.axis(h / 2), h % 2 == 1};
+    }
+
+    // A part and the box of its points.
+    struct Boxed {
+        Part part{};
+        Box box{};
+    };
+
+    Boxed node(Index h) {
         const Extent at = extent(h);
         if (is_to_end(at.last - at.first)) return {};
-        if (is_cell(h)) return cell(at);
-        const Part left = node(2 * h);
-        const Part right = node(2 * h + 1);
+        if (is_cell(h)) return cell(h, at);
+        const Boxed left = node(2 * h);
+        const Boxed right = node(2 * h + 1);
         return join_node(h, left, right);
     }
 
-    Part join_children(Index h) { return join_node(h, parts_[2 * h], parts_[2 * h + 1]); }
+    Boxed join_children(Index h) { return join_node(h, parts_[2 * h], parts_[2 * h + 1]); }
 
-    Part join_node(Index h, Part left, Part right) {
+    Boxed join_node(Index h, const Boxed& left, const Boxed& right) {
         const Extent at = extent(h);
-        return join(left, right, order_.cuts.axis(h), at.last - at.first, at.middle);
+        const Box box{least(left.box.low, right.box.low), greatest(left.box.high, right.box.high)};
+        return {join(certainty(box), left.part, right.part, order_.cuts.axis(h), at.last - at.first,
+                     at.middle),
+                box};
     }
 
-    Part cell(Extent at) {
+    Boxed cell(Index h, Extent at) {
         const Index count = at.last - at.first;
         interrupt_.advance(work::triangulating * count);
-        return build(at.first, count);
+        const Box box = box_of(at.first, count);
+        return {build(certainty(box), at.first, count, meeting_of(h)), box};
     }
 
-    Part build(Index first, Index count) {
-        if (count <= most_in_a_leaf) return leaf(first, count);
+    Part build(const Certainty& certainty, Index first, Index count, Meeting meeting) {
+        if (count <= most_in_a_leaf) return leaf(certainty, first, count, meeting);
         if (is_to_end(count)) return {};
+        return halved(certainty, first, count);
+    }
+
+    Part halved(const Certainty& certainty, Index first, Index count) {
         const Halving half = halve(&sites_[first], count);
         const Index rest = count - half.middle, middle = first + half.middle;
-        const Part left = build(first, half.middle);
-        const Part right = build(middle, rest);
-        return join(left, right, half.axis, count, middle);
+        const Part left = build(certainty, first, half.middle, {half.axis, false});
+        const Part right = build(certainty, middle, rest, {half.axis, true});
+        return join(certainty, left, right, half.axis, count, middle);
+    }
+
+    Certainty certainty(Box box) const {
+        return Certainty::within(box.low, box.high, order_.scale.guard);
+    }
+
+    Box box_of(Index first, Index count) const {
+        Box box{pair(sites_[first].point), pair(sites_[first].point)};
+        for (Index i = first + 1; i < first + count; ++i) {
+            box.low = least(box.low, pair(sites_[i].point));
+            box.high = greatest(box.high, pair(sites_[i].point));
+        }
+        return box;
     }
 
     // The triangles are written where the sites were. `memcpy` reads these before: to a compiler,
     // objects of other types are never in the same place.
-    Part leaf(Index first, Index count) {
+    Part leaf(const Certainty& certainty, Index first, Index count, Meeting meeting) {
         Site sites[most_in_a_leaf];
         std::memcpy(sites, &sites_[first], count * sizeof(Site));
+        if (count == 2) return place(segment_leaf, sites, first, meeting);
+        if (count == 4) {
+            const unsigned signs = signs_of_four(sites, certainty, seam_.guard);
+            return signs == no_leaf ? halved(certainty, first, count)
+                                    : place(quadrilateral_leaves[signs], sites, first, meeting);
+        }
+        const int turn = orient2d(sites[0].point, sites[1].point, sites[2].point);
+        return turn == 0 ? place(chain_leaves[middle_of_three(sites)], sites, first, meeting)
+                         : place(triangle_leaves[turn > 0], sites, first, meeting);
+    }
+
+    template <unsigned count>
+    Part place(const LeafPattern<count>& pattern, const Site* sites, Index first, Meeting meeting) {
         for (Index i = 0; i < count; ++i) {
             points_[first + i] = sites[i].point;
             rows_[first + i] = sites[i].row;
         }
-        return count == 2 ? segment(vertex(first), vertex(first + 1), slot(first))
-                          : three(vertex(first), slot(first));
+        mesh_.place(pattern, vertex(first), slot(first));
+        const TriangleId g = slot(first) + pattern.leaving[meeting_point<count>(sites, meeting)];
+        return {g, g, meeting.axis};
+    }
+
+    // The last point across the axis in a first part, the first one in a second.
+    template <unsigned count>
+    static unsigned meeting_point(const Site* sites, Meeting meeting) {
+        const auto along = static_cast<unsigned>(meeting.axis);
+        unsigned best = 0;
+        for (unsigned i = 1; i < count; ++i) {
+            const Pair p = pair(sites[best].point), q = pair(sites[i].point);
+            const bool follows =
+                (p[along] < q[along]) | ((p[along] == q[along]) & (p[1 - along] < q[1 - along]));
+            best = follows != meeting.as_second ? i : best;
+        }
+        return best;
     }
 
     // Only large parts poll the interrupt, so only they are ever left unfinished. An interrupt is
@@ -138,61 +208,10 @@ class Engine {
         return count >= worth_asking && interrupt_.requested();
     }
 
-    Part join(Part left, Part right, Axis axis, Index count, Index middle) {
+    Part join(const Certainty& certainty, Part left, Part right, Axis axis, Index count,
+              Index middle) {
         if (is_to_end(count)) return {};
-        return merge(seam_, left, right, axis, slot(middle - 1));
-    }
-
-    Part segment(Vertex p, Vertex q, TriangleId there) {
-        const TriangleId back = there + words_per_triangle;
-        mesh_.place_ghost(there, p, q);
-        mesh_.place_ghost(back, q, p);
-        mesh_.join(mesh_.hull_edge(there), mesh_.hull_edge(back));
-        mesh_.chain(there, back);
-        mesh_.chain(back, there);
-        return {there, there};
-    }
-
-    Part three(Vertex first, TriangleId at) {
-        Vertex p = first, q = first + 1, r = first + 2;
-        const int turn = orient2d(mesh_.point(p), mesh_.point(q), mesh_.point(r));
-        if (turn == 0) return chain_of_three(p, q, r, at);
-        if (turn < 0) std::swap(q, r);
-        const TriangleId pq = at + words_per_triangle, qr = pq + words_per_triangle,
-                         rp = qr + words_per_triangle;
-        mesh_.vertex(at, 0) = p;
-        mesh_.vertex(at, 1) = q;
-        mesh_.vertex(at, 2) = r;
-        mesh_.place_ghost(pq, p, q);
-        mesh_.place_ghost(qr, q, r);
-        mesh_.place_ghost(rp, r, p);
-        mesh_.join(edge(at, 2), mesh_.hull_edge(pq));
-        mesh_.join(edge(at, 0), mesh_.hull_edge(qr));
-        mesh_.join(edge(at, 1), mesh_.hull_edge(rp));
-        mesh_.chain(pq, qr);
-        mesh_.chain(qr, rp);
-        mesh_.chain(rp, pq);
-        return {pq, pq};
-    }
-
-    // Three collinear points: a hull of two edges, with a ghost on either side of each.
-    Part chain_of_three(Vertex p, Vertex q, Vertex r, TriangleId at) {
-        Vertex line[3] = {p, q, r};
-        std::sort(line, line + 3,
-                  [&](Vertex v, Vertex w) { return before_xy(mesh_.point(v), mesh_.point(w)); });
-        const TriangleId pq = at, qr = pq + words_per_triangle, rq = qr + words_per_triangle,
-                         qp = rq + words_per_triangle;
-        mesh_.place_ghost(pq, line[0], line[1]);
-        mesh_.place_ghost(qr, line[1], line[2]);
-        mesh_.place_ghost(rq, line[2], line[1]);
-        mesh_.place_ghost(qp, line[1], line[0]);
-        mesh_.join(mesh_.hull_edge(pq), mesh_.hull_edge(qp));
-        mesh_.join(mesh_.hull_edge(qr), mesh_.hull_edge(rq));
-        mesh_.chain(pq, qr);
-        mesh_.chain(qr, rq);
-        mesh_.chain(rq, qp);
-        mesh_.chain(qp, pq);
-        return {pq, pq};
+        return merge(seam_, certainty, left, right, axis, slot(middle - 1));
     }
 
     static Vertex vertex(Index position) { return static_cast<Vertex>(position); }
@@ -208,7 +227,7 @@ class Engine {
     Seam seam_;
     std::vector<Index> subtrees_;            // nodes that are one task each
     std::vector<std::vector<Index>> joins_;  // the nodes above them, by level
-    std::vector<Part> parts_;                // of both, by node
+    std::vector<Boxed> parts_;               // of both, by node
 };
 
 }  // namespace

@@ -4,38 +4,23 @@
 // triangle and gives the next base. Edges of either part whose two triangles are no longer lower
 // facets are opened on the way: the triangle inside and the ghost outside become two ghosts.
 //
+// Half of the decisions are as unpredictable as a coin toss. So each side keeps its wall, and what
+// is behind it, from step to step: after a misprediction only the side that has moved waits for
+// memory.
+//
 // The names left, right, lower and upper are for a cut across the x axis. A cut across y is the
 // same configuration rotated by a right angle, which changes no predicate.
 
 #include "delaunay/merge.hpp"
 
+#include <cmath>
+
+#include "base/pair.hpp"
 #include "predicates/orient2d.hpp"
-#include "predicates/sighting.hpp"
 
 namespace liftmesh {
 
 namespace {
-
-// The ghost that leaves the hull vertex that is last in the order of `precedes`. Along the hull the
-// order has one maximum and one minimum, so climbing from anywhere reaches it; the better end of
-// the last seam is usually close.
-template <class Precedes>
-TriangleId climb(const Mesh& mesh, Part part, Precedes precedes) {
-    const auto at = [&](TriangleId t) { return mesh.point(mesh.tail(t)); };
-    TriangleId g = precedes(at(part.lower), at(part.upper)) ? part.upper : part.lower;
-    Point here = at(g);
-    for (TriangleId ahead = mesh.successor(g); precedes(here, at(ahead));
-         ahead = mesh.successor(g)) {
-        g = ahead;
-        here = at(g);
-    }
-    for (TriangleId behind = mesh.predecessor(g); precedes(here, at(behind));
-         behind = mesh.predecessor(g)) {
-        g = behind;
-        here = at(g);
-    }
-    return g;
-}
 
 // The left part and the right one. The steps on one side mirror those on the other, with clockwise
 // and counter-clockwise exchanged, so that both share the same code.
@@ -46,84 +31,160 @@ constexpr Side opposite(Side side) {
     return 1 - side;
 }
 
+// The decisions that the bound for the whole part leaves open. Arguments are passed by value, so
+// that a merge keeps its state in registers.
+[[gnu::cold, gnu::noinline]] bool is_left_in_doubt(Pair a, Pair b, Pair p) {
+    return orient2d(point(a), point(b), point(p)) > 0;
+}
+
+[[gnu::cold, gnu::noinline]] bool is_below_in_doubt(Pair a, Pair b, Pair c, Pair d, double value,
+                                                    Guard guard) {
+    const Base base(a, b);
+    const double error = error_of_below(base.bound(c), base.bound(d)) + guard.margin();
+    if (std::fabs(value) > error) return value > 0;
+    return incircle_canonical_exact(point(a), point(b), point(c), point(d), guard) > 0;
+}
+
+// The ghost of the hull edge that meets the base from above, on one side: it leaves the left end of
+// the base, or arrives at its right end. The other end of that edge is the candidate; behind it is
+// the third vertex of the triangle inside, or the candidate itself where a ghost stands there.
+struct Wall {
+    TriangleId ghost;
+    Vertex candidate, behind;
+    Edge inner;  // the edge, in the triangle inside
+    Pair at, behind_at;
+};
+
 class Merge {
  public:
-    Merge(const Seam& seam, TriangleId slot)
-        : mesh_(seam.mesh), guard_(seam.guard), interrupt_(seam.interrupt), slot_(slot) {}
+    Merge(const Seam& seam, const Certainty& certainty, TriangleId slot)
+        : mesh_(seam.mesh),
+          guard_(seam.guard),
+          interrupt_(seam.interrupt),
+          certainty_(certainty),
+          slot_(slot) {}
 
-    Part run(TriangleId from_left, TriangleId from_right) {
-        find_lower_tangent(from_left, from_right);
+    Part run(Part first, Part second, Axis axis) {
+        find_lower_tangent(axis == Axis::x ? last<Axis::x>(first) : last<Axis::y>(first),
+                           axis == Axis::x ? first_of<Axis::x>(second) : first_of<Axis::y>(second));
         lay_first_base();
         rise();
         close();
-        return {slot_, top()};
+        return {slot_, top(), axis};
     }
 
  private:
-    // A vertex that may close a triangle with the base.
-    struct Candidate {
-        Vertex vertex;
-        Point point;
-        Sighting sighting;
-    };
-
-    Point at(Vertex v) const { return mesh_.point(v); }
-    Candidate candidate(const Base& base, Vertex v) const {
-        const Point p = at(v);
-        return {v, p, base.sight(p)};
-    }
+    Pair at(Vertex v) const { return mesh_.at(v); }
     // The second of the two triangles that the merge adds.
     TriangleId top() const { return slot_ + words_per_triangle; }
 
-    void set_end(Side side, Vertex v) {
-        end_[side] = v;
-        point_[side] = at(v);
+    // The ghost that leaves the last vertex of a part across the axis, or the first. The ends of
+    // its own seam are close: its lower end lies lowest across the same axis, farthest
+    // right across the other.
+    template <Axis axis>
+    TriangleId last(Part part) const {
+        return climb(axis == Axis::x && part.cut == Axis::y ? part.lower : part.upper,
+                     [](Point p, Point q) { return before(axis, p, q); });
+    }
+    template <Axis axis>
+    TriangleId first_of(Part part) const {
+        return climb(axis == Axis::x && part.cut == Axis::y ? part.upper : part.lower,
+                     [](Point p, Point q) { return before(axis, q, p); });
     }
 
-    // Afterwards the walls are the ghosts of the two hull edges that meet the base from above:
-    // the one that leaves its left end, and the one that arrives at its right end.
-    void find_lower_tangent(TriangleId from_left, TriangleId from_right) {
-        wall_[left] = from_left;
-        wall_[right] = from_right;
-        set_end(left, mesh_.tail(from_left));
-        set_end(right, mesh_.tail(from_right));
-        const auto is_below = [&](Vertex v) {
-            return orient2d(point_[left], point_[right], at(v)) < 0;
+    // Along the hull the order has one maximum and one minimum, so climbing from anywhere arrives.
+    template <class Precedes>
+    TriangleId climb(TriangleId g, Precedes precedes) const {
+        Point here = mesh_.point(mesh_.tail(g));
+        const auto moves = [&](TriangleId to) {
+            const Point there = mesh_.point(mesh_.tail(to));
+            if (!precedes(here, there)) return false;
+            here = there;
+            g = to;
+            return true;
         };
-        for (;;) {
-            if (const Vertex v = mesh_.head(wall_[right]); is_below(v)) {
-                set_end(right, v);
-                wall_[right] = mesh_.successor(wall_[right]);
-            } else if (const Vertex w = mesh_.tail(mesh_.predecessor(wall_[left])); is_below(w)) {
-                wall_[left] = mesh_.predecessor(wall_[left]);
-                set_end(left, w);
-            } else {
-                return;
-            }
-        }
+        while (moves(mesh_.successor(g))) continue;
+        while (moves(mesh_.predecessor(g))) continue;
+        return g;
     }
 
+    void set_end(Side side, Vertex v, Pair p) {
+        end_[side] = v;
+        point_[side] = p;
+    }
+
+    void find_lower_tangent(TriangleId from_left, TriangleId from_right) {
+        TriangleId g[2] = {from_left, from_right};
+        set_end(left, mesh_.tail(g[left]), at(mesh_.tail(g[left])));
+        set_end(right, mesh_.tail(g[right]), at(mesh_.tail(g[right])));
+        for (;;) {
+            const Vertex v = mesh_.head(g[right]);
+            if (const Pair p = at(v); is_below_base(p)) {
+                set_end(right, v, p);
+                g[right] = mesh_.successor(g[right]);
+                continue;
+            }
+            const TriangleId before = mesh_.predecessor(g[left]);
+            const Vertex w = mesh_.tail(before);
+            const Pair q = at(w);
+            if (!is_below_base(q)) break;
+            set_end(left, w, q);
+            g[left] = before;
+        }
+        first_[left] = g[left];
+        first_[right] = g[right];
+    }
+
+    bool is_below_base(Pair p) const {
+        const Pair across = point_[right] - point_[left], to = p - point_[left];
+        const Pair product = across * swapped(to);
+        const double distance = product[0] - product[1];
+        if (std::fabs(distance) > certainty_.of_distance) [[likely]]
+            return distance < 0;
+        return is_left_in_doubt(point_[right], point_[left], p);
+    }
+
+    // The new ghost has no triangle inside yet; looking there finds itself.
     void lay_first_base() {
-        const TriangleId after = wall_[right];
-        wall_[right] = mesh_.predecessor(after);
+        const TriangleId after = first_[right];
+        first_[right] = mesh_.predecessor(after);
         mesh_.place_ghost(slot_, end_[left], end_[right]);
-        mesh_.chain(mesh_.predecessor(wall_[left]), slot_);
+        mesh_.chain(mesh_.predecessor(first_[left]), slot_);
         mesh_.chain(slot_, after);
         base_ = mesh_.hull_edge(slot_);
+        mesh_.join(base_, base_);
     }
 
-    // In a wall the candidate stands at place `side`, the end of the base at the other.
+    // In a ghost at the wall the candidate stands at place `side`, the end of the base at the
+    // other.
+    Wall wall(TriangleId g, Vertex candidate, Pair p, Edge inner) const {
+        const Vertex behind = mesh_.apex(inner);
+        return {g, candidate, behind, inner, p, at(behind == ghost ? candidate : behind)};
+    }
+    template <Side side>
+    Wall wall(TriangleId g) const {
+        const Vertex candidate = mesh_.apex(edge(g, side));
+        return wall(g, candidate, at(candidate), mesh_.twin(mesh_.hull_edge(g)));
+    }
+    template <Side side>
+    Wall after(const Wall& w) const {
+        return wall<side>(mesh_.twin(edge(w.ghost, opposite(side))) - side);
+    }
+
     void rise() {
+        Wall& l = wall_[left];
+        Wall& r = wall_[right];
+        l = wall<left>(first_[left]);
+        r = wall<right>(first_[right]);
         for (Patience patience(interrupt_); !patience.ends();) {
             const Base base(point_[left], point_[right]);
-            Candidate c = candidate(base, mesh_.apex(edge(wall_[left], left)));
-            Candidate d = candidate(base, mesh_.apex(edge(wall_[right], right)));
-            const bool left_is_above = is_above(c);
-            const bool right_is_above = is_above(d);
+            Pair c = base.place(l.at), d = base.place(r.at);
+            const bool left_is_above = is_above(c, l.at);
+            const bool right_is_above = is_above(d, r.at);
             if (!left_is_above && !right_is_above) return;
             if (left_is_above) open<left>(base, c);
             if (right_is_above) open<right>(base, d);
-            if (left_is_above && !(right_is_above && is_below(c, d))) {
+            if (left_is_above && !(right_is_above && is_below(l.at, c, r.at, d))) {
                 advance<left>();
             } else {
                 advance<right>();
@@ -131,83 +192,80 @@ class Merge {
         }
     }
 
-    bool is_above(const Candidate& c) const {
-        const Margin margin = distance(c.sighting);
-        const double error = margin.error + guard_.margin();
-        if (margin.value > error) return true;
-        if (-margin.value > error) return false;
-        return orient2d(point_[left], point_[right], c.point) > 0;
+    bool is_above(Pair place, Pair p) const {
+        if (std::fabs(place[0]) > certainty_.of_distance) [[likely]]
+            return place[0] > 0;
+        return is_left_in_doubt(point_[left], point_[right], p);
     }
 
     // Whether the lift of d is below the plane through the base and the lift of c.
-    bool is_below(const Candidate& c, const Candidate& d) const {
-        const Margin margin = below(c.sighting, d.sighting);
-        const double error = margin.error + guard_.margin();
-        if (margin.value > error) return true;
-        if (-margin.value > error) return false;
-        return incircle_canonical_exact(point_[left], point_[right], c.point, d.point, guard_) > 0;
+    bool is_below(Pair c, Pair place_of_c, Pair d, Pair place_of_d) const {
+        const double value = below(place_of_c, place_of_d);
+        if (std::fabs(value) > certainty_.of_circle) [[likely]]
+            return value > 0;
+        return is_below_in_doubt(point_[left], point_[right], c, d, value, guard_);
     }
 
     // While the next point inward is below the plane of the base and the candidate, the hull edge
     // to the candidate is removed: the two other edges of the triangle behind it get a ghost each.
     template <Side side>
-    void open(const Base& base, Candidate& c) {
-        const TriangleId wall = wall_[side];
-        for (;;) {
-            const Edge inner = mesh_.twin(mesh_.hull_edge(wall));
-            const Vertex apex = mesh_.apex(inner);
-            if (apex == ghost) return;
-            const Candidate d = candidate(base, apex);
-            if (!is_below(c, d)) return;
-            const TriangleId far = triangle_of(inner);
-            const Edge near_edge = mesh_.twin(side == left ? previous(inner) : next(inner));
-            const Edge far_edge = mesh_.twin(side == left ? next(inner) : previous(inner));
-            mesh_.vertex(far, side) = c.vertex;
-            mesh_.vertex(far, opposite(side)) = d.vertex;
+    void open(const Base& base, Pair& place) {
+        Wall& w = wall_[side];
+        while (w.behind != ghost) {
+            const Pair place_behind = base.place(w.behind_at);
+            if (!is_below(w.at, place, w.behind_at, place_behind)) return;
+            const TriangleId far = triangle_of(w.inner);
+            const Edge near_edge = mesh_.twin(side == left ? previous(w.inner) : next(w.inner));
+            const Edge far_edge = mesh_.twin(side == left ? next(w.inner) : previous(w.inner));
+            mesh_.vertex(far, side) = w.candidate;
+            mesh_.vertex(far, opposite(side)) = w.behind;
             mesh_.vertex(far, 2) = ghost;
-            mesh_.join(edge(far, opposite(side)), mesh_.twin(edge(wall, opposite(side))));
+            mesh_.join(edge(far, opposite(side)), mesh_.twin(edge(w.ghost, opposite(side))));
             mesh_.join(mesh_.hull_edge(far), far_edge);
-            mesh_.vertex(wall, side) = d.vertex;
-            mesh_.join(edge(wall, opposite(side)), edge(far, side));
-            mesh_.join(mesh_.hull_edge(wall), near_edge);
-            c = d;
+            mesh_.vertex(w.ghost, side) = w.behind;
+            mesh_.join(edge(w.ghost, opposite(side)), edge(far, side));
+            mesh_.join(mesh_.hull_edge(w.ghost), near_edge);
+            w = wall(w.ghost, w.behind, w.behind_at, near_edge);
+            place = place_behind;
         }
     }
 
     // The ghost at the wall becomes the triangle of the base and the candidate.
     template <Side side>
     void advance() {
-        const TriangleId filled = wall_[side];
-        wall_[side] = mesh_.twin(edge(filled, opposite(side))) - side;
+        const TriangleId filled = wall_[side].ghost;
+        set_end(side, wall_[side].candidate, wall_[side].at);
+        wall_[side] = after<side>(wall_[side]);
         mesh_.vertex(filled, 2) = end_[opposite(side)];
         mesh_.join(edge(filled, side), base_);
         base_ = edge(filled, opposite(side));
-        set_end(side, mesh_.apex(edge(filled, side)));
     }
 
     void close() {
         mesh_.place_ghost(top(), end_[right], end_[left]);
-        mesh_.chain(wall_[right], top());
-        mesh_.chain(top(), wall_[left]);
+        mesh_.chain(wall_[right].ghost, top());
+        mesh_.chain(top(), wall_[left].ghost);
         mesh_.join(mesh_.hull_edge(top()), base_);
     }
 
-    Mesh& mesh_;
+    Mesh mesh_;
     Guard guard_;
     Interrupt& interrupt_;
+    Certainty certainty_;
     TriangleId slot_;
-    TriangleId wall_[2] = {};
-    Vertex end_[2] = {};  // of the base, and where they are
-    Point point_[2] = {};
-    Edge base_ = 0;
+    // What each step finds out for the next ones.
+    TriangleId first_[2];  // the ghosts of the first walls
+    Wall wall_[2];
+    Vertex end_[2];  // of the base, and where they are
+    Pair point_[2];
+    Edge base_;
 };
 
 }  // namespace
 
-Part merge(const Seam& seam, Part first, Part second, Axis axis, TriangleId slot) {
-    const auto ahead = [axis](Point p, Point q) { return before(axis, p, q); };
-    const auto back = [axis](Point p, Point q) { return before(axis, q, p); };
-    return Merge(seam, slot).run(climb(seam.mesh, first, ahead), climb(seam.mesh, second, back));
+Part merge(const Seam& seam, const Certainty& certainty, Part first, Part second, Axis axis,
+           TriangleId slot) {
+    return Merge(seam, certainty, slot).run(first, second, axis);
 }
 
 }  // namespace liftmesh

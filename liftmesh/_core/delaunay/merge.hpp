@@ -4,12 +4,15 @@
 #include "base/status.hpp"
 #include "delaunay/mesh.hpp"
 #include "predicates/incircle.hpp"
+#include "predicates/sighting.hpp"
 
 namespace liftmesh {
 
-// A finished part, held by two of its ghosts: those of the last merge, at the two ends of its seam.
+// A finished part, held by two of its ghosts: those of the last merge, at the two ends of its seam,
+// where the next merge begins its search.
 struct Part {
     TriangleId lower, upper;
+    Axis cut;  // across which the last merge was
 };
 
 struct Seam {
@@ -20,7 +23,9 @@ struct Seam {
 
 // Merges parts that a cut across `axis` separates (all of `left` before all of `right`). It writes
 // the triangle slots of both parts, `slot` and the one after it, and nothing else: it may rewrite
-// any triangle or ghost of the two parts, and only reads the points.
-Part merge(const Seam& seam, Part left, Part right, Axis axis, TriangleId slot);
+// any triangle or ghost of the two parts, and only reads the points. `certainty` holds for all of
+// these.
+Part merge(const Seam& seam, const Certainty& certainty, Part left, Part right, Axis axis,
+           TriangleId slot);
 
 }  // namespace liftmesh

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/pair.hpp"
 #include "base/point.hpp"
 
 namespace liftmesh {
@@ -53,6 +54,7 @@ class Mesh {
         : points_(points), vertices_(vertices), twins_(twins) {}
 
     Point point(Vertex v) const { return points_[v]; }
+    Pair at(Vertex v) const { return pair(points_ + v); }
     Vertex apex(Edge e) const { return vertices_[e]; }
     Vertex& vertex(TriangleId t, unsigned k) { return vertices_[t + k]; }
     Edge twin(Edge e) const { return twins_[e]; }
@@ -72,6 +74,10 @@ class Mesh {
         vertices_[g] = head;
         vertices_[g + 1] = tail;
         vertices_[g + 2] = ghost;
+    }
+    template <class Pattern>
+    void place(const Pattern& pattern, Vertex first, TriangleId t) {
+        pattern.write(first, t, vertices_, twins_);
     }
     void chain(TriangleId g, TriangleId successor) { join(edge(g, 1), edge(successor, 0)); }
 

@@ -1,8 +1,5 @@
 #include "predicates/perturbation.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {
@@ -14,12 +11,18 @@ namespace liftmesh {
 int perturbed_sign(Point a, Point b, Point c, Point d) {
     const int turn = orient2d(a, b, c);
     if (turn == 0 || d == a || d == b || d == c) return 0;
-    const Point triangle[3] = {a, b, c};
-    std::array<int, 4> order = {0, 1, 2, 3};
-    const auto point = [&](int i) { return i == 3 ? d : triangle[i]; };
-    std::sort(order.begin(), order.end(),
-              [&](int i, int j) { return before_xy(point(j), point(i)); });
-    for (int i : order) {
+    const Point points[4] = {a, b, c, d};
+    int larger[4] = {};  // how many points are larger than this one
+    for (int j = 1; j < 4; ++j) {
+        for (int i = 0; i < j; ++i) {
+            const bool ascends = before_xy(points[i], points[j]);
+            larger[i] += ascends;
+            larger[j] += !ascends;
+        }
+    }
+    int descending[4];
+    for (int i = 0; i < 4; ++i) descending[larger[i]] = i;
+    for (int i : descending) {
         if (i == 3) break;
         const Point p = i == 0 ? d : a, q = i == 1 ? d : b, r = i == 2 ? d : c;
         if (const int side = orient2d(p, q, r); side != 0) return side;

@@ -10,67 +10,70 @@
 //
 // Rounding, with e = 2^-53: the distance and the height are off by at most (1 + e)^4 - 1 of the
 // sums of magnitudes of which they are made, the determinant by at most (1 + e)^10 - 1 of its own.
-// `bound` holds these sums as computed, at least (1 - e)^4 of the true ones. So 4 e + 26 e^2 and 10
-// e + 155 e^2 of what is computed suffice. Where `Guard` vouches for the coordinates a distance or
-// a height is 0 or at least 2^-436, and nothing underflows.
+// `Certainty` bounds the error for all points of a box, so that a sign costs one comparison.
+// `error_of_below` is made for the points of one call: `bound` gives the sums as computed, at least
+// (1 - e)^4 of the true ones, and 10 e + 155 e^2 of what is computed suffices. Where `Guard`
+// vouches for the coordinates a distance or a height is 0 or at least 2^-436, and nothing
+// underflows.
 #pragma once
 
-#include "base/point.hpp"
+#include "base/pair.hpp"
+#include "predicates/incircle.hpp"
 
 namespace liftmesh {
 
-// Two doubles that are computed with side by side: any processor has registers for them.
-using Pair = double __attribute__((vector_size(16)));
-using PairBits = long long __attribute__((vector_size(16)));
+// In a box of width w and height h the sums of magnitudes are at most 2 w h for a distance,
+// w^2 + h^2 for a height, and 4 w h (w^2 + h^2) for a determinant: the errors stay below 8 e w h
+// and 40 e w h (w^2 + h^2), each by less than one part in 10^14. The constants exceed that by more
+// than the rounding of w, h and the bounds themselves.
+struct Certainty {
+    double of_distance, of_circle;
 
-inline Pair magnitudes(Pair p) {
-    constexpr long long all_but_sign = 0x7fffffffffffffff;
-    return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(p) &
-                                  PairBits{all_but_sign, all_but_sign});
-}
-
-struct Sighting {
-    Pair place;  // distance, height
-    Pair bound;  // the sums of magnitudes of which they are made
+    static Certainty within(Pair low, Pair high, Guard guard) {
+        constexpr double e = 0x1p-53;
+        const Pair size = high - low;
+        const double area = size[0] * size[1];
+        return {8.5 * e * area + guard.margin(),
+                41 * e * area * (size[0] * size[0] + size[1] * size[1]) + guard.margin()};
+    }
 };
 
 class Base {
  public:
-    Base(Point a, Point b) : a_{a.x, a.y}, b_{b.x, b.y}, across_{a.y - b.y, b.x - a.x} {}
+    Base(Pair a, Pair b) : a_(a), b_(b), across_{a[1] - b[1], b[0] - a[0]} {}
 
-    Sighting sight(Point p) const {
-        const Pair at{p.x, p.y};
-        const Pair from_a = at - a_;
+    // Distance and height.
+    Pair place(Pair p) const {
+        const Pair from_a = p - a_;
         const Pair distance = across_ * from_a;
-        const Pair height = from_a * (at - b_);
-        const Pair first{distance[0], height[0]};
-        const Pair second{distance[1], height[1]};
-        return {first + second, magnitudes(first) + magnitudes(second)};
+        const Pair height = from_a * (p - b_);
+        return Pair{distance[0], height[0]} + Pair{distance[1], height[1]};
+    }
+    // The sums of magnitudes of which a place is made.
+    Pair bound(Pair p) const {
+        const Pair from_a = p - a_;
+        const Pair distance = magnitudes(across_ * from_a);
+        const Pair height = magnitudes(from_a * (p - b_));
+        return Pair{distance[0], height[0]} + Pair{distance[1], height[1]};
     }
 
  private:
     Pair a_, b_, across_;
 };
 
-// A value whose sign is certain where its magnitude is larger than the error.
-struct Margin {
-    double value, error;
-};
-
-// Positive where the point lies on the left of the base.
-inline Margin distance(const Sighting& p) {
-    constexpr double e = 0x1p-53;
-    constexpr double bound = (4 + 32 * e) * e;
-    return {p.place[0], bound * p.bound[0]};
+// Positive where the lift of d is below the plane through the base and the lift of c, given the
+// places of both.
+inline double below(Pair c, Pair d) {
+    const Pair product = c * swapped(d);
+    return product[1] - product[0];
 }
 
-// Positive where the lift of d is below the plane through the base and the lift of c.
-inline Margin below(const Sighting& c, const Sighting& d) {
+// No more than that it is off, given the bounds of both.
+inline double error_of_below(Pair c, Pair d) {
     constexpr double e = 0x1p-53;
     constexpr double bound = (10 + 160 * e) * e;
-    const Pair value = c.place * Pair{d.place[1], d.place[0]};
-    const Pair error = c.bound * Pair{d.bound[1], d.bound[0]};
-    return {value[1] - value[0], bound * (error[0] + error[1])};
+    const Pair product = c * swapped(d);
+    return bound * (product[0] + product[1]);
 }
 
 }  // namespace liftmesh

@@ -55,14 +55,12 @@ Wide<N> magnitude(const Wide<N>& a) {
     return a.negative() ? Wide<N>{} - a : a;
 }
 
-// The full product: no bit is lost.
+// The product of the limbs, as if they had no sign.
 template <int N>
-Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
-    const Wide<N> p = magnitude(a);
-    const Wide<N> q = magnitude(b);
+Wide<2 * N> unsigned_product(const Wide<N>& p, const Wide<N>& q) {
     Wide<2 * N> result{};
     for (int i = 0; i < N; ++i) {
-        if (p.limb[i] == 0) continue;
+        if (N > 2 && p.limb[i] == 0) continue;
         std::uint64_t carry = 0;
         for (int j = 0; j < N; ++j) {
             const Uint128 part =
@@ -72,7 +70,29 @@ Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
         }
         result.limb[i + N] = carry;
     }
-    return a.negative() != b.negative() ? Wide<2 * N>{} - result : result;
+    return result;
+}
+
+// The full product: no bit is lost. A negative factor of few limbs was taken for one that is larger
+// by 2^(64 N), which is subtracted again without a branch; of many limbs most are often zero in the
+// magnitude, and skipped.
+template <int N>
+Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
+    if constexpr (N <= 2) {
+        const std::uint64_t if_a = a.negative() ? ~std::uint64_t{0} : 0;
+        const std::uint64_t if_b = b.negative() ? ~std::uint64_t{0} : 0;
+        Wide<2 * N> excess{};
+        std::uint64_t carry = 0;
+        for (int i = 0; i < N; ++i) {
+            const Uint128 sum = static_cast<Uint128>(b.limb[i] & if_a) + (a.limb[i] & if_b) + carry;
+            excess.limb[i + N] = static_cast<std::uint64_t>(sum);
+            carry = static_cast<std::uint64_t>(sum >> 64);
+        }
+        return unsigned_product(a, b) - excess;
+    } else {
+        const Wide<2 * N> product = unsigned_product(magnitude(a), magnitude(b));
+        return a.negative() != b.negative() ? Wide<2 * N>{} - product : product;
+    }
 }
 
 // value * 2^shift, which must fit.

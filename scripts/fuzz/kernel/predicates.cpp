@@ -18,7 +18,6 @@ namespace fuzzing {
 namespace {
 
 using liftmesh::Guard;
-using liftmesh::Margin;
 using liftmesh::Row;
 
 constexpr int rounds = 24;
@@ -85,18 +84,26 @@ void check_space(const std::array<Point, 4>& p, const std::array<double, 4>& z) 
 }
 
 // A sign that a sighting certifies is that of the definition.
-void check_margin(Margin margin, int sign, const char* what) {
-    if (margin.value > margin.error) demand(sign > 0, what);
-    if (-margin.value > margin.error) demand(sign < 0, what);
+void check_margin(double value, double error, int sign, const char* what) {
+    if (value > error) demand(sign > 0, what);
+    if (-value > error) demand(sign < 0, what);
 }
 
 void check_sighting(const std::array<Point, 4>& p) {
     if (!guard_of(p).vouches()) return;
-    const liftmesh::Base base(p[0], p[1]);
-    const liftmesh::Sighting c = base.sight(p[2]), d = base.sight(p[3]);
-    check_margin(liftmesh::distance(c), turn(p[0], p[1], p[2]),
-                 "a sighting certifies a wrong orientation");
-    check_margin(liftmesh::below(c, d), incircle(p[0], p[1], p[2], p[3], false),
+    const liftmesh::Pair a = liftmesh::pair(p[0]), b = liftmesh::pair(p[1]),
+                         c = liftmesh::pair(p[2]), d = liftmesh::pair(p[3]);
+    const liftmesh::Base base(a, b);
+    using liftmesh::greatest, liftmesh::least;
+    const auto certainty = liftmesh::Certainty::within(
+        least(least(a, b), least(c, d)), greatest(greatest(a, b), greatest(c, d)), guard_of(p));
+    const double value = liftmesh::below(base.place(c), base.place(d));
+    const int side = incircle(p[0], p[1], p[2], p[3], false);
+    check_margin(base.place(c)[0], certainty.of_distance, turn(p[0], p[1], p[2]),
+                 "the bound of a box certifies a wrong orientation");
+    check_margin(value, certainty.of_circle, side,
+                 "the bound of a box certifies a wrong in-circle sign");
+    check_margin(value, liftmesh::error_of_below(base.bound(c), base.bound(d)), side,
                  "a sighting certifies a wrong in-circle sign");
 }
 

@@ -1,0 +1,48 @@
+// Two doubles that are computed with side by side, mostly the coordinates of a point. This is all
+// of the kernel's vector code: a vector type of the compiler, in registers that any processor has.
+#pragma once
+
+#include <cfloat>
+#include <cstring>
+
+#include "base/point.hpp"
+
+namespace liftmesh {
+
+using Pair = double __attribute__((vector_size(16)));
+using PairBits = long long __attribute__((vector_size(16)));
+
+inline Pair pair(Point p) {
+    return Pair{p.x, p.y};
+}
+inline Pair pair(const Point* p) {
+    Pair loaded;
+    static_assert(sizeof loaded == sizeof *p);
+    std::memcpy(&loaded, p, sizeof loaded);
+    return loaded;
+}
+inline Point point(Pair p) {
+    return {p[0], p[1]};
+}
+inline Pair swapped(Pair p) {
+    return Pair{p[1], p[0]};
+}
+
+inline Pair least(Pair p, Pair q) {
+    return p < q ? p : q;
+}
+inline Pair greatest(Pair p, Pair q) {
+    return p > q ? p : q;
+}
+inline Pair magnitudes(Pair p) {
+    constexpr long long all_but_sign = 0x7fffffffffffffff;
+    return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(p) &
+                                  PairBits{all_but_sign, all_but_sign});
+}
+
+inline bool is_finite(Pair p) {
+    const PairBits finite = magnitudes(p) <= Pair{DBL_MAX, DBL_MAX};
+    return (finite[0] & finite[1]) != 0;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,17 @@
+// Which rows of the tables in leaf_patterns.hpp a few points take.
+#pragma once
+
+#include "base/site.hpp"
+#include "predicates/incircle.hpp"
+#include "predicates/sighting.hpp"
+
+namespace liftmesh {
+
+// Of three collinear points, the one in the middle.
+unsigned middle_of_three(const Site* sites);
+
+// The row of `quadrilateral_leaves`, or `no_leaf` where three of the four points are collinear.
+inline constexpr unsigned no_leaf = 32;
+unsigned signs_of_four(const Site* sites, const Certainty& certainty, Guard guard);
+
+}  // namespace liftmesh
