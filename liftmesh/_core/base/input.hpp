@@ -15,6 +15,11 @@ struct Input {
     std::ptrdiff_t row_stride, column_stride;  // in bytes
     bool single_precision;
 
+    // Whether a row is two doubles, one after the other, and the next row follows.
+    bool is_plain() const {
+        return !single_precision && row_stride == sizeof(Point) && column_stride == sizeof(double);
+    }
+
     // Adding zero turns -0.0 into 0.0: the two are one position.
     Point operator[](std::size_t row) const {
         const std::byte* at = data + static_cast<std::ptrdiff_t>(row) * row_stride;

@@ -20,16 +20,13 @@
 #include "delaunay/leaf.hpp"
 #include "delaunay/leaf_patterns.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/bounds.hpp"
 #include "sorting/cuts.hpp"
 #include "sorting/halving.hpp"
 
 namespace liftmesh {
 
 namespace {
-
-struct Box {
-    Pair low{}, high{};
-};
 
 class Engine {
  public:
@@ -104,7 +101,7 @@ class Engine {
     // A part and the box of its points.
     struct Boxed {
         Part part{};
-        Box box{};
+        Bounds box{};
     };
 
     Boxed node(Index h) {
@@ -120,7 +117,8 @@ class Engine {
 
     Boxed join_node(Index h, const Boxed& left, const Boxed& right) {
         const Extent at = extent(h);
-        const Box box{least(left.box.low, right.box.low), greatest(left.box.high, right.box.high)};
+        Bounds box = left.box;
+        box.add(right.box);
         return {join(certainty(box), left.part, right.part, order_.cuts.axis(h), at.last - at.first,
                      at.middle),
                 box};
@@ -129,7 +127,7 @@ class Engine {
     Boxed cell(Index h, Extent at) {
         const Index count = at.last - at.first;
         interrupt_.advance(work::triangulating * count);
-        const Box box = box_of(at.first, count);
+        const Bounds box = bounds_of(&sites_[at.first], count);
         return {build(certainty(box), at.first, count, meeting_of(h)), box};
     }
 
@@ -147,17 +145,8 @@ class Engine {
         return join(certainty, left, right, half.axis, count, middle);
     }
 
-    Certainty certainty(Box box) const {
+    Certainty certainty(const Bounds& box) const {
         return Certainty::within(box.low, box.high, order_.scale.guard);
-    }
-
-    Box box_of(Index first, Index count) const {
-        Box box{pair(sites_[first].point), pair(sites_[first].point)};
-        for (Index i = first + 1; i < first + count; ++i) {
-            box.low = least(box.low, pair(sites_[i].point));
-            box.high = greatest(box.high, pair(sites_[i].point));
-        }
-        return box;
     }
 
     // The triangles are written where the sites were. `memcpy` reads these before: to a compiler,

@@ -47,12 +47,12 @@ constexpr Side opposite(Side side) {
 
 // The ghost of the hull edge that meets the base from above, on one side: it leaves the left end of
 // the base, or arrives at its right end. The other end of that edge is the candidate; behind it is
-// the third vertex of the triangle inside, or the candidate itself where a ghost stands there.
+// the third vertex of the triangle inside, which may be a ghost as well.
 struct Wall {
     TriangleId ghost;
     Vertex candidate, behind;
     Edge inner;  // the edge, in the triangle inside
-    Pair at, behind_at;
+    Pair at;
 };
 
 class Merge {
@@ -159,7 +159,7 @@ class Merge {
     // other.
     Wall wall(TriangleId g, Vertex candidate, Pair p, Edge inner) const {
         const Vertex behind = mesh_.apex(inner);
-        return {g, candidate, behind, inner, p, at(behind == ghost ? candidate : behind)};
+        return {g, candidate, behind, inner, p};
     }
     template <Side side>
     Wall wall(TriangleId g) const {
@@ -212,8 +212,8 @@ class Merge {
     void open(const Base& base, Pair& place) {
         Wall& w = wall_[side];
         while (w.behind != ghost) {
-            const Pair place_behind = base.place(w.behind_at);
-            if (!is_below(w.at, place, w.behind_at, place_behind)) return;
+            const Pair behind = at(w.behind), place_behind = base.place(behind);
+            if (!is_below(w.at, place, behind, place_behind)) return;
             const TriangleId far = triangle_of(w.inner);
             const Edge near_edge = mesh_.twin(side == left ? previous(w.inner) : next(w.inner));
             const Edge far_edge = mesh_.twin(side == left ? next(w.inner) : previous(w.inner));
@@ -225,7 +225,7 @@ class Merge {
             mesh_.vertex(w.ghost, side) = w.behind;
             mesh_.join(edge(w.ghost, opposite(side)), edge(far, side));
             mesh_.join(mesh_.hull_edge(w.ghost), near_edge);
-            w = wall(w.ghost, w.behind, w.behind_at, near_edge);
+            w = wall(w.ghost, w.behind, behind, near_edge);
             place = place_behind;
         }
     }

@@ -6,10 +6,10 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
+#include <limits>
 
+#include "base/pair.hpp"
 #include "base/point.hpp"
 #include "predicates/incircle.hpp"
 
@@ -18,27 +18,23 @@ namespace liftmesh {
 // The least and the greatest magnitude among non-zero coordinates.
 class Range {
  public:
-    void add(Point p) {
-        add(p.x);
-        add(p.y);
+    void add(Point p) { add(pair(p)); }
+    void add(Pair p) {
+        const Pair size = magnitudes(p);
+        least_ = ((size > Pair{}) & (size < least_)) ? size : least_;
+        greatest_ = liftmesh::greatest(greatest_, size);
     }
     void add(const Range& other) {
-        least_ = std::min(least_, other.least_);
-        greatest_ = std::max(greatest_, other.greatest_);
+        least_ = liftmesh::least(least_, other.least_);
+        greatest_ = liftmesh::greatest(greatest_, other.greatest_);
     }
-    bool empty() const { return greatest_ == 0; }
-    double least() const { return std::bit_cast<double>(least_ + 1); }
-    double greatest() const { return std::bit_cast<double>(greatest_); }
+    bool empty() const { return greatest() == 0; }
+    double least() const { return std::min(least_[0], least_[1]); }
+    double greatest() const { return std::max(greatest_[0], greatest_[1]); }
 
  private:
-    // Magnitudes compare like their bits. Subtracting one makes zero the greatest, so that the
-    // least ignores it.
-    void add(double value) {
-        const std::uint64_t bits = std::bit_cast<std::uint64_t>(value) & ~(std::uint64_t{1} << 63);
-        least_ = std::min(least_, bits - 1);
-        greatest_ = std::max(greatest_, bits);
-    }
-    std::uint64_t least_ = ~std::uint64_t{0}, greatest_ = 0;
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+    Pair least_ = {infinity, infinity}, greatest_ = {};
 };
 
 struct Scale {

@@ -1,22 +1,29 @@
 // The bounding box of points.
 #pragma once
 
-#include <algorithm>
-
+#include "base/pair.hpp"
 #include "base/point.hpp"
 
 namespace liftmesh {
 
 struct Bounds {
-    Point low, high;
+    Pair low{}, high{};
 
-    explicit Bounds(Point p) : low(p), high(p) {}
-    void add(Point p) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    Bounds() = default;
+    explicit Bounds(Pair p) : low(p), high(p) {}
+    void add(Pair p) {
+        low = least(low, p);
+        high = greatest(high, p);
+    }
+    void add(const Bounds& other) {
+        low = least(low, other.low);
+        high = greatest(high, other.high);
     }
     // The axis across which a cut leaves rounder parts, with a shorter seam.
-    Axis longer() const { return high.x - low.x >= high.y - low.y ? Axis::x : Axis::y; }
+    Axis longer() const {
+        const Pair size = high - low;
+        return size[0] >= size[1] ? Axis::x : Axis::y;
+    }
 };
 
 }  // namespace liftmesh

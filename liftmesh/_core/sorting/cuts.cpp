@@ -15,6 +15,39 @@ struct Span {
     Point *first, *last;
 };
 
+double along(Axis axis, Point p) {
+    return axis == Axis::x ? p.x : p.y;
+}
+
+// The points below the value come before the middle.
+struct Division {
+    Axis axis;
+    double value;
+    Point* middle;
+
+    std::ptrdiff_t smaller_side(const Point* first, const Point* last) const {
+        return std::min(middle - first, last - middle);
+    }
+};
+
+void partition(const Division& by, Point* first, Point* last) {
+    std::partition(first, last, [by](Point p) { return along(by.axis, p) < by.value; });
+}
+
+// Near the median. The points that share its coordinate come to the side that leaves more on the
+// other.
+Division divide(Axis axis, Point* first, Point* last) {
+    const auto precedes = [axis](Point p, Point q) { return along(axis, p) < along(axis, q); };
+    Point* median = first + (last - first) / 2;
+    std::nth_element(first, median, last, precedes);
+    const double value = along(axis, *median);
+    Point* low = std::partition(first, median, [&](Point p) { return along(axis, p) < value; });
+    if (low == median) return {axis, value, median};
+    Point* high = std::partition(median, last, [&](Point p) { return along(axis, p) == value; });
+    if (low - first >= last - high) return {axis, value, low};
+    return {axis, along(axis, *std::min_element(high, last, precedes)), high};
+}
+
 }  // namespace
 
 Cuts::Cuts(std::vector<Point> sample, int depth) : depth_(depth), cut_(cells()) {
@@ -40,14 +73,21 @@ Cuts::Cuts(std::vector<Point> sample, int depth, ThreadPool& pool) : depth_(dept
 }
 
 Point* Cuts::cut(std::size_t node, Point* first, Point* last) {
+    if (first == last) return first;
     constexpr std::ptrdiff_t enough = 64;
-    Point* middle = first + (last - first) / 2;
-    Bounds bounds(*first);
-    for (std::ptrdiff_t i = 0; i < enough; ++i) bounds.add(first[(last - first) * i / enough]);
+    Bounds bounds(pair(*first));
+    for (std::ptrdiff_t i = 0; i < enough; ++i)
+        bounds.add(pair(first[(last - first) * i / enough]));
     const Axis axis = bounds.longer();
-    std::nth_element(first, middle, last, [axis](Point p, Point q) { return before(axis, p, q); });
-    cut_[node] = Cut(axis, *middle);
-    return middle;
+    Division division = divide(axis, first, last);
+    if (division.smaller_side(first, last) <= (last - first) / 8) {
+        const Division across = divide(other(axis), first, last);
+        if (across.smaller_side(first, last) > division.smaller_side(first, last))
+            division = across;
+        partition(division, first, last);
+    }
+    cut_[node] = {division.value, static_cast<std::size_t>(division.axis)};
+    return division.middle;
 }
 
 void Cuts::learn(std::size_t node, int level, Point* first, Point* last) {

@@ -1,6 +1,7 @@
 // A kd tree of cuts, built from a sample: it maps any point to one of 2^depth cells of about equal
 // population. A cut goes across the axis along which its part of the sample spreads more, and
-// compares both coordinates: points with equal x are separated by y, and equal points share a cell.
+// compares one coordinate: points with equal x are on one side of it. Where so many share it that
+// little is left on the other side, the cut goes across the other axis, so a column is cut by y.
 #pragma once
 
 #include <array>
@@ -45,22 +46,14 @@ class Cuts {
     }
 
  private:
-    // A point, and the index of the coordinate that is compared first.
+    // The points below a value are on the left of the cut.
     struct Cut {
-        double first = 0, second = 0;
-        std::size_t place = 0;
+        double value = 0;
+        std::size_t place = 0;  // the index of the coordinate
 
-        Cut() = default;
-        Cut(Axis axis, Point p)
-            : first(axis == Axis::x ? p.x : p.y),
-              second(axis == Axis::x ? p.y : p.x),
-              place(axis == Axis::x ? 0 : 1) {}
-        bool is_after(const Coordinates& p) const {
-            const double u = p[place], v = p[1 - place];
-            return (u < first) | ((u == first) & (v < second));
-        }
+        bool is_after(const Coordinates& p) const { return p[place] < value; }
     };
-    // Finds the cut of a node in its part of the sample, and moves it to the middle of that part.
+    // Finds the cut of a node in its part of the sample, and divides that part.
     Point* cut(std::size_t node, Point* first, Point* last);
     void learn(std::size_t node, int level, Point* first, Point* last);
 

@@ -1,10 +1,12 @@
 // Cuts inside a cell: a few points are halved by their ranks; more points are partitioned near
 // their middle, in one branch-free pass, by a pivot chosen from nine of them.
+// Points that share a coordinate stay together where enough is left on the other side.
 #pragma once
 
 #include <cstddef>
 
 #include "base/site.hpp"
+#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 
@@ -12,6 +14,8 @@ struct Halving {
     Axis axis;
     std::size_t middle;
 };
+
+Bounds bounds_of(const Site* sites, std::size_t count);
 
 // Reorders `count` >= 4 sites of distinct positions: every site before the middle precedes across
 // the axis every site from it on. At least two stand on each side. The axis is the one along which

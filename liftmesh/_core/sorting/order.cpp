@@ -87,31 +87,51 @@ class Arrangement {
         return true;
     }
 
+    // Calls work(read), where read(row) is a point.
+    template <class Work>
+    void with_reader(Work work) {
+        const auto* plain = reinterpret_cast<const Point*>(input_.data);
+        if (order_.scale.moves) {
+            work([&](std::size_t row) { return pair(order_.scale(input_[row])); });
+        } else if (input_.is_plain()) {
+            work([plain](std::size_t row) { return pair(plain + row) + Pair{0.0, 0.0}; });
+        } else {
+            work([&](std::size_t row) { return pair(input_[row]); });
+        }
+    }
+
     void find_cells(Share& share) {
         share.population.assign(order_.cuts.cells(), 0);
         pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
-        const std::size_t groups = (share.last - share.first + abreast - 1) / abreast;
-        for_each_in_blocks(groups, pool_.interrupt(), [&](std::size_t group) {
-            const std::size_t first = share.first + group * abreast;
-            const std::size_t count = std::min(abreast, share.last - first);
-            Abreast<abreast> points{};
-            for (std::size_t i = 0; i < count; ++i) {
-                const Point p = input_[first + i];
-                points[i] = {p.x, p.y};
-            }
-            const auto cells = order_.cuts.cells(points);
-            for (std::size_t i = 0; i < count; ++i) {
-                const Point p{points[i][0], points[i][1]};
-                if (is_finite(p)) {
-                    share.range.add(p);
-                    ++share.population[cells[i]];
-                    cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
-                } else {
-                    share.skipped.push_back(static_cast<Row>(first + i));
-                    cell_of_[first + i] = no_cell;
-                }
-            }
+        const std::size_t groups = (share.last - share.first) / abreast;
+        with_reader([&](auto read) {
+            for_each_in_blocks(groups, pool_.interrupt(), [&](std::size_t group) {
+                find_cells_of<abreast>(share, share.first + group * abreast, read);
+            });
+            for (std::size_t row = share.first + groups * abreast; row < share.last; ++row)
+                find_cells_of<1>(share, row, read);
         });
+    }
+
+    template <std::size_t count, class Read>
+    void find_cells_of(Share& share, std::size_t first, Read read) {
+        Abreast<count> points;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Pair p = read(first + i);
+            points[i] = {p[0], p[1]};
+        }
+        const auto cells = order_.cuts.cells(points);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Pair p{points[i][0], points[i][1]};
+            if (is_finite(p)) {
+                share.range.add(p);
+                ++share.population[cells[i]];
+                cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
+            } else {
+                share.skipped.push_back(static_cast<Row>(first + i));
+                cell_of_[first + i] = no_cell;
+            }
+        }
     }
 
     void place_cells() {
@@ -131,11 +151,7 @@ class Arrangement {
     bool scatter() {
         order_.sites = allocate<Site>(order_.count);
         const bool done = touch_sites() && pool_.run(shares_.size(), [&](std::size_t i) {
-            if (order_.scale.moves) {
-                scatter(shares_[i], [&](std::size_t row) { return order_.scale(input_[row]); });
-            } else {
-                scatter(shares_[i], [&](std::size_t row) { return input_[row]; });
-            }
+            with_reader([&](auto read) { scatter(shares_[i], read); });
         });
         cell_of_.reset();
         return done;
@@ -164,8 +180,8 @@ class Arrangement {
         for_each_in_blocks(share.last - share.first, pool_.interrupt(), [&](std::size_t i) {
             const std::size_t row = share.first + i;
             if (cell_of_[row] == no_cell) return;
-            const Point p = read(row);
-            sites[share.population[cell_of_[row]]++] = {is_finite(p) ? p : Point{0, 0},
+            const Pair p = read(row);
+            sites[share.population[cell_of_[row]]++] = {is_finite(p) ? point(p) : Point{0, 0},
                                                         static_cast<Row>(row)};
         });
     }
