@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "predicates/exact_sum.hpp"
 #include "predicates/lattice.hpp"
 #include "predicates/perturbation.hpp"
 #include "predicates/volume.hpp"
@@ -47,6 +48,33 @@ int sign_of_side(const PlanarLattice<4>& lattice) {
     return sign_of_volume(dx, dy, dz);
 }
 
+// The determinant with the rows (x, y, x^2 + y^2, 1), expanded along the third column: the square
+// of each point times the turn of the three others, of which each is a sum of six products.
+int sign_of_wide_side(const PlanarLattice<4>& lattice) {
+    Term<2> product[4][4];  // x of one point, y of another
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) product[i][j] = lattice.part_of_x(i) * lattice.part_of_y(j);
+    ExactSum<4> det(lattice.width());
+    for (int i = 0; i < 4; ++i) {
+        const Dyadic x = lattice.part_of_x(i), y = lattice.part_of_y(i);
+        const int others[3] = {i == 0 ? 1 : 0, i <= 1 ? 2 : 1, i <= 2 ? 3 : 2};
+        for (const Term<2>& square : {x * x, y * y}) {
+            for (int k = 0; k < 3; ++k) {
+                const int p = others[k], q = others[(k + 1) % 3];
+                const Term<4> forward = square * product[p][q], back = square * product[q][p];
+                if (i % 2 == 0) {
+                    det.add(forward);
+                    det.subtract(back);
+                } else {
+                    det.subtract(forward);
+                    det.add(back);
+                }
+            }
+        }
+    }
+    return det.sign();
+}
+
 // The corners of an axis-parallel rectangle, as every cell of a raster: two values of x, two of y,
 // each shared by two of the four distinct points.
 bool is_rectangle(Point a, Point b, Point c, Point d) {
@@ -82,8 +110,7 @@ int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
     const PlanarLattice<4> lattice({a, b, c, d});
     if (lattice.fits<1>()) return sign_of_side<1>(lattice);
     if (lattice.fits<2>()) return sign_of_side<2>(lattice);
-    if (lattice.fits<8>()) return sign_of_side<8>(lattice);
-    return sign_of_side<33>(lattice);  // 2 098 bits: every finite double
+    return sign_of_wide_side(lattice);
 }
 
 int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard) {

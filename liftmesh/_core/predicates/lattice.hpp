@@ -59,9 +59,16 @@ class Lattice {
         return width_ + 1 <= 64 * N - 2;
     }
 
+    // A coordinate is an integer of at most so many bits.
+    int width() const { return width_; }
+
+    // As a mantissa and a power of two, counted from 2^low.
+    Dyadic part(int i) const {
+        return {part_[i].mantissa, part_[i].mantissa == 0 ? 0 : part_[i].exponent - low_};
+    }
     template <int N>
     Wide<N> at(int i) const {
-        return shifted<N>(part_[i].mantissa, part_[i].mantissa == 0 ? 0 : part_[i].exponent - low_);
+        return shifted<N>(part(i).mantissa, part(i).exponent);
     }
 
  private:
@@ -75,6 +82,8 @@ class PlanarLattice : public Lattice<2 * K> {
  public:
     explicit PlanarLattice(const Point (&points)[K]) : Lattice<2 * K>(flat(points)) {}
 
+    Dyadic part_of_x(int i) const { return this->part(2 * i); }
+    Dyadic part_of_y(int i) const { return this->part(2 * i + 1); }
     template <int N>
     Wide<N> x(int i) const {
         return this->template at<N>(2 * i);

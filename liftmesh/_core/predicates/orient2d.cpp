@@ -1,5 +1,6 @@
 #include "predicates/orient2d.hpp"
 
+#include "predicates/exact_sum.hpp"
 #include "predicates/lattice.hpp"
 
 namespace liftmesh {
@@ -17,6 +18,16 @@ int sign_of_turn(const PlanarLattice<3>& lattice) {
     return (ax * by - ay * bx).sign();
 }
 
+int sign_of_wide_turn(const PlanarLattice<3>& lattice) {
+    ExactSum<2> det(lattice.width());
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        det.add(lattice.part_of_x(i) * lattice.part_of_y(j));
+        det.subtract(lattice.part_of_y(i) * lattice.part_of_x(j));
+    }
+    return det.sign();
+}
+
 bool axis_parallel(Point a, Point b, Point c) {
     return ((a.x == b.x) & (b.x == c.x)) | ((a.y == b.y) & (b.y == c.y));
 }
@@ -28,8 +39,7 @@ int orient2d_exact(Point a, Point b, Point c) {
     const PlanarLattice<3> lattice({a, b, c});
     if (lattice.fits<1>()) return sign_of_turn<1>(lattice);
     if (lattice.fits<2>()) return sign_of_turn<2>(lattice);
-    if (lattice.fits<8>()) return sign_of_turn<8>(lattice);
-    return sign_of_turn<33>(lattice);  // 2 098 bits: every finite double
+    return sign_of_wide_turn(lattice);
 }
 
 }  // namespace liftmesh

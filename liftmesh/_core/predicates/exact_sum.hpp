@@ -1,0 +1,89 @@
+// The sign of a sum of products, in exact integers of any width.
+//
+// A product of few mantissas is short, wherever its lowest bit stands: adding it touches the limbs
+// that it has, and those that a carry reaches. (The difference of two numbers far apart is long,
+// and products of differences are longer.) Terms of either sign are added up by themselves.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "predicates/lattice.hpp"
+#include "predicates/wide.hpp"
+
+namespace liftmesh {
+
+// A product of factors on a lattice: 0, or its sign and magnitude, whose lowest bit stands for
+// 2^shift.
+template <int N>
+struct Term {
+    Wide<N> magnitude;
+    int shift;
+    bool negative;
+};
+
+inline Term<2> operator*(const Dyadic& a, const Dyadic& b) {
+    const auto size = [](std::int64_t m) { return static_cast<std::uint64_t>(m < 0 ? -m : m); };
+    const Uint128 product = static_cast<Uint128>(size(a.mantissa)) * size(b.mantissa);
+    return {{static_cast<std::uint64_t>(product), static_cast<std::uint64_t>(product >> 64)},
+            a.exponent + b.exponent,
+            (a.mantissa < 0) != (b.mantissa < 0)};
+}
+
+template <int N>
+Term<2 * N> operator*(const Term<N>& a, const Term<N>& b) {
+    return {unsigned_product(a.magnitude, b.magnitude), a.shift + b.shift,
+            a.negative != b.negative};
+}
+
+// Of terms with `Factors` factors, each an integer of at most `width` bits.
+template <int Factors>
+class ExactSum {
+ public:
+    explicit ExactSum(int width) : limbs_(Factors * width / 64 + spare) {
+        for (auto& sum : sum_) std::fill_n(sum, limbs_, 0);
+    }
+
+    template <int N>
+    void add(const Term<N>& term) {
+        accumulate(term, term.negative);
+    }
+    template <int N>
+    void subtract(const Term<N>& term) {
+        accumulate(term, !term.negative);
+    }
+
+    int sign() const {
+        for (int i = limbs_ - 1; i >= 0; --i)
+            if (sum_[0][i] != sum_[1][i]) return sum_[0][i] > sum_[1][i] ? 1 : -1;
+        return 0;
+    }
+
+ private:
+    static constexpr int widest = 2098;  // the bits of every finite double
+    // For the limbs of a term beyond its highest bit, and the carries of up to 64 terms.
+    static constexpr int spare = 6;
+
+    template <int N>
+    void accumulate(const Term<N>& term, bool negative) {
+        static_assert(N < spare);
+        std::uint64_t* limb = sum_[negative] + term.shift / 64;
+        Uint128 carry = 0;
+        for (int i = 0; i < N; ++i, ++limb) {
+            carry += static_cast<Uint128>(term.magnitude.limb[i]) << term.shift % 64;
+            carry += *limb;
+            *limb = static_cast<std::uint64_t>(carry);
+            carry >>= 64;
+        }
+        for (; carry != 0; ++limb) {
+            carry += *limb;
+            *limb = static_cast<std::uint64_t>(carry);
+            carry >>= 64;
+        }
+    }
+
+    int limbs_;
+    std::uint64_t sum_[2][Factors * widest / 64 + spare];
+};
+
+}  // namespace liftmesh
