@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -66,3 +68,24 @@ def test_planes_take_no_more_than_their_coordinates(plane: Any) -> None:
     result = 0 if plane == "xy" else 16 * ROWS
     assert most_held(lambda: frame.planar(POINTS)) < result + BLOCKS
     assert most_held(lambda: frame.heights(POINTS)) < result / 2 + BLOCKS
+
+
+PEAK = """
+import numpy as np
+import liftmesh
+
+def status(field):
+    with open("/proc/self/status") as lines:
+        return next(1024 * int(line.split()[1]) for line in lines if line.startswith(field))
+
+points = np.random.default_rng(0).random((1_000_000, 2))
+liftmesh.delaunay(points[:1000])
+before = status("VmRSS")
+triangulation = liftmesh.delaunay(points, threads=2)
+print((status("VmHWM") - before) / len(points))
+"""
+
+
+def test_the_kernel_takes_little_more_than_its_result() -> None:
+    done = subprocess.run([sys.executable, "-c", PEAK], capture_output=True, text=True, check=True)
+    assert float(done.stdout) < 80  # bytes a point; the result is 48

@@ -171,7 +171,7 @@ class Engine {
             points_[first + i] = sites[i].point;
             rows_[first + i] = sites[i].row;
         }
-        mesh_.place(pattern, vertex(first), slot(first));
+        mesh_.write(pattern, vertex(first), slot(first));
         const TriangleId g = slot(first) + pattern.leaving[meeting_point<count>(sites, meeting)];
         return {g, g, meeting.axis};
     }

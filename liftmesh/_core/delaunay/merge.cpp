@@ -163,12 +163,12 @@ class Merge {
     }
     template <Side side>
     Wall wall(TriangleId g) const {
-        const Vertex candidate = mesh_.apex(edge(g, side));
-        return wall(g, candidate, at(candidate), mesh_.twin(mesh_.hull_edge(g)));
+        const Vertex candidate = mesh_.vertex(g, side);
+        return wall(g, candidate, at(candidate), mesh_.twin(g, 2));
     }
     template <Side side>
     Wall after(const Wall& w) const {
-        return wall<side>(mesh_.twin(edge(w.ghost, opposite(side))) - side);
+        return wall<side>(mesh_.twin(w.ghost, opposite(side)) - side);
     }
 
     void rise() {
@@ -220,7 +220,7 @@ class Merge {
             mesh_.vertex(far, side) = w.candidate;
             mesh_.vertex(far, opposite(side)) = w.behind;
             mesh_.vertex(far, 2) = ghost;
-            mesh_.join(edge(far, opposite(side)), mesh_.twin(edge(w.ghost, opposite(side))));
+            mesh_.join(edge(far, opposite(side)), mesh_.twin(w.ghost, opposite(side)));
             mesh_.join(mesh_.hull_edge(far), far_edge);
             mesh_.vertex(w.ghost, side) = w.behind;
             mesh_.join(edge(w.ghost, opposite(side)), edge(far, side));

@@ -56,32 +56,37 @@ class Mesh {
     Point point(Vertex v) const { return points_[v]; }
     Pair at(Vertex v) const { return pair(points_ + v); }
     Vertex apex(Edge e) const { return vertices_[e]; }
-    Vertex& vertex(TriangleId t, unsigned k) { return vertices_[t + k]; }
+    Vertex& vertex(TriangleId t, unsigned k) { return vertices_[place(t, k)]; }
+    Vertex vertex(TriangleId t, unsigned k) const { return vertices_[place(t, k)]; }
     Edge twin(Edge e) const { return twins_[e]; }
+    Edge twin(TriangleId t, unsigned k) const { return twins_[place(t, k)]; }
     void join(Edge e, Edge f) {
         twins_[e] = f;
         twins_[f] = e;
     }
 
     // The hull, walked by its ghosts: the twin of a ghost's edge 1 is edge 0 of the next.
-    Vertex tail(TriangleId g) const { return vertices_[g + 1]; }
-    Vertex head(TriangleId g) const { return vertices_[g]; }
-    TriangleId successor(TriangleId g) const { return twin(g + 1); }
-    TriangleId predecessor(TriangleId g) const { return twin(g) - 1; }
+    Vertex tail(TriangleId g) const { return vertex(g, 1); }
+    Vertex head(TriangleId g) const { return vertex(g, 0); }
+    TriangleId successor(TriangleId g) const { return twin(g, 1); }
+    TriangleId predecessor(TriangleId g) const { return twin(g, 0) - 1; }
     Edge hull_edge(TriangleId g) const { return edge(g, 2); }
 
     void place_ghost(TriangleId g, Vertex tail, Vertex head) {
-        vertices_[g] = head;
-        vertices_[g + 1] = tail;
-        vertices_[g + 2] = ghost;
+        vertex(g, 0) = head;
+        vertex(g, 1) = tail;
+        vertex(g, 2) = ghost;
     }
     template <class Pattern>
-    void place(const Pattern& pattern, Vertex first, TriangleId t) {
+    void write(const Pattern& pattern, Vertex first, TriangleId t) {
         pattern.write(first, t, vertices_, twins_);
     }
     void chain(TriangleId g, TriangleId successor) { join(edge(g, 1), edge(successor, 0)); }
 
  private:
+    // Added in the width of an address, which the processor does on the way.
+    static std::size_t place(TriangleId t, unsigned k) { return std::size_t{t} + k; }
+
     const Point* points_;
     Vertex* vertices_;
     Edge* twins_;
