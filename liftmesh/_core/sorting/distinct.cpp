@@ -5,18 +5,13 @@
 #include <cstdint>
 #include <numeric>
 
+#include "base/point_hash.hpp"
+
 namespace liftmesh {
 
 namespace {
 
 constexpr std::uint32_t nothing = ~std::uint32_t{0};
-
-// The top bits of a sum of products depend on every bit of both coordinates: lattice points differ
-// in few bits, mostly the highest.
-std::uint64_t hash(Point p) {
-    return std::bit_cast<std::uint64_t>(p.x) * 0x9e3779b97f4a7c15u +
-           std::bit_cast<std::uint64_t>(p.y) * 0xd1b54a32d192ed03u;
-}
 
 // With more collisions than chance explains, `by_sorting` takes over: no input is quadratic.
 class Table {

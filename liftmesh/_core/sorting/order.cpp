@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "parallel/blocks.hpp"
+#include "sorting/counting_sort.hpp"
 #include "sorting/sample.hpp"
 
 namespace liftmesh {
@@ -25,12 +26,11 @@ constexpr std::size_t sample_per_cell = 4;
 constexpr std::size_t abreast = 8;
 constexpr std::uint16_t no_cell = 0xffff;
 
-// The counts and findings of one share of the rows.
+// A share of the rows, and what is found in it.
 struct Share {
     std::size_t first, last;
     Range range;
     std::vector<Row> skipped;
-    std::vector<std::uint32_t> population;  // of each cell; then where its next point goes
 };
 
 class Arrangement {
@@ -71,12 +71,13 @@ class Arrangement {
         const std::size_t most = pool_.size() == 1 ? 1 : 4 * pool_.size();
         const std::size_t count = std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
         for (std::size_t i = 0; i < count; ++i)
-            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}, {}, {}});
+            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}, {}});
+        next_.resize(count);
     }
 
     bool find_cells() {
         cell_of_ = allocate<std::uint16_t>(input_.rows);
-        if (!pool_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i]); }))
+        if (!pool_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i], next_[i]); }))
             return false;
         Range range;
         for (const Share& share : shares_) {
@@ -100,21 +101,22 @@ class Arrangement {
         }
     }
 
-    void find_cells(Share& share) {
-        share.population.assign(order_.cuts.cells(), 0);
+    void find_cells(Share& share, std::vector<std::uint32_t>& population) {
+        population.assign(order_.cuts.cells(), 0);
         pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
         const std::size_t groups = (share.last - share.first) / abreast;
         with_reader([&](auto read) {
             for_each_in_blocks(groups, pool_.interrupt(), [&](std::size_t group) {
-                find_cells_of<abreast>(share, share.first + group * abreast, read);
+                find_cells_of<abreast>(share, population.data(), share.first + group * abreast,
+                                       read);
             });
             for (std::size_t row = share.first + groups * abreast; row < share.last; ++row)
-                find_cells_of<1>(share, row, read);
+                find_cells_of<1>(share, population.data(), row, read);
         });
     }
 
     template <std::size_t count, class Read>
-    void find_cells_of(Share& share, std::size_t first, Read read) {
+    void find_cells_of(Share& share, std::uint32_t* population, std::size_t first, Read read) {
         Abreast<count> points;
         for (std::size_t i = 0; i < count; ++i) {
             const Pair p = read(first + i);
@@ -125,7 +127,7 @@ class Arrangement {
             const Pair p{points[i][0], points[i][1]};
             if (is_finite(p)) {
                 share.range.add(p);
-                ++share.population[cells[i]];
+                ++population[cells[i]];
                 cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
             } else {
                 share.skipped.push_back(static_cast<Row>(first + i));
@@ -135,23 +137,14 @@ class Arrangement {
     }
 
     void place_cells() {
-        order_.cell_starts.assign(order_.cuts.cells() + 1, 0);
-        std::size_t next = 0;
-        for (std::size_t cell = 0; cell < order_.cuts.cells(); ++cell) {
-            order_.cell_starts[cell] = next;
-            for (Share& share : shares_) {
-                const std::size_t count = share.population[cell];
-                share.population[cell] = static_cast<std::uint32_t>(next);
-                next += count;
-            }
-        }
-        order_.cell_starts.back() = order_.room = order_.count = next;
+        order_.cell_starts = find_places(next_, order_.cuts.cells());
+        order_.room = order_.count = order_.cell_starts.back();
     }
 
     bool scatter() {
         order_.sites = allocate<Site>(order_.count);
         const bool done = touch_sites() && pool_.run(shares_.size(), [&](std::size_t i) {
-            with_reader([&](auto read) { scatter(shares_[i], read); });
+            with_reader([&](auto read) { scatter(shares_[i], next_[i].data(), read); });
         });
         cell_of_.reset();
         return done;
@@ -174,15 +167,15 @@ class Arrangement {
     // A row that another thread has made non-finite since the first pass becomes the origin: later
     // stages rely on an order of finite points.
     template <class Read>
-    void scatter(Share& share, Read read) {
+    void scatter(const Share& share, std::uint32_t* next, Read read) {
         Site* sites = order_.sites.get();
         pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
         for_each_in_blocks(share.last - share.first, pool_.interrupt(), [&](std::size_t i) {
             const std::size_t row = share.first + i;
             if (cell_of_[row] == no_cell) return;
             const Pair p = read(row);
-            sites[share.population[cell_of_[row]]++] = {is_finite(p) ? point(p) : Point{0, 0},
-                                                        static_cast<Row>(row)};
+            sites[next[cell_of_[row]]++] = {is_finite(p) ? point(p) : Point{0, 0},
+                                            static_cast<Row>(row)};
         });
     }
 
@@ -238,6 +231,7 @@ class Arrangement {
     ThreadPool& pool_;
     Order& order_;
     std::vector<Share> shares_;
+    std::vector<std::vector<std::uint32_t>> next_;  // of each share and cell: see find_places
     Buffer<std::uint16_t> cell_of_;
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/input.hpp"
+#include "sorting/counting_sort.hpp"
 #include "sorting/cuts.hpp"
 #include "sorting/sample.hpp"
 #include "verify/pairing_table.hpp"
@@ -60,9 +61,7 @@ class Gathering {
             for (std::size_t t = first; t < last; ++t) ++next[i][cells_[t] = cell_of(t)];
         });
         if (!counted) return false;
-        std::uint32_t at = 0;
-        for (std::size_t cell = 0; cell < cuts_.cells(); ++cell)
-            for (auto& share : next) at += std::exchange(share[cell], at);
+        find_places(next, cuts_.cells());
         gathered.simplices = allocate<std::int32_t>(3 * mesh_.count);
         gathered.order = allocate<std::uint32_t>(mesh_.count);
         return for_each_share(shares, [&](std::size_t i, auto first, auto last) {

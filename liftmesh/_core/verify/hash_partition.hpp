@@ -12,6 +12,7 @@
 
 #include "base/buffer.hpp"
 #include "parallel/thread_pool.hpp"
+#include "sorting/counting_sort.hpp"
 
 namespace liftmesh {
 
@@ -30,7 +31,7 @@ class HashPartition {
             for (const Item& item : shares[i]) ++next[i][digit(item, 0, bits_)];
         });
         if (!complete_) return;
-        find_places(next);
+        starts_ = find_places(next, std::size_t{1} << bits_);
         items_ = allocate<Item>(count);
         complete_ = pool.run(shares.size(), [&](std::size_t i) {
             for (const Item& item : shares[i]) items_[next[i][digit(item, 0, bits_)]++] = item;
@@ -65,15 +66,6 @@ class HashPartition {
     // `bits` bits of the hash, after its first `after`.
     static std::size_t digit(const Item& item, int after, int bits) {
         return bits == 0 ? 0 : Hash()(item) << after >> (64 - bits);
-    }
-
-    void find_places(std::vector<std::vector<std::uint32_t>>& next) {
-        std::uint32_t at = 0;
-        for (std::size_t part = 0; part < std::size_t{1} << bits_; ++part) {
-            starts_.push_back(at);
-            for (auto& share : next) at += std::exchange(share[part], at);
-        }
-        starts_.push_back(at);
     }
 
     Buffer<Item> items_;

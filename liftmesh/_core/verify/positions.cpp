@@ -4,11 +4,11 @@
 #include "verify/positions.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <numeric>
 #include <span>
 
 #include "base/input.hpp"
+#include "base/point_hash.hpp"
 #include "verify/hash_partition.hpp"
 
 namespace liftmesh {
@@ -21,10 +21,7 @@ struct PlacedRow {
 };
 
 struct PositionHash {
-    std::uint64_t operator()(const PlacedRow& placed) const {
-        return std::bit_cast<std::uint64_t>(placed.point.x) * 0x9e3779b97f4a7c15u +
-               std::bit_cast<std::uint64_t>(placed.point.y) * 0xd1b54a32d192ed03u;
-    }
+    std::uint64_t operator()(const PlacedRow& placed) const { return hash(placed.point); }
 };
 
 std::vector<std::vector<PlacedRow>> finite_rows(const MeshView& mesh, ThreadPool& pool) {
