@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdio>
 
+#include "predicates/edge_incircle.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
-#include "predicates/sighting.hpp"
 
 namespace {
 

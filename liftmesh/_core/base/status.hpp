@@ -20,7 +20,7 @@ class Interrupt {
 
 // The approximate work of each stage for one point, in units of `Interrupt::advance`.
 namespace work {
-inline constexpr std::size_t arranging = 4, triangulating = 15, emitting = 1;
+inline constexpr std::size_t sorting = 4, triangulating = 15, compacting = 1;
 }
 
 // Polls an interrupt at intervals, for loops of short steps whose number is unknown.

@@ -105,7 +105,7 @@ class Compaction {
         return in_blocks(end_, [&](std::size_t first, std::size_t last) {
             for (Vertex* v = vertices_ + first; v != vertices_ + last; ++v) *v = rows_[*v];
             for (Edge* e = twins_ + first; e != twins_ + last; ++e) *e = (*e + 3) / 3 - 1;
-            pool_.interrupt().advance(work::emitting * (last - first) / 6);
+            pool_.interrupt().advance(work::compacting * (last - first) / 6);
         });
     }
 

@@ -10,9 +10,9 @@ namespace liftmesh {
 
 Delaunay start(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order) {
     Delaunay outcome;
-    const OrderResult arranged = arrange(input, skip_non_finite, pool, order);
-    outcome.status = arranged.status;
-    outcome.row = arranged.row;
+    const OrderResult sorted = spatial_sort(input, skip_non_finite, pool, order);
+    outcome.status = sorted.status;
+    outcome.row = sorted.row;
     if (outcome.status != Status::ok) return outcome;
     outcome.distinct = order.count;
     outcome.duplicates = std::move(order.duplicates);
@@ -30,7 +30,7 @@ Delaunay start(const Input& input, bool skip_non_finite, Threads threads, Interr
 Delaunay delaunay(const Input& input, bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     ThreadPool pool(threads.for_rows(input.rows), interrupt);
-    interrupt.expect(input.rows * (work::arranging + work::triangulating + work::emitting));
+    interrupt.expect(input.rows * (work::sorting + work::triangulating + work::compacting));
     Order order;
     Delaunay outcome = start(input, skip_non_finite, pool, order);
     if (outcome.status != Status::ok) return outcome;

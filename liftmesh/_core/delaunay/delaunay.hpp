@@ -8,8 +8,8 @@
 #include "base/status.hpp"
 #include "delaunay/mesh.hpp"
 #include "parallel/thread_pool.hpp"
-#include "sorting/distinct.hpp"
-#include "sorting/order.hpp"
+#include "sorting/deduplicate.hpp"
+#include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
 
@@ -26,7 +26,7 @@ struct Delaunay {
     Result result;
 };
 
-// The first stage of every engine: arranges the distinct points, and fills in the outcome as far as
+// The first stage of every engine: sorts the distinct points, and fills in the outcome as far as
 // it is known. The engine continues if the status is ok.
 Delaunay start(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 

@@ -1,8 +1,8 @@
 // Preparata and Hong (1977) find the lower hull of two halves and merge them; Dwyer (1987) cuts
 // across both axes, which keeps the seams short; here each cut goes across the axis along which its
 // points spread more. The upper cuts are those of the sampled kd tree, already made by the
-// ordering; below a cell the points are halved where they lie, down to two or three, which move to
-// their final places.
+// ordering; below a cell the points are halved where they lie, down to two, three or four, which
+// move to their final places and are triangulated by a table.
 //
 // The thread pool runs the subtrees, and then the joins above them, level by level. A subtree owns
 // its points and its triangle slots, so nothing needs a lock, and no output depends on which thread
@@ -21,8 +21,8 @@
 #include "delaunay/leaf_patterns.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/bounds.hpp"
-#include "sorting/cuts.hpp"
-#include "sorting/halving.hpp"
+#include "sorting/median_split.hpp"
+#include "sorting/splitters.hpp"
 
 namespace liftmesh {
 
@@ -68,13 +68,13 @@ class Engine {
         Index first, middle, last;
     };
     Extent extent(Index h) const {
-        const Index span = Index{1} << (order_.cuts.depth() - level_of(h));
+        const Index span = Index{1} << (order_.splitters.depth() - level_of(h));
         const Index* start = &order_.cell_starts[(h - (Index{1} << level_of(h))) * span];
         return {start[0], start[span / 2], start[span]};
     }
     // A node with a child of fewer than two points is treated as one cell.
     bool is_cell(Index h) const {
-        if (level_of(h) == order_.cuts.depth()) return true;
+        if (level_of(h) == order_.splitters.depth()) return true;
         const Extent at = extent(h);
         return at.middle - at.first < 2 || at.last - at.middle < 2;
     }
@@ -95,7 +95,7 @@ class Engine {
         bool as_second;
     };
     Meeting meeting_of(Index h) const {
-        return {h == 1 ? Axis::x : order_.cuts.axis(h / 2), h % 2 == 1};
+        return {h == 1 ? Axis::x : order_.splitters.axis(h / 2), h % 2 == 1};
     }
 
     // A part and the box of its points.
@@ -119,8 +119,8 @@ class Engine {
         const Extent at = extent(h);
         Bounds box = left.box;
         box.add(right.box);
-        return {join(certainty(box), left.part, right.part, order_.cuts.axis(h), at.last - at.first,
-                     at.middle),
+        return {join(certainty(box), left.part, right.part, order_.splitters.axis(h),
+                     at.last - at.first, at.middle),
                 box};
     }
 
@@ -138,7 +138,7 @@ class Engine {
     }
 
     Part halved(const Certainty& certainty, Index first, Index count) {
-        const Halving half = halve(&sites_[first], count);
+        const MedianSplit half = median_split(&sites_[first], count);
         const Index rest = count - half.middle, middle = first + half.middle;
         const Part left = build(certainty, first, half.middle, {half.axis, false});
         const Part right = build(certainty, middle, rest, {half.axis, true});

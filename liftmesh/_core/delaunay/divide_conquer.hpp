@@ -4,7 +4,7 @@
 #include "base/buffer.hpp"
 #include "delaunay/merge.hpp"
 #include "parallel/thread_pool.hpp"
-#include "sorting/order.hpp"
+#include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
 

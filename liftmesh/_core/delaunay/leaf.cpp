@@ -2,7 +2,7 @@
 // the whole part. Where one of them is uncertain, each is decided by the exact predicates.
 //
 // The determinant here is the sum of three products, so it is off by at most (1 + e)^11 - 1 of
-// 6 w h (w^2 + h^2), in the terms of sighting.hpp: less than twice the bound of a sighted one.
+// 6 w h (w^2 + h^2), in the terms of edge_incircle.hpp: less than twice `Certainty::of_circle`.
 
 #include "delaunay/leaf.hpp"
 

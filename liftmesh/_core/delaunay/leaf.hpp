@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/site.hpp"
+#include "predicates/edge_incircle.hpp"
 #include "predicates/incircle.hpp"
-#include "predicates/sighting.hpp"
 
 namespace liftmesh {
 

@@ -34,13 +34,14 @@ int depth_for(std::size_t simplices) {
 
 Locator::Locator(const Triangulated& triangulated)
     : triangulated_(triangulated),
-      cuts_(sample_corners(triangulated, std::size_t{1} << depth_for(triangulated.count)),
-            depth_for(triangulated.count)),
-      start_(cuts_.cells(), -1) {
-    const std::size_t stride = std::max<std::size_t>(1, triangulated.count / (2 * cuts_.cells()));
+      splitters_(sample_corners(triangulated, std::size_t{1} << depth_for(triangulated.count)),
+                 depth_for(triangulated.count)),
+      start_(splitters_.cells(), -1) {
+    const std::size_t stride =
+        std::max<std::size_t>(1, triangulated.count / (2 * splitters_.cells()));
     for (std::size_t simplex = 0; simplex < triangulated.count; simplex += stride) {
         const auto id = static_cast<std::int32_t>(simplex);
-        start_[cuts_.cell(corner(id, 0))] = id;
+        start_[splitters_.cell(corner(id, 0))] = id;
     }
     // An empty cell starts where its predecessor does: in kd order they are neighbours.
     std::int32_t last = 0;
@@ -67,7 +68,7 @@ std::int32_t Locator::find(Point p, Patience& patience) const {
 }
 
 Locator::Found Locator::walk(Point p, Patience& patience) const {
-    Found found{start_[cuts_.cell(p)], {}};
+    Found found{start_[splitters_.cell(p)], {}};
     std::int32_t from = -1;
     // A walk that visits more triangles than there are means that the arrays were modified.
     for (std::size_t visited = 0; found.simplex >= 0; ++visited) {

@@ -7,7 +7,7 @@
 
 #include "base/input.hpp"
 #include "base/status.hpp"
-#include "sorting/cuts.hpp"
+#include "sorting/splitters.hpp"
 
 namespace liftmesh {
 
@@ -46,7 +46,7 @@ class Locator {
     std::int32_t smallest_around(std::int32_t simplex, int k, Patience& patience) const;
 
     Triangulated triangulated_;
-    Cuts cuts_;
+    Splitters splitters_;
     std::vector<std::int32_t> start_;  // a simplex for each cell
 };
 

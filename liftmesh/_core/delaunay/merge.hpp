@@ -3,8 +3,8 @@
 
 #include "base/status.hpp"
 #include "delaunay/mesh.hpp"
+#include "predicates/edge_incircle.hpp"
 #include "predicates/incircle.hpp"
-#include "predicates/sighting.hpp"
 
 namespace liftmesh {
 

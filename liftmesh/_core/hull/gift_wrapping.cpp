@@ -14,7 +14,7 @@
 #include "paper/lfres.hpp"
 #include "paper/lfres_indexed.hpp"
 #include "paper/points.hpp"
-#include "sorting/order.hpp"
+#include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
 

@@ -11,7 +11,7 @@
 #include "paper/lf.hpp"
 #include "paper/points.hpp"
 #include "predicates/scale.hpp"
-#include "sorting/order.hpp"
+#include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
 

@@ -11,8 +11,8 @@
 
 #include "base/input.hpp"
 #include "sorting/counting_sort.hpp"
-#include "sorting/cuts.hpp"
 #include "sorting/sample.hpp"
+#include "sorting/splitters.hpp"
 #include "verify/pairing_table.hpp"
 
 namespace liftmesh {
@@ -47,7 +47,7 @@ class Gathering {
     Gathering(const MeshView& mesh, ThreadPool& pool)
         : mesh_(mesh),
           pool_(pool),
-          cuts_(learn_cuts()),
+          splitters_(learn_splitters()),
           row_cells_(allocate<std::uint16_t>(mesh.rows)),
           cells_(allocate<std::uint16_t>(mesh.count)) {}
 
@@ -57,11 +57,11 @@ class Gathering {
         // Where the next triangle of each cell is stored.
         std::vector<std::vector<std::uint32_t>> next(shares);
         const bool counted = for_each_share(shares, [&](std::size_t i, auto first, auto last) {
-            next[i].assign(cuts_.cells(), 0);
+            next[i].assign(splitters_.cells(), 0);
             for (std::size_t t = first; t < last; ++t) ++next[i][cells_[t] = cell_of(t)];
         });
         if (!counted) return false;
-        find_places(next, cuts_.cells());
+        find_places(next, splitters_.cells());
         gathered.simplices = allocate<std::int32_t>(3 * mesh_.count);
         gathered.order = allocate<std::uint32_t>(mesh_.count);
         return for_each_share(shares, [&](std::size_t i, auto first, auto last) {
@@ -74,7 +74,7 @@ class Gathering {
     }
 
  private:
-    Cuts learn_cuts() {
+    Splitters learn_splitters() {
         const int depth =
             std::clamp(static_cast<int>(std::bit_width(mesh_.rows / cell_population)), 0, deepest);
         std::vector<Point> sample(sample_per_cell << depth);
@@ -82,7 +82,7 @@ class Gathering {
             const Point p = mesh_.points[sample_place(i, mesh_.rows)];
             if (is_finite(p)) sample[i] = p;
         }
-        return Cuts(std::move(sample), depth, pool_);
+        return Splitters(std::move(sample), depth, pool_);
     }
 
     bool find_cells() {
@@ -94,7 +94,7 @@ class Gathering {
                 const std::size_t count = std::min(abreast, last - row);
                 for (std::size_t i = 0; i < count; ++i)
                     points[i] = {mesh_.points[row + i].x, mesh_.points[row + i].y};
-                const auto cells = cuts_.cells(points);
+                const auto cells = splitters_.cells(points);
                 for (std::size_t i = 0; i < count; ++i)
                     row_cells_[row + i] = static_cast<std::uint16_t>(cells[i]);
             }
@@ -118,7 +118,7 @@ class Gathering {
 
     const MeshView& mesh_;
     ThreadPool& pool_;
-    Cuts cuts_;
+    Splitters splitters_;
     Buffer<std::uint16_t> row_cells_;
     Buffer<std::uint16_t> cells_;  // of the triangles
 };

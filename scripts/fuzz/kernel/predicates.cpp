@@ -8,10 +8,10 @@
 #include "demand.hpp"
 #include "exact.hpp"
 #include "predicates/compare_heights.hpp"
+#include "predicates/edge_incircle.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/orient3d.hpp"
-#include "predicates/sighting.hpp"
 
 namespace fuzzing {
 
@@ -83,13 +83,13 @@ void check_space(const std::array<Point, 4>& p, const std::array<double, 4>& z) 
            "the filter of orient3d certifies a wrong sign");
 }
 
-// A sign that a sighting certifies is that of the definition.
+// A sign that an edge's bound certifies is that of the definition.
 void check_margin(double value, double error, int sign, const char* what) {
     if (value > error) demand(sign > 0, what);
     if (-value > error) demand(sign < 0, what);
 }
 
-void check_sighting(const std::array<Point, 4>& p) {
+void check_edge(const std::array<Point, 4>& p) {
     if (!guard_of(p).vouches()) return;
     const liftmesh::Pair a = liftmesh::pair(p[0]), b = liftmesh::pair(p[1]),
                          c = liftmesh::pair(p[2]), d = liftmesh::pair(p[3]);
@@ -104,7 +104,7 @@ void check_sighting(const std::array<Point, 4>& p) {
     check_margin(value, certainty.of_circle, side,
                  "the bound of a box certifies a wrong in-circle sign");
     check_margin(value, liftmesh::error_of_below(base.bound(c), base.bound(d)), side,
-                 "a sighting certifies a wrong in-circle sign");
+                 "an edge certifies a wrong in-circle sign");
 }
 
 void check_heights(const std::array<Point, 4>& p) {
@@ -129,7 +129,7 @@ void check_predicates(Case& c, const Rows& rows) {
         }
         check_turn(p);
         check_incircle(p);
-        check_sighting(p);
+        check_edge(p);
         check_heights(p);
         check_space(p, {p[1].x, p[2].y, p[3].x, p[0].y});
     }

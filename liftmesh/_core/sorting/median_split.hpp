@@ -1,6 +1,6 @@
 // Cuts inside a cell: a few points are halved by their ranks; more points are partitioned near
-// their middle, in one branch-free pass, by a pivot chosen from nine of them.
-// Points that share a coordinate stay together where enough is left on the other side.
+// their middle, in one branch-free pass, by a pivot chosen from nine of them. Points that share a
+// coordinate stay together where enough is left on the other side.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace liftmesh {
 
-struct Halving {
+struct MedianSplit {
     Axis axis;
     std::size_t middle;
 };
@@ -20,6 +20,6 @@ Bounds bounds_of(const Site* sites, std::size_t count);
 // Reorders `count` >= 4 sites of distinct positions: every site before the middle precedes across
 // the axis every site from it on. At least two stand on each side. The axis is the one along which
 // they spread more, estimated from nine of them.
-Halving halve(Site* sites, std::size_t count);
+MedianSplit median_split(Site* sites, std::size_t count);
 
 }  // namespace liftmesh

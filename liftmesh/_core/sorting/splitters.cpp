@@ -1,4 +1,4 @@
-#include "sorting/cuts.hpp"
+#include "sorting/splitters.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -50,12 +50,13 @@ Division divide(Axis axis, Point* first, Point* last) {
 
 }  // namespace
 
-Cuts::Cuts(std::vector<Point> sample, int depth) : depth_(depth), cut_(cells()) {
+Splitters::Splitters(std::vector<Point> sample, int depth) : depth_(depth), cut_(cells()) {
     learn(1, 0, sample.data(), sample.data() + sample.size());
 }
 
 // The cuts near the root in sequence, then the subtrees on any thread.
-Cuts::Cuts(std::vector<Point> sample, int depth, ThreadPool& pool) : depth_(depth), cut_(cells()) {
+Splitters::Splitters(std::vector<Point> sample, int depth, ThreadPool& pool)
+    : depth_(depth), cut_(cells()) {
     constexpr int shared_levels = 3;
     std::vector<Span> spans{{1, 0, sample.data(), sample.data() + sample.size()}};
     for (int level = 0; level < std::min(shared_levels, depth); ++level) {
@@ -72,7 +73,7 @@ Cuts::Cuts(std::vector<Point> sample, int depth, ThreadPool& pool) : depth_(dept
     });
 }
 
-Point* Cuts::cut(std::size_t node, Point* first, Point* last) {
+Point* Splitters::cut(std::size_t node, Point* first, Point* last) {
     if (first == last) return first;
     constexpr std::ptrdiff_t enough = 64;
     Bounds bounds(pair(*first));
@@ -90,7 +91,7 @@ Point* Cuts::cut(std::size_t node, Point* first, Point* last) {
     return division.middle;
 }
 
-void Cuts::learn(std::size_t node, int level, Point* first, Point* last) {
+void Splitters::learn(std::size_t node, int level, Point* first, Point* last) {
     if (level == depth_) return;
     Point* middle = cut(node, first, last);
     learn(2 * node, level + 1, first, middle);

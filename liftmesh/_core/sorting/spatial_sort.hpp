@@ -10,8 +10,8 @@
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
 #include "predicates/scale.hpp"
-#include "sorting/cuts.hpp"
-#include "sorting/distinct.hpp"
+#include "sorting/deduplicate.hpp"
+#include "sorting/splitters.hpp"
 
 namespace liftmesh {
 
@@ -21,7 +21,7 @@ struct Order {
     Buffer<Site> sites;
     std::size_t room = 0;   // of the buffer
     std::size_t count = 0;  // of the sites
-    Cuts cuts = Cuts({}, 0);
+    Splitters splitters = Splitters({}, 0);
     std::vector<std::size_t> cell_starts;  // and the end of the last
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
@@ -34,7 +34,7 @@ struct OrderResult {
 };
 
 // Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
-OrderResult arrange(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
+OrderResult spatial_sort(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 
 // Sorts the sites by row instead: the cells have no meaning from then on.
 void sort_by_row(Order& order);

@@ -1,4 +1,4 @@
-#include "sorting/distinct.hpp"
+#include "sorting/deduplicate.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -72,7 +72,7 @@ std::size_t by_sorting(Site* sites, std::size_t count, std::vector<Duplicate>& d
 }  // namespace
 
 // The table serves one cell; its entries index the sites already kept.
-std::size_t keep_distinct(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates) {
+std::size_t deduplicate(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates) {
     Table table(count);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {

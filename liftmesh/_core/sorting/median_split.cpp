@@ -1,4 +1,4 @@
-#include "sorting/halving.hpp"
+#include "sorting/median_split.hpp"
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ double along(Point p) {
 }
 
 template <Axis axis>
-std::size_t halve_few(Site* sites, std::size_t count) {
+std::size_t split_few(Site* sites, std::size_t count) {
     std::size_t rank[few] = {};
     for (std::size_t j = 1; j < count; ++j) {
         for (std::size_t i = 0; i < j; ++i) {
@@ -64,7 +64,7 @@ std::size_t partition(Site* sites, std::size_t count, GoesFirst goes_first) {
 // The points that share the pivot's coordinate stay together, as long as enough are left on either
 // side.
 template <Axis axis>
-std::size_t halve_many(Site* sites, std::size_t count, Point near_middle) {
+std::size_t split_many(Site* sites, std::size_t count, Point near_middle) {
     const double pivot = along<axis>(near_middle);
     const auto is_balanced = [count](std::size_t middle) {
         return std::min(middle, count - middle) >= count / 8 + 1;
@@ -87,16 +87,16 @@ Bounds bounds_of(const Site* sites, std::size_t count) {
     return bounds;
 }
 
-Halving halve(Site* sites, std::size_t count) {
+MedianSplit median_split(Site* sites, std::size_t count) {
     if (count <= few) {
         const Axis axis = bounds_of(sites, count).longer();
-        return {axis, axis == Axis::x ? halve_few<Axis::x>(sites, count)
-                                      : halve_few<Axis::y>(sites, count)};
+        return {axis, axis == Axis::x ? split_few<Axis::x>(sites, count)
+                                      : split_few<Axis::y>(sites, count)};
     }
     const Sample some = sample(sites, count);
     const Axis axis = some.bounds.longer();
-    return {axis, axis == Axis::x ? halve_many<Axis::x>(sites, count, some.near_middle)
-                                  : halve_many<Axis::y>(sites, count, some.near_middle)};
+    return {axis, axis == Axis::x ? split_many<Axis::x>(sites, count, some.near_middle)
+                                  : split_many<Axis::y>(sites, count, some.near_middle)};
 }
 
 }  // namespace liftmesh

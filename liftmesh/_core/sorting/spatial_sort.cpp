@@ -4,7 +4,7 @@
 // share has its own counts and the shares of a cell stand in order. Then duplicates are removed
 // from each cell, which fits the cache.
 
-#include "sorting/order.hpp"
+#include "sorting/spatial_sort.hpp"
 
 #include <algorithm>
 #include <array>
@@ -33,11 +33,11 @@ struct Share {
     std::vector<Row> skipped;
 };
 
-class Arrangement {
+class SpatialSort {
  public:
-    Arrangement(const Input& input, ThreadPool& pool, Order& order)
+    SpatialSort(const Input& input, ThreadPool& pool, Order& order)
         : input_(input), pool_(pool), order_(order) {
-        order.cuts = learn_cuts();
+        order.splitters = learn_splitters();
     }
 
     OrderResult run(bool skip_non_finite) {
@@ -46,13 +46,13 @@ class Arrangement {
         if (!order_.skipped.empty() && !skip_non_finite)
             return {Status::non_finite, order_.skipped.front()};
         place_cells();
-        const bool done = scatter() && keep_distinct_in_cells();
+        const bool done = scatter() && deduplicate_cells();
         return {done ? Status::ok : Status::interrupted, 0};
     }
 
  private:
     // If few rows are finite, the sample stays small, and so does the tree.
-    Cuts learn_cuts() {
+    Splitters learn_splitters() {
         const int depth = std::clamp(
             static_cast<int>(std::bit_width(input_.rows / cell_population)) - 1, 0, deepest);
         const std::size_t wanted = depth == 0 ? 0 : sample_per_cell << depth;
@@ -63,7 +63,7 @@ class Arrangement {
             if (is_finite(p)) sample.push_back(p);
         }
         const auto found = static_cast<int>(std::bit_width(sample.size() / sample_per_cell));
-        return Cuts(std::move(sample), std::clamp(found - 1, 0, depth), pool_);
+        return Splitters(std::move(sample), std::clamp(found - 1, 0, depth), pool_);
     }
 
     void divide() {
@@ -102,8 +102,8 @@ class Arrangement {
     }
 
     void find_cells(Share& share, std::vector<std::uint32_t>& population) {
-        population.assign(order_.cuts.cells(), 0);
-        pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        population.assign(order_.splitters.cells(), 0);
+        pool_.interrupt().advance(work::sorting / 2 * (share.last - share.first));
         const std::size_t groups = (share.last - share.first) / abreast;
         with_reader([&](auto read) {
             for_each_in_blocks(groups, pool_.interrupt(), [&](std::size_t group) {
@@ -122,7 +122,7 @@ class Arrangement {
             const Pair p = read(first + i);
             points[i] = {p[0], p[1]};
         }
-        const auto cells = order_.cuts.cells(points);
+        const auto cells = order_.splitters.cells(points);
         for (std::size_t i = 0; i < count; ++i) {
             const Pair p{points[i][0], points[i][1]};
             if (is_finite(p)) {
@@ -137,7 +137,7 @@ class Arrangement {
     }
 
     void place_cells() {
-        order_.cell_starts = find_places(next_, order_.cuts.cells());
+        order_.cell_starts = find_places(next_, order_.splitters.cells());
         order_.room = order_.count = order_.cell_starts.back();
     }
 
@@ -169,7 +169,7 @@ class Arrangement {
     template <class Read>
     void scatter(const Share& share, std::uint32_t* next, Read read) {
         Site* sites = order_.sites.get();
-        pool_.interrupt().advance(work::arranging / 2 * (share.last - share.first));
+        pool_.interrupt().advance(work::sorting / 2 * (share.last - share.first));
         for_each_in_blocks(share.last - share.first, pool_.interrupt(), [&](std::size_t i) {
             const std::size_t row = share.first + i;
             if (cell_of_[row] == no_cell) return;
@@ -180,8 +180,8 @@ class Arrangement {
     }
 
     // Tasks are runs of cells; the gaps that removed sites leave are closed afterwards.
-    bool keep_distinct_in_cells() {
-        const std::size_t cells = order_.cuts.cells();
+    bool deduplicate_cells() {
+        const std::size_t cells = order_.splitters.cells();
         const std::size_t runs = std::min<std::size_t>(cells, 64);
         std::vector<std::vector<Duplicate>> found(runs);
         std::vector<std::size_t> distinct(cells);
@@ -189,8 +189,8 @@ class Arrangement {
             for (std::size_t c = cells * run / runs; c < cells * (run + 1) / runs; ++c) {
                 if (pool_.interrupt().requested()) return;
                 const std::size_t start = order_.cell_starts[c];
-                distinct[c] = keep_distinct(&order_.sites[start], order_.cell_starts[c + 1] - start,
-                                            found[run]);
+                distinct[c] = deduplicate(&order_.sites[start], order_.cell_starts[c + 1] - start,
+                                          found[run]);
             }
         });
         if (!done) return false;
@@ -237,14 +237,14 @@ class Arrangement {
 
 }  // namespace
 
-OrderResult arrange(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order) {
-    return Arrangement(input, pool, order).run(skip_non_finite);
+OrderResult spatial_sort(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order) {
+    return SpatialSort(input, pool, order).run(skip_non_finite);
 }
 
 void sort_by_row(Order& order) {
     std::sort(order.sites.get(), order.sites.get() + order.count,
               [](const Site& a, const Site& b) { return a.row < b.row; });
-    order.cuts = Cuts({}, 0);
+    order.splitters = Splitters({}, 0);
     order.cell_starts = {0, order.count};
 }
 

@@ -5,8 +5,8 @@
 // the base and positive on the left, is (b - a) x (p - a). A plane through the base rises by height
 // over distance. So the lift of d is below the plane through the base and the lift of c where
 //     height(c) distance(d) - height(d) distance(c) > 0    for c on the left,
-// which is the in-circle determinant of a, b, c, d: one multiplication for each pair, once both
-// points are sighted.
+// which is the in-circle determinant of a, b, c, d: one multiplication for each pair, once the
+// places of both points are known.
 //
 // Rounding, with e = 2^-53: the distance and the height are off by at most (1 + e)^4 - 1 of the
 // sums of magnitudes of which they are made, the determinant by at most (1 + e)^10 - 1 of its own.

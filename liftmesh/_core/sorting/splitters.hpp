@@ -19,11 +19,11 @@ using Coordinates = std::array<double, 2>;
 template <std::size_t N>
 using Abreast = std::array<Coordinates, N>;
 
-class Cuts {
+class Splitters {
  public:
     // `sample` is reordered; it needs at least one point for each of the 2^depth cells.
-    Cuts(std::vector<Point> sample, int depth);
-    Cuts(std::vector<Point> sample, int depth, ThreadPool& pool);
+    Splitters(std::vector<Point> sample, int depth);
+    Splitters(std::vector<Point> sample, int depth, ThreadPool& pool);
 
     int depth() const { return depth_; }
     std::size_t cells() const { return std::size_t{1} << depth_; }
