@@ -73,12 +73,16 @@ Wide<2 * N> unsigned_product(const Wide<N>& p, const Wide<N>& q) {
     return result;
 }
 
-// The full product: no bit is lost. A negative factor of few limbs was taken for one that is larger
-// by 2^(64 N), which is subtracted again without a branch; of many limbs most are often zero in the
+// The full product: no bit is lost. A negative factor of two limbs was taken for one that is larger
+// by 2^128, which is subtracted again without a branch; of many limbs most are often zero in the
 // magnitude, and skipped.
 template <int N>
 Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
-    if constexpr (N <= 2) {
+    if constexpr (N == 1) {
+        const Int128 product = static_cast<Int128>(static_cast<std::int64_t>(a.limb[0])) *
+                               static_cast<std::int64_t>(b.limb[0]);
+        return {static_cast<std::uint64_t>(product), static_cast<std::uint64_t>(product >> 64)};
+    } else if constexpr (N == 2) {
         const std::uint64_t if_a = a.negative() ? ~std::uint64_t{0} : 0;
         const std::uint64_t if_b = b.negative() ? ~std::uint64_t{0} : 0;
         Wide<2 * N> excess{};
@@ -98,6 +102,7 @@ Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
 // value * 2^shift, which must fit.
 template <int N>
 Wide<N> shifted(std::int64_t value, int shift) {
+    if constexpr (N == 1) return {static_cast<std::uint64_t>(value) << shift};
     const bool negative = value < 0;
     const std::uint64_t bits =
         negative ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
