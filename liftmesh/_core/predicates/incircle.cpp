@@ -27,23 +27,19 @@ bool is_small(std::int64_t value) {
     return -(1 << 30) < value && value < (1 << 30);
 }
 
-template <int N>
+// From differences of at most 62 bits.
 int sign_of_side(const PlanarLattice<4>& lattice) {
-    const Wide<N> x = lattice.x<N>(3);
-    const Wide<N> y = lattice.y<N>(3);
-    std::array<Wide<N>, 3> dx, dy;
+    std::array<Wide<1>, 3> dx, dy;
+    std::int64_t sx[3], sy[3];
     for (int i = 0; i < 3; ++i) {
-        dx[i] = lattice.x<N>(i) - x;
-        dy[i] = lattice.y<N>(i) - y;
+        dx[i] = lattice.x<1>(i) - lattice.x<1>(3);
+        dy[i] = lattice.y<1>(i) - lattice.y<1>(3);
+        sx[i] = static_cast<std::int64_t>(dx[i].limb[0]);
+        sy[i] = static_cast<std::int64_t>(dy[i].limb[0]);
     }
-    if constexpr (N == 1) {
-        const auto value = [](const Wide<1>& w) { return static_cast<std::int64_t>(w.limb[0]); };
-        const std::int64_t sx[3] = {value(dx[0]), value(dx[1]), value(dx[2])};
-        const std::int64_t sy[3] = {value(dy[0]), value(dy[1]), value(dy[2])};
-        if (std::all_of(sx, sx + 3, is_small) && std::all_of(sy, sy + 3, is_small))
-            return sign_in_128_bits(sx, sy);
-    }
-    std::array<Wide<2 * N>, 3> dz;
+    if (std::all_of(sx, sx + 3, is_small) && std::all_of(sy, sy + 3, is_small))
+        return sign_in_128_bits(sx, sy);
+    std::array<Wide<2>, 3> dz;
     for (int i = 0; i < 3; ++i) dz[i] = dx[i] * dx[i] + dy[i] * dy[i];
     return sign_of_volume(dx, dy, dz);
 }
@@ -108,9 +104,7 @@ int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
     if (!guard.vouches())
         if (const int sign = sign_by_scaled_filter(a, b, c, d); sign != 0) return sign;
     const PlanarLattice<4> lattice({a, b, c, d});
-    if (lattice.fits<1>()) return sign_of_side<1>(lattice);
-    if (lattice.fits<2>()) return sign_of_side<2>(lattice);
-    return sign_of_wide_side(lattice);
+    return lattice.fits<1>() ? sign_of_side(lattice) : sign_of_wide_side(lattice);
 }
 
 int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard) {

@@ -7,14 +7,14 @@ namespace liftmesh {
 
 namespace {
 
-template <int N>
+// From differences of at most 62 bits.
 int sign_of_turn(const PlanarLattice<3>& lattice) {
-    const Wide<N> cx = lattice.x<N>(2);
-    const Wide<N> cy = lattice.y<N>(2);
-    const Wide<N> ax = lattice.x<N>(0) - cx;
-    const Wide<N> ay = lattice.y<N>(0) - cy;
-    const Wide<N> bx = lattice.x<N>(1) - cx;
-    const Wide<N> by = lattice.y<N>(1) - cy;
+    const Wide<1> cx = lattice.x<1>(2);
+    const Wide<1> cy = lattice.y<1>(2);
+    const Wide<1> ax = lattice.x<1>(0) - cx;
+    const Wide<1> ay = lattice.y<1>(0) - cy;
+    const Wide<1> bx = lattice.x<1>(1) - cx;
+    const Wide<1> by = lattice.y<1>(1) - cy;
     return (ax * by - ay * bx).sign();
 }
 
@@ -37,9 +37,7 @@ bool axis_parallel(Point a, Point b, Point c) {
 int orient2d_exact(Point a, Point b, Point c) {
     if (axis_parallel(a, b, c)) return 0;
     const PlanarLattice<3> lattice({a, b, c});
-    if (lattice.fits<1>()) return sign_of_turn<1>(lattice);
-    if (lattice.fits<2>()) return sign_of_turn<2>(lattice);
-    return sign_of_wide_turn(lattice);
+    return lattice.fits<1>() ? sign_of_turn(lattice) : sign_of_wide_turn(lattice);
 }
 
 }  // namespace liftmesh
