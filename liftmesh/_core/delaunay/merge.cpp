@@ -78,9 +78,9 @@ class Merge {
     // The second of the two triangles that the merge adds.
     TriangleId top() const { return slot_ + words_per_triangle; }
 
-    // The ghost that leaves the last vertex of a part across the axis, or the first. The ends of
-    // its own seam are close: its lower end lies lowest across the same axis, farthest
-    // right across the other.
+    // The ghost that leaves the last vertex of a part across the axis, or the first. The search
+    // begins at an end of the part's own seam: of a seam between parts one above the other, the end
+    // called lower is the right one.
     template <Axis axis>
     TriangleId last(Part part) const {
         return climb(axis == Axis::x && part.cut == Axis::y ? part.lower : part.upper,
