@@ -93,4 +93,10 @@ class Locator:
         simplices: NDArray[np.int32],
         neighbors: NDArray[np.int32],
     ) -> None: ...
-    def find(self, queries: NDArray[np.float64], found: NDArray[np.int32]) -> None: ...
+    def find(
+        self,
+        queries: NDArray[np.float64],
+        found: NDArray[np.int32],
+        threads: int,
+        shared: bool,
+    ) -> None: ...

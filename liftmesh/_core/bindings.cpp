@@ -196,15 +196,16 @@ class PyLocator {
           neighbors_(std::move(neighbors)),
           locator_(make()) {}
 
-    void find(const Pairs& queries, const Ids& found) const {
+    void find(const Pairs& queries, const Ids& found, unsigned threads, bool shared) {
         if (queries.shape(0) != found.shape(0)) throw std::invalid_argument("lengths differ");
         PythonInterrupt interrupt;
-        bool interrupted = false;
+        bool done = false;
         {
             const nb::gil_scoped_release unlocked;
-            interrupted = !find_all(queries.data(), found.data(), found.shape(0), interrupt);
+            done = locator_.find({queries.data(), queries.shape(0)}, found.data(),
+                                 {threads, shared}, interrupt);
         }
-        if (interrupted) throw nb::python_error();
+        if (!done) throw nb::python_error();
     }
 
  private:
@@ -213,17 +214,6 @@ class PyLocator {
                                                   neighbors_.data(), simplices_.shape(0)};
         const nb::gil_scoped_release unlocked;
         return liftmesh::Locator(triangulated);
-    }
-
-    bool find_all(const double* queries, std::int32_t* found, std::size_t count,
-                  liftmesh::Interrupt& interrupt) const {
-        const liftmesh::IeeeArithmetic ieee;
-        liftmesh::Patience patience(interrupt);
-        for (std::size_t i = 0; i < count; ++i) {
-            found[i] = locator_.find({queries[2 * i], queries[2 * i + 1]}, patience);
-            if (patience.ends()) return false;
-        }
-        return true;
     }
 
     PlanarRows points_;
@@ -283,5 +273,5 @@ NB_MODULE(_kernel, m) {
     bindings::bind_text(m);
     nb::class_<PyLocator>(m, "Locator")
         .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
-        .def("find", &PyLocator::find, "queries"_a, "found"_a);
+        .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a);
 }

@@ -19,7 +19,7 @@ from distributions import Points
 import liftmesh
 from growth.counting import Work
 from growth.families import random
-from growth.planar import FANS, PLANAR
+from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
 from liftmesh import Cloud, Triangulation
 
@@ -286,9 +286,13 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "verify a mesh", PLANAR, on_triangulation(lambda t: liftmesh.verify(t, threads=1)), PLAIN
     yield "Certificate.to_json", PLANAR, certificate, ("uniform",)
     yield "Certificate.as_dict", PLANAR, certificate, ()
-    for place in (near_the_middle, around_the_last_row, centroids):
+    for place, counted in (
+        (near_the_middle, HARD_TO_WALK),
+        (around_the_last_row, FANS[:2]),
+        (centroids, HARD_TO_WALK[-2:]),
+    ):
         label = f"Triangulation.find_simplex {place.__name__.replace('_', ' ')}"
-        yield label, PLANAR, queries(place), FANS[: 1 + (place is near_the_middle)]
+        yield label, PLANAR, queries(place), counted
     yield "Triangulation.find_simplex of rows", PLANAR, queries(lambda t: t.points), FANS[:2]
     for name in PROPERTIES:
         yield f"Triangulation.{name}", PLANAR, on_triangulation(computed(name)), PLAIN

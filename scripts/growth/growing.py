@@ -27,16 +27,14 @@ NOISE = 0.1
 """A slope below this share of the cost of a unit is taken for noise in the fixed costs."""
 
 _FACETS = "the paper's procedure: each facet looks at every point"
-_WALK = "a walk starts at a sample of the triangles and may cross many thin ones, or a whole fan"
 
 ORDERS: dict[tuple[str, str], str] = {
     ("delaunay by lf", "uniform"): _FACETS,
     ("delaunay by lfres", "uniform"): _FACETS,
     ("lower_hull by lf", "lifted points"): _FACETS,
-    ("Triangulation.find_simplex near the middle", "circle and centre"): _WALK,
 }
 FILES = ("read ", "read_chunks ", "write ")
-LIKEWISE = ("delaunay by ", "lower_hull by ", "Triangulation.find_simplex ")
+LIKEWISE = ("delaunay by ", "lower_hull by ")
 
 Case = tuple[str, str]
 

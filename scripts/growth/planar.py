@@ -36,6 +36,20 @@ def column_and_apex(n: int) -> Points:
     return np.vstack([column, [[1000.0, 0.5]]])
 
 
+def facing_arcs(n: int) -> Points:
+    """Slivers between two flat arcs: each crosses the whole middle, far from every vertex."""
+    along = np.linspace(-1, 1, n // 2)
+    rise = 1 + 1e-3 * (1 - along * along)
+    return np.vstack([np.column_stack([along, rise]), np.column_stack([along + 1e-9, -rise])])
+
+
+def nested_clusters(n: int) -> Points:
+    """Clusters of clusters, five levels deep: no grid fits them all."""
+    rng = random()
+    centres = sum(1e-2**level * rng.random((10, 2))[rng.integers(0, 10, n)] for level in range(5))
+    return centres + 1e-10 * rng.random((n, 2))
+
+
 def two_scales(n: int) -> Points:
     """Half of the rows within 1e-20 of each other: one cell, one place for careless arithmetic."""
     rng = random()
@@ -141,6 +155,8 @@ PLANAR = {
         circle_and_centre,
         polar_scan,
         column_and_apex,
+        facing_arcs,
+        nested_clusters,
         two_scales,
         tiny_and_far,
         mixed_exponents,
@@ -160,6 +176,7 @@ PLANAR = {
 }
 
 FANS = ("uniform", "circle and centre", "polar scan", "column and apex")
+HARD_TO_WALK = (*FANS, "facing arcs", "nested clusters")
 DEAR = (
     "mixed exponents", "wide line", "huge by denormal", "powers of two", "wide spiral",
     "tiny and far", "colliding hashes",

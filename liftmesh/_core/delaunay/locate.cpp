@@ -1,110 +1,273 @@
-// A kd tree over a sample of the triangles leads to one near the query. From there a visibility
-// walk crosses edges that separate the triangle from the query. In a Delaunay triangulation such a
-// walk never returns to a triangle (Edelsbrunner 1990), and with exact orientations it ends at the
-// right one.
-
 #include "delaunay/locate.hpp"
 
 #include <algorithm>
 #include <bit>
+#include <mutex>
 
-#include "predicates/orient2d.hpp"
+#include "base/floating_point.hpp"
+#include "sorting/sample.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t simplices_per_cell = 8;
-
-std::vector<Point> sample_corners(const Triangulated& triangulated, std::size_t wanted) {
-    std::vector<Point> sample(wanted);
-    for (std::size_t i = 0; i < wanted; ++i) {
-        const std::size_t simplex = i * triangulated.count / wanted;
-        sample[i] =
-            triangulated.points[static_cast<std::size_t>(triangulated.simplices[3 * simplex])];
-    }
-    return sample;
-}
+constexpr std::size_t simplices_per_cell = 16;
+constexpr std::size_t starts_per_cell = 2;
+constexpr std::size_t short_walk = 48;                           // steps
+constexpr std::size_t hard_together = 15;                        // queries after one that was hard
+constexpr std::size_t queries_per_round = std::size_t{1} << 22;  // bounds the memory of the order
+constexpr std::size_t piece_size = std::size_t{1} << 12;
+constexpr std::size_t abreast = 32;  // walks
+constexpr std::size_t ahead = 4;     // queries that are fetched from memory in advance
 
 int depth_for(std::size_t simplices) {
     return static_cast<int>(std::bit_width(simplices / simplices_per_cell + 1)) - 1;
 }
 
+Splitters splitters_for(const Triangulated& mesh) {
+    const int depth = depth_for(mesh.count);
+    std::vector<Point> sample(std::size_t{2} << depth);
+    for (std::size_t i = 0; i < sample.size(); ++i)
+        sample[i] = mesh.corner(static_cast<std::int32_t>(sample_place(i, mesh.count)),
+                                static_cast<int>(i % 3));
+    return Splitters(std::move(sample), depth);
+}
+
 }  // namespace
 
 Locator::Locator(const Triangulated& triangulated)
-    : triangulated_(triangulated),
-      splitters_(sample_corners(triangulated, std::size_t{1} << depth_for(triangulated.count)),
-                 depth_for(triangulated.count)),
-      start_(splitters_.cells(), -1) {
-    const std::size_t stride =
-        std::max<std::size_t>(1, triangulated.count / (2 * splitters_.cells()));
-    for (std::size_t simplex = 0; simplex < triangulated.count; simplex += stride) {
-        const auto id = static_cast<std::int32_t>(simplex);
-        start_[splitters_.cell(corner(id, 0))] = id;
+    : mesh_(triangulated),
+      splitters_(splitters_for(triangulated)),
+      start_(splitters_.cells(), -1),
+      credit_(static_cast<std::int64_t>(triangulated.count / 4)) {
+    const std::size_t starts = std::min(mesh_.count, starts_per_cell * splitters_.cells());
+    for (std::size_t i = 0; i < starts; ++i) {
+        const auto simplex = static_cast<std::int32_t>(mesh_.count * i / starts);
+        start_[splitters_.cell(mesh_.corner(simplex, 0))] = simplex;
     }
     // An empty cell starts where its predecessor does: in kd order they are neighbours.
     std::int32_t last = 0;
     for (std::int32_t& start : start_) last = start = start < 0 ? last : start;
 }
 
-std::int32_t Locator::find(Point p, Patience& patience) const {
-    if (!is_finite(p)) return -1;
-    const Found found = walk(p, patience);
-    if (found.simplex < 0) return -1;
-    int on = 0, edge = 0, off = 0;
-    for (int k = 0; k < 3; ++k) {
-        if (found.turn[k] == 0) {
-            ++on;
-            edge = k;
-        } else {
-            off = k;
-        }
-    }
-    if (on == 0) return found.simplex;
-    if (on == 2) return smallest_around(found.simplex, off, patience);
-    const std::int32_t across = neighbor(found.simplex, edge);
-    return across < 0 ? found.simplex : std::min(found.simplex, across);
+Locator::~Locator() {
+    delete index_.load();
 }
 
-Locator::Found Locator::walk(Point p, Patience& patience) const {
-    Found found{start_[splitters_.cell(p)], {}};
-    std::int32_t from = -1;
-    // A walk that visits more triangles than there are means that the arrays were modified.
-    for (std::size_t visited = 0; found.simplex >= 0; ++visited) {
-        if (patience.ends() || visited > triangulated_.count) return {-1, {}};
-        const Point corners[3] = {corner(found.simplex, 0), corner(found.simplex, 1),
-                                  corner(found.simplex, 2)};
-        int crossed = -1;
-        for (int k = 0; k < 3 && crossed < 0; ++k) {
-            const bool entered = from >= 0 && neighbor(found.simplex, k) == from;
-            found.turn[k] = entered ? 1 : orient2d(corners[(k + 1) % 3], corners[(k + 2) % 3], p);
-            if (found.turn[k] < 0) crossed = k;
-        }
-        if (crossed < 0) return found;
-        from = found.simplex;
-        found.simplex = neighbor(found.simplex, crossed);
-    }
-    return found;
+// Two threads that need it at once make one each, and the first to finish keeps it: a lock held
+// during a fork would never be released in the child.
+const Locator::Index* Locator::index(Patience& patience) {
+    if (const Index* ready = index_.load()) return ready;
+    std::unique_ptr<const Index> made(new Index{{mesh_, patience}, {mesh_, patience}});
+    if (patience.ends()) return nullptr;
+    const Index* ready = nullptr;
+    return index_.compare_exchange_strong(ready, made.get()) ? made.release() : ready;
 }
 
-// Visits the star of a vertex counter-clockwise and, if that reaches the hull, clockwise from the
-// start.
-std::int32_t Locator::smallest_around(std::int32_t simplex, int k, Patience& patience) const {
-    const std::int32_t centre = vertex(simplex, k);
-    std::int32_t smallest = simplex;
-    for (const int turn : {1, 2}) {
-        std::int32_t at = simplex;
-        int place = k;
-        while (!patience.ends()) {
-            at = neighbor(at, (place + turn) % 3);
-            if (at == simplex) return smallest;
-            if (at < 0) break;
-            smallest = std::min(smallest, at);
-            for (place = 0; vertex(at, place) != centre;) ++place;
+// Some queries of one call.
+class Locator::Round {
+ public:
+    Round(Locator& locator, const Queries& queries, std::int32_t* found, ThreadPool& pool)
+        : locator_(locator), mesh_(locator.mesh_), queries_(queries), found_(found), pool_(pool) {}
+
+    bool run() {
+        if (!are_neighbors()) {
+            order_ = in_spatial_order(queries_, locator_.splitters_, pool_);
+            if (!order_) return false;
+        }
+        const std::size_t pieces = (queries_.count + piece_size - 1) / piece_size;
+        const auto walk = [&](std::size_t i) {
+            walk_through(i * piece_size, std::min(queries_.count, (i + 1) * piece_size));
+        };
+        return pool_.run(pieces, walk) && (hard_.empty() || find_hard());
+    }
+
+ private:
+    // Whether most queries follow one in the same cell already, judged from a few pairs.
+    bool are_neighbors() const {
+        const std::size_t pairs = std::min<std::size_t>(queries_.count / 4, 256);
+        std::size_t near = 0;
+        for (std::size_t i = 0; i < pairs; ++i) {
+            const std::size_t at = sample_place(i, queries_.count - 1);
+            near += cell(at) == cell(at + 1);
+        }
+        return near > pairs / 2;
+    }
+
+    // One of several walks, from query to query. In the spatial order each cell has a start of its
+    // own; otherwise a cell's start helps where the way from the last query was too long.
+    class Lane {
+     public:
+        Lane(Round& round, std::size_t first, std::size_t last, std::vector<Site>& hard)
+            : round_(round), next_(first), last_(last), hard_(hard), walk_(round.mesh_) {
+            if (!round.order_ && first != last) enter(round.cell(first));
+            next();
+        }
+
+        void look() {
+            if (is_walking_) walk_.look();
+        }
+
+        // A step, or the end of a walk and the begin of the next. False once all queries are done.
+        bool advance() {
+            if (!is_walking_) return false;
+            if (walk_.step()) {
+                if (++steps_ > short_walk && round_.locator_.credit_-- <= 0) give_up();
+            } else {
+                settle();
+            }
+            return is_walking_;
+        }
+
+     private:
+        void next() {
+            for (is_walking_ = false; !is_walking_ && next_ != last_;) {
+                take();
+                const Point p = round_.queries_[query_];
+                if (!is_finite(p)) {
+                    round_.found_[query_] = Walk::outside;
+                } else if (hard_to_come_ > 0) {
+                    --hard_to_come_;
+                    hard_.push_back({p, query_});
+                } else {
+                    has_jumped_ = round_.order_ != nullptr;
+                    begin();
+                }
+            }
+        }
+
+        void take() {
+            const Query* order = round_.order_.get();
+            query_ = order ? order[next_].index : static_cast<std::uint32_t>(next_);
+            if (order && last_ - next_ > ahead)
+                round_.queries_.prefetch(order[next_ + ahead].index);
+            if (order && order[next_].cell != cell_) enter(order[next_].cell);
+            ++next_;
+        }
+
+        void enter(std::uint32_t cell) {
+            cell_ = cell;
+            start_ = round_.locator_.start_[cell_];
+            hard_to_come_ = 0;
+        }
+
+        void begin() {
+            walk_.begin(round_.queries_[query_], start_);
+            steps_ = 0;
+            is_walking_ = true;
+        }
+
+        void settle() {
+            const std::int32_t answer = walk_.answer(nullptr);
+            if (answer == Walk::unfinished) return give_up();
+            round_.found_[query_] = answer;
+            start_ = walk_.at();
+            next();
+        }
+
+        // Where one query is hard, the next ones are probably, too.
+        void give_up() {
+            if (!has_jumped_) {
+                has_jumped_ = true;
+                enter(round_.cell(query_));
+                return begin();
+            }
+            hard_.push_back({round_.queries_[query_], query_});
+            hard_to_come_ = hard_together;
+            next();
+        }
+
+        Round& round_;
+        std::size_t next_, last_;
+        std::vector<Site>& hard_;
+        Walk walk_;
+        std::uint32_t query_ = 0, cell_ = ~std::uint32_t{0};
+        std::int32_t start_ = 0;
+        std::size_t steps_ = 0, hard_to_come_ = 0;
+        bool has_jumped_ = false, is_walking_ = false;
+    };
+
+    std::uint32_t cell(std::size_t query) const {
+        return static_cast<std::uint32_t>(locator_.splitters_.cell(queries_[query]));
+    }
+
+    // Several walks go through a share of the queries each.
+    void walk_through(std::size_t first, std::size_t last) {
+        Patience patience(pool_.interrupt());
+        std::vector<Site> hard;
+        std::vector<Lane> lanes;
+        const std::size_t count = std::min(abreast, last - first);
+        lanes.reserve(count);
+        for (std::size_t i = 0; i < count; ++i)
+            lanes.emplace_back(*this, first + (last - first) * i / count,
+                               first + (last - first) * (i + 1) / count, hard);
+        for (bool are_busy = true; are_busy && !patience.ends(count);) {
+            are_busy = false;
+            for (Lane& lane : lanes) lane.look();
+            for (Lane& lane : lanes) are_busy |= lane.advance();
+        }
+        add(hard);
+    }
+
+    void add(const std::vector<Site>& hard) {
+        if (hard.empty()) return;
+        const std::lock_guard lock(mutex_);
+        hard_.insert(hard_.end(), hard.begin(), hard.end());
+    }
+
+    bool find_hard() {
+        Patience patience(pool_.interrupt());
+        const Index* index = locator_.index(patience);
+        if (!index) return false;
+        const std::size_t pieces = std::min<std::size_t>(hard_.size() / 256 + 1, 8 * pool_.size());
+        const auto start = [&](std::size_t i) { return hard_.data() + hard_.size() * i / pieces; };
+        return pool_.run(pieces, [&](std::size_t i) { find_hard(*index, start(i), start(i + 1)); });
+    }
+
+    void find_hard(const Index& index, Site* first, Site* last) {
+        Patience patience(pool_.interrupt());
+        Walk walk(mesh_);
+        index.edges.descend(first, last, [&](Site* from, Site* to, std::int32_t start) {
+            for (const Site* query = from; query != to && !patience.ends(); ++query) {
+                found_[query->row] = Walk::outside;
+                if (start < 0) continue;
+                walk.begin(query->point, start);
+                walk_to_end(walk, patience);
+                found_[query->row] = std::max(walk.answer(&index.hubs), Walk::outside);
+                start = walk.at();
+            }
+        });
+    }
+
+    // A walk longer than the triangulation means that the arrays were modified.
+    void walk_to_end(Walk& walk, Patience& patience) const {
+        walk.look();
+        for (std::size_t steps = 0; walk.step(); ++steps) {
+            if (steps == mesh_.count || patience.ends()) return;
+            walk.look();
         }
     }
-    return smallest;
+
+    Locator& locator_;
+    const Triangulated& mesh_;
+    const Queries& queries_;
+    std::int32_t* found_;
+    ThreadPool& pool_;
+    Buffer<Query> order_;
+    std::mutex mutex_;
+    std::vector<Site> hard_;
+};
+
+bool Locator::find(const Queries& queries, std::int32_t* found, Threads threads,
+                   Interrupt& interrupt) {
+    const IeeeArithmetic ieee;
+    ThreadPool pool(threads.for_rows(queries.count), interrupt);
+    for (std::size_t start = 0; start < queries.count; start += queries_per_round) {
+        const Queries some{queries.coordinates + 2 * start,
+                           std::min(queries_per_round, queries.count - start)};
+        if (!Round(*this, some, found + start, pool).run()) return false;
+    }
+    return true;
 }
 
 }  // namespace liftmesh

@@ -1,53 +1,57 @@
-// Point location in a finished Delaunay triangulation.
+// Point location in a finished Delaunay triangulation, exact, for many queries at once.
+//
+// A kd tree over a sample of the vertices puts the queries into spatial order, and knows a triangle
+// in each cell; a walk leads from one query to the next. A walk that would take long, as in a fan
+// or among slivers, is left to a second index, which cuts along the edges themselves. It is made
+// when the walks that took longer have cost as much as making it, so that no triangulation and no
+// query costs more than O(log n), and ordinary ones need the first index only. Answers depend on
+// the point alone: not on the other queries, their order or the threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "base/input.hpp"
 #include "base/status.hpp"
+#include "delaunay/edge_tree.hpp"
+#include "delaunay/hubs.hpp"
+#include "delaunay/query_order.hpp"
+#include "delaunay/triangulated.hpp"
+#include "delaunay/walk.hpp"
+#include "parallel/thread_pool.hpp"
 #include "sorting/splitters.hpp"
 
 namespace liftmesh {
 
-// The caller's triangulation, read in place.
-struct Triangulated {
-    Input points;
-    const std::int32_t* simplices;  // count x 3, counter-clockwise
-    const std::int32_t* neighbors;  // count x 3; entry k is opposite vertex k; -1 outside
-    std::size_t count;
-};
-
 class Locator {
  public:
     explicit Locator(const Triangulated& triangulated);
+    ~Locator();
+    Locator(const Locator&) = delete;
+    Locator& operator=(const Locator&) = delete;
 
-    // The smallest simplex whose closed triangle contains the point; -1 outside the hull, for
-    // points that are not finite, and if patience ends.
-    std::int32_t find(Point p, Patience& patience) const;
+    // For each query the smallest simplex whose closed triangle contains it; -1 outside the hull,
+    // and for points that are not finite. False if the interrupt came first. Several threads may
+    // call it at once.
+    bool find(const Queries& queries, std::int32_t* found, Threads threads, Interrupt& interrupt);
 
  private:
-    struct Found {
-        std::int32_t simplex;  // -1 if the point is outside
-        int turn[3];           // the sign of orient2d for each edge and the point
+    class Round;
+
+    // What leads to the queries that are hard to reach by walking.
+    struct Index {
+        EdgeTree edges;
+        Hubs hubs;
     };
+    const Index* index(Patience& patience);
 
-    std::int32_t vertex(std::int32_t simplex, int k) const {
-        return triangulated_.simplices[3 * static_cast<std::ptrdiff_t>(simplex) + k];
-    }
-    Point corner(std::int32_t simplex, int k) const {
-        return triangulated_.points[static_cast<std::size_t>(vertex(simplex, k))];
-    }
-    std::int32_t neighbor(std::int32_t simplex, int k) const {
-        return triangulated_.neighbors[3 * static_cast<std::ptrdiff_t>(simplex) + k];
-    }
-    Found walk(Point p, Patience& patience) const;
-    std::int32_t smallest_around(std::int32_t simplex, int k, Patience& patience) const;
-
-    Triangulated triangulated_;
+    Triangulated mesh_;
     Splitters splitters_;
-    std::vector<std::int32_t> start_;  // a simplex for each cell
+    std::vector<std::int32_t> start_;   // a simplex for each cell
+    std::atomic<std::int64_t> credit_;  // steps that long walks may still take
+    std::atomic<const Index*> index_ = nullptr;
 };
 
 }  // namespace liftmesh

@@ -1,5 +1,8 @@
 #include "predicates/orient2d.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "predicates/exact_sum.hpp"
 #include "predicates/lattice.hpp"
 
@@ -32,10 +35,40 @@ bool axis_parallel(Point a, Point b, Point c) {
     return ((a.x == b.x) & (b.x == c.x)) | ((a.y == b.y) & (b.y == c.y));
 }
 
+// A product with its exponent apart, so that it cannot leave the range of doubles.
+struct Product {
+    double mantissa;  // of a magnitude in [1/4, 1), or zero
+    int exponent;
+};
+
+Product product(double u, double v) {
+    int of_u, of_v;
+    const double m = std::frexp(u, &of_u) * std::frexp(v, &of_v);
+    return {m, of_u + of_v};
+}
+
+// The filter of orient2d where its products underflow or overflow; 0 where it is inconclusive. A
+// difference has a relative error of at most e, a product of differences one below 4 e.
+int sign_of_scaled(Point a, Point b, Point c) {
+    constexpr double bound = 0x1p-50;
+    const double ax = a.x - c.x, ay = a.y - c.y, bx = b.x - c.x, by = b.y - c.y;
+    if (!std::isfinite(ax) || !std::isfinite(ay) || !std::isfinite(bx) || !std::isfinite(by))
+        return 0;
+    const Product left = product(ax, by), right = product(ay, bx);
+    if (left.mantissa == 0) return (right.mantissa < 0) - (right.mantissa > 0);
+    if (right.mantissa == 0) return (left.mantissa > 0) - (left.mantissa < 0);
+    const int higher = std::max(left.exponent, right.exponent);
+    const double u = std::ldexp(left.mantissa, left.exponent - higher);
+    const double v = std::ldexp(right.mantissa, right.exponent - higher);
+    if (std::fabs(u - v) <= bound * (std::fabs(u) + std::fabs(v))) return 0;
+    return u > v ? 1 : -1;
+}
+
 }  // namespace
 
 int orient2d_exact(Point a, Point b, Point c) {
     if (axis_parallel(a, b, c)) return 0;
+    if (const int sign = sign_of_scaled(a, b, c)) return sign;
     const PlanarLattice<3> lattice({a, b, c});
     return lattice.fits<1>() ? sign_of_turn(lattice) : sign_of_wide_turn(lattice);
 }

@@ -21,8 +21,8 @@ inline int orient2d(Point a, Point b, Point c) {
     const double right = (a.y - c.y) * (b.x - c.x);
     const double det = left - right;
     const double error = bound * (std::fabs(left) + std::fabs(right)) + 1e-300;
-    if (det > error) return 1;
-    if (-det > error) return -1;
+    // No branch depends on the sign, which callers may find hard to predict.
+    if (std::fabs(det) > error) return (det > 0) - (det < 0);
     return orient2d_exact(a, b, c);
 }
 

@@ -96,15 +96,21 @@ void check_engine(Case& c, const Delaunay& found) {
 
 void check_location(Case& c, const Delaunay& found, const Rows& rows) {
     if (c.is_large()) return;
-    const liftmesh::Locator locator({c.input, found.result.simplices.get(),
-                                     found.result.neighbors.get(), found.result.triangle_count});
-    Impatient interrupt;
-    liftmesh::Patience patience(interrupt);
+    liftmesh::Locator locator({c.input, found.result.simplices.get(), found.result.neighbors.get(),
+                               found.result.triangle_count});
+    std::vector<double> queries;
+    std::vector<Point> points;
     for (int i = 0; i < 32; ++i) {
-        const Point p = query(c, rows);
-        demand(locator.find(p, patience) == least_around(c, found.result, p),
-               "a point is found in another triangle");
+        points.push_back(query(c, rows));
+        queries.insert(queries.end(), {points.back().x, points.back().y});
     }
+    std::vector<std::int32_t> at(points.size());
+    Impatient interrupt;
+    demand(locator.find({queries.data(), points.size()}, at.data(), c.threads, interrupt),
+           "a location ends early");
+    for (std::size_t i = 0; i < points.size(); ++i)
+        demand(at[i] == least_around(c, found.result, points[i]),
+               "a point is found in another triangle");
 }
 
 void check_lower_hull(Case& c, const Expectation& expected) {

@@ -1,0 +1,36 @@
+// The caller's finished triangulation, read in place by point location.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/input.hpp"
+
+namespace liftmesh {
+
+struct Triangulated {
+    Input points;
+    const std::int32_t* simplices;  // count x 3, counter-clockwise
+    const std::int32_t* neighbors;  // count x 3; entry k is opposite vertex k; -1 outside
+    std::size_t count;
+
+    std::int32_t vertex(std::int32_t simplex, int k) const {
+        return simplices[3 * static_cast<std::ptrdiff_t>(simplex) + k];
+    }
+    Point corner(std::int32_t simplex, int k) const {
+        return points[static_cast<std::size_t>(vertex(simplex, k))];
+    }
+    std::int32_t neighbor(std::int32_t simplex, int k) const {
+        return neighbors[3 * static_cast<std::ptrdiff_t>(simplex) + k];
+    }
+    void prefetch(std::int32_t simplex) const {
+        __builtin_prefetch(simplices + 3 * static_cast<std::ptrdiff_t>(simplex));
+        __builtin_prefetch(neighbors + 3 * static_cast<std::ptrdiff_t>(simplex));
+    }
+    // The k of a neighbour, without a branch.
+    int place_of_neighbor(std::int32_t simplex, std::int32_t other) const {
+        return (neighbor(simplex, 1) == other) + 2 * (neighbor(simplex, 2) == other);
+    }
+};
+
+}  // namespace liftmesh
