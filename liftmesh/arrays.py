@@ -368,12 +368,16 @@ def _as_double(array: Reals) -> Reals:
 
 def _from_integers(array: NDArray[np.integer[Any]]) -> Floats:
     doubles = array.astype(np.float64)
-    if array.itemsize == 8:
+    if array.itemsize == 8 and array.size and _exceeds(array, _EXACT_INTEGERS):
         large = np.nonzero((array > _EXACT_INTEGERS) | (array < -_EXACT_INTEGERS))
         inexact = np.zeros(array.shape, dtype=bool)
         inexact[large] = [int(doubles[at]) != int(array[at]) for at in zip(*large, strict=True)]
         _refuse_inexact(array, inexact)
     return doubles
+
+
+def _exceeds(array: NDArray[np.integer[Any]], bound: int) -> bool:
+    return bool(array.max() > bound or array.min() < -bound)
 
 
 def _from_objects(array: NDArray[np.object_]) -> Floats:
