@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Reals, Rows
 from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.shapes import no_array, wrong_shape
+from liftmesh.shapes import is_masked_array, no_array, wrong_shape
 
 MOST_ROWS: int = _kernel.MOST_ROWS
 
@@ -295,7 +295,7 @@ def _as_array(points: ArrayLike) -> Array:
 
 
 def _plain(array: Array) -> Array:
-    if isinstance(array, np.ma.MaskedArray):
+    if is_masked_array(array):
         return _fill_masked(array)
     return np.asarray(array)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping, Set
 from functools import wraps
 from os import PathLike
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeGuard, TypeVar
 
 import numpy as np
 
@@ -134,3 +135,25 @@ def _is_column(value: object) -> bool:
     except ValueError:
         return False
     return array.ndim == 1 and array.dtype.kind in "biuf"
+
+
+def is_masked_array(values: object) -> TypeGuard[np.ma.MaskedArray[Any, Any]]:
+    """Whether this is a masked array, without importing ``numpy.ma``, which takes long.
+
+    Parameters
+    ----------
+    values : object
+        Anything.
+
+    Returns
+    -------
+    bool
+        Whether it is one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> is_masked_array(np.ma.masked_invalid([0.0, np.nan])), is_masked_array([0.0])
+    (True, False)
+    """
+    return "numpy.ma" in sys.modules and isinstance(values, np.ma.MaskedArray)

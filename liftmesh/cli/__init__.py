@@ -15,6 +15,7 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
+import liftmesh
 from liftmesh.cli import exit_codes
 from liftmesh.cli.memory import out_of_memory
 from liftmesh.cli.signals import Ending
@@ -98,6 +99,9 @@ def _run(
 def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     """Run a command; convert an exception to its exit code and one line, unless a signal came."""
     try:
+        if words == ["--version"]:  # typer takes longer to import
+            print(f"liftmesh {liftmesh.__version__}", flush=True)
+            return exit_codes.DONE
         code = _app(words)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit) as error:
@@ -119,7 +123,7 @@ def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
     if words and words[0] in _COMPLETION:
         return import_module("liftmesh.cli.completion").complete(words[0], words[1:])
-    app = import_module("liftmesh.cli.application").app
+    app = import_module("liftmesh.cli.application").application(words)
     return app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
 
 

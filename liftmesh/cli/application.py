@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
+from collections.abc import Sequence
+from importlib import import_module
 from typing import Annotated
 
 import typer
 
-from liftmesh.cli import compare, exit_codes, info, paper, triangulate, verify
+from liftmesh.cli import exit_codes
 from liftmesh.cli.wording import Command, Group
 
 HELP = (
@@ -25,24 +26,57 @@ EXIT_CODES = _listed(
 )
 DEBUG = "[cyan]--debug[/cyan] with any command prints the traceback of an error."
 
-app = typer.Typer(
-    name="liftmesh",
-    cls=Group,
-    help=HELP,
-    epilog=f"{EXIT_CODES}\n\n{DEBUG}",
-    rich_markup_mode="rich",
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+COMMANDS = ("triangulate", "verify", "compare", "info", "paper")
+
+
+def application(words: Sequence[str]) -> typer.Typer:
+    """Make the application with the command that is called, or with all for help and messages.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The arguments.
+
+    Returns
+    -------
+    typer.Typer
+        Called with the arguments, it runs the command.
+
+    Examples
+    --------
+    >>> [command.name for command in application(["info", "cloud.ply"]).registered_commands]
+    ['info']
+    """
+    app = typer.Typer(
+        name="liftmesh",
+        cls=Group,
+        help=HELP,
+        epilog=f"{EXIT_CODES}\n\n{DEBUG}",
+        rich_markup_mode="rich",
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(liftmesh)
+    for name in words[:1] if words and words[0] in COMMANDS else COMMANDS:
+        module = import_module(f"liftmesh.cli.{name}")
+        app.command(
+            cls=Command,
+            name=name,
+            help=f"{module.SHORT_HELP} {module.HELP}",
+            short_help=module.SHORT_HELP,
+            epilog=_listed("Examples", [f"[green]$[/green] {line}" for line in module.EXAMPLES]),
+        )(module.run)
+    return app
 
 
 def _show_version(requested: bool) -> None:
     if requested:
+        from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
+
         typer.echo(f"liftmesh {version('liftmesh')}")
         raise typer.Exit
 
 
-@app.callback()
 def liftmesh(
     _version: Annotated[
         bool,
@@ -52,13 +86,3 @@ def liftmesh(
     ] = False,
 ) -> None:
     """Define the options that precede a command."""
-
-
-for module in (triangulate, verify, compare, info, paper):
-    app.command(
-        cls=Command,
-        name=module.__name__.rpartition(".")[2],
-        help=f"{module.SHORT_HELP} {module.HELP}",
-        short_help=module.SHORT_HELP,
-        epilog=_listed("Examples", [f"[green]$[/green] {line}" for line in module.EXAMPLES]),
-    )(module.run)

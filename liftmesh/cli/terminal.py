@@ -1,31 +1,26 @@
 """Output for people: tables and sentences on stdout, progress and errors on stderr.
 
 On a terminal rich adds colour, and a spinner or a progress bar; a pipe or a file gets the same text
-without colour, and no progress. rich respects NO_COLOR and TERM=dumb.
+without colour, and no progress. rich respects NO_COLOR and TERM=dumb. It is imported only where it
+may have something to add: a pipe is written to directly.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any, TextIO
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.table import Table
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich.console import Console
 
+FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "JUPYTER_COLUMNS")
+"""Variables by which rich takes what is no terminal for one."""
 STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "name": "cyan", "": ""}
 
 
@@ -38,10 +33,17 @@ def stage(text: str) -> Iterator[None]:
     text : str
         The activity, for example ``"reading cloud.ply"``.
     """
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    console = _console(sys.stderr)
+    if console is None:
         yield
         return
+    from rich.progress import (  # noqa: PLC0415 - a pipe does without
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         progress.add_task(printable(text), total=None)
@@ -62,10 +64,18 @@ def bar(total: float) -> Iterator[Callable[[str, float], None]]:
     callable
         Takes the current activity (empty: unchanged) and the work done since the last call.
     """
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    console = _console(sys.stderr)
+    if console is None:
         yield lambda _text, _done: None
         return
+    from rich.progress import (  # noqa: PLC0415 - a pipe does without
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
     text = TextColumn("{task.description}", markup=False)
     columns = (BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn(), text)
     with Progress(*columns, console=console, transient=True) as progress:
@@ -83,8 +93,7 @@ def error_line(text: str) -> None:
     text : str
         The message.
     """
-    line = Text.assemble(("liftmesh: ", "bold"), ("error: ", STYLES["bad"]), printable(text))
-    Console(stderr=True, soft_wrap=True, highlight=False).print(line)
+    _message("error: ", STYLES["bad"], text)
 
 
 def note(text: str) -> None:
@@ -95,8 +104,7 @@ def note(text: str) -> None:
     text : str
         The text.
     """
-    line = Text.assemble(("liftmesh: ", "bold"), "note: ", printable(text))
-    Console(stderr=True, soft_wrap=True, highlight=False).print(line)
+    _message("note: ", "", text)
 
 
 def sentence(text: str, style: str = "") -> None:
@@ -109,8 +117,13 @@ def sentence(text: str, style: str = "") -> None:
     style : str
         A key of `STYLES`.
     """
-    console = _stdout()
-    console.print(Text(printable(text), style=STYLES[style]), soft_wrap=not console.is_terminal)
+    console = _console(sys.stdout)
+    if console is None:
+        sys.stdout.write(printable(text) + "\n")
+        return
+    from rich.text import Text  # noqa: PLC0415 - a pipe does without
+
+    console.print(Text(printable(text), style=STYLES[style]))
 
 
 def item(text: str) -> None:
@@ -121,12 +134,16 @@ def item(text: str) -> None:
     text : str
         The item.
     """
-    if not _stdout().is_terminal:
+    console = _console(sys.stdout)
+    if console is None:
         sentence(f"- {text}")
         return
+    from rich.table import Table  # noqa: PLC0415 - a pipe does without
+    from rich.text import Text  # noqa: PLC0415 - as above
+
     grid = Table.grid(padding=(0, 1))
     grid.add_row(Text("•", style=STYLES["name"]), Text(text, style=STYLES["quiet"]))
-    _stdout().print(grid)
+    console.print(grid)
 
 
 def blank() -> None:
@@ -152,9 +169,13 @@ def table(
         For the name of a row, a key of `STYLES` for its values.
     """
     rows = [tuple(map(printable, row)) for row in rows]
-    if not _stdout().is_terminal:
+    console = _console(sys.stdout)
+    if console is None:
         _plain_table([header, *rows] if header else rows)
         return
+    from rich.table import Table  # noqa: PLC0415 - a pipe does without
+    from rich.text import Text  # noqa: PLC0415 - as above
+
     grid = Table(box=None, show_header=bool(header), pad_edge=False, header_style="bold")
     for k in range(len(rows[0])):
         name = header[k] if header else ""
@@ -163,7 +184,7 @@ def table(
         grid.add_column(name, style=style, justify="right" if numbers else "left")
     for row in rows:
         grid.add_row(*(Text(cell) for cell in row), style=STYLES[styles.get(row[0], "")])
-    _stdout().print(grid)
+    console.print(grid)
 
 
 def as_json(values: Mapping[str, Any]) -> None:
@@ -231,8 +252,26 @@ def bytes_text(count: float) -> str:
     return f"{count:,.3g} TB"
 
 
-def _stdout() -> Console:
-    return Console(highlight=False)
+def _console(stream: TextIO) -> Console | None:
+    """Return rich's view of a stream, if it is a terminal."""
+    if not stream.isatty() and not any(os.environ.get(each) for each in FORCED):
+        return None
+    from rich.console import Console  # noqa: PLC0415 - a pipe does without
+
+    console = Console(file=stream, highlight=False)
+    return console if console.is_terminal else None
+
+
+def _message(kind: str, style: str, text: str) -> None:
+    """Print one line on stderr after the name of the program."""
+    console = _console(sys.stderr)
+    if console is None:
+        sys.stderr.write(f"liftmesh: {kind}{printable(text)}\n")
+        return
+    from rich.text import Text  # noqa: PLC0415 - a pipe does without
+
+    line = Text.assemble(("liftmesh: ", "bold"), (kind, style), printable(text))
+    console.print(line, soft_wrap=True)
 
 
 def _plain_table(rows: Sequence[tuple[str, ...]]) -> None:

@@ -13,13 +13,15 @@ from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
+from liftmesh.cli.values import convert_simply
+
 
 class Command(TyperCommand):
     """A command whose help shows no type for flags, which take no value."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters, flags without a placeholder for a value."""
-        return _without_types(super().get_params(ctx))
+        return convert_simply(_without_types(super().get_params(ctx)))
 
 
 class Group(TyperGroup):
@@ -27,7 +29,7 @@ class Group(TyperGroup):
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters, flags without a placeholder for a value."""
-        return _without_types(super().get_params(ctx))
+        return convert_simply(_without_types(super().get_params(ctx)))
 
 
 def _without_types(parameters: list[Any]) -> list[Any]:

@@ -9,7 +9,7 @@ step takes long: between steps Python hears signals.
 
 from __future__ import annotations
 
-import secrets
+import os
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from liftmesh._typing import Floats, Integers, Mask
 
 _PART = 1 << 20  # rows sorted at once
-_FACTORS = tuple(secrets.randbits(64) | 1 for _ in range(3))
+_FACTORS = tuple(int.from_bytes(os.urandom(8), "little") | 1 for _ in range(3))
 
 Hashes = NDArray[np.uint64]
 

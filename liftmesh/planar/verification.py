@@ -23,6 +23,7 @@ from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, Offender
 from liftmesh.planar.meshes import points_and_triangles
 from liftmesh.predicates import incircle, orient2d
+from liftmesh.shapes import is_masked_array
 from liftmesh.threads import as_threads
 
 Place: TypeAlias = tuple[int, int]
@@ -181,7 +182,7 @@ def _as_array(simplices: ArrayLike) -> Array:
         raise InputError(
             f"simplices are not an array: {_odd(simplices, error)}: {_REMEDY}"
         ) from error
-    if np.ma.is_masked(array):
+    if is_masked_array(array) and np.ma.is_masked(array):
         first = np.argwhere(np.atleast_1d(np.ma.getmaskarray(array)))[0, 0]
         raise InputError(f"simplices are masked, first at triangle {first}: leave masked ones out")
     return np.asarray(array)

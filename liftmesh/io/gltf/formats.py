@@ -18,7 +18,6 @@ from liftmesh.color_depth import kept_depth
 from liftmesh.io.format import Format, Origin
 from liftmesh.io.gltf import names as value_names
 from liftmesh.io.gltf.file import File
-from liftmesh.io.gltf.reader import read_scene
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
@@ -39,12 +38,12 @@ def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     FormatError
         The file is invalid, or its scene takes more than ``max_bytes``.
     """
-    return read_scene(stream, name, "glb", max_bytes)
+    return _read(stream, name, "glb", max_bytes)
 
 
 def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
-    return read_scene(stream, name, "gltf", max_bytes)
+    return _read(stream, name, "gltf", max_bytes)
 
 
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
@@ -75,6 +74,12 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     file, origin = _file(cloud, "gltf")
     stream.write(file.gltf())
     return origin
+
+
+def _read(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
+    from liftmesh.io.gltf.reader import read_scene  # noqa: PLC0415 - many modules, rarely needed
+
+    return read_scene(stream, name, kind, max_bytes)
 
 
 def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:

@@ -27,6 +27,7 @@ from liftmesh.io.tables.doubts import Doubts
 from liftmesh.io.tables.options import TableOptions, checked
 from liftmesh.io.tables.words import with_point
 from liftmesh.io.text_tables import is_number, shortened
+from liftmesh.shapes import is_masked_array
 
 _FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}
 _RECORDS = {("laspy", "LasData"), ("laspy", "ScaleAwarePointRecord")}
@@ -278,7 +279,7 @@ def _exact(values: Array, name: str = "") -> Floats:
 
 def _as_numbers(values: Any) -> Array | None:
     """Return a column as numbers; None if it holds anything else."""
-    if isinstance(values, np.ma.MaskedArray):
+    if is_masked_array(values):
         values = _unmasked(values)
     array = np.asarray(values)
     if array.dtype.kind == "O":
