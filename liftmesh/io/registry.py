@@ -121,6 +121,7 @@ ADAPTERS = (
     Adapter("cloud", lambda source: isinstance(source, Cloud), lambda source: source),
     Adapter("table", tables.is_table, tables.to_cloud),
     Adapter("array", plain.is_array, plain.from_array),
+    Adapter("own mesh", _is_of("liftmesh", {"Surface", "LowerHull"}), plain.converted),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
     Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh"}), trimesh.to_cloud),
     Adapter("trimesh scene", _is_of("trimesh", {"Scene"}), trimesh_scene.to_cloud),
