@@ -16,6 +16,7 @@
 
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
+#include "delaunay/locate.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
 #include "text.hpp"
@@ -120,6 +121,31 @@ void verified(const Cloud& cloud, const Delaunay& found) {
     verified(unshared, own, found.distinct);
 }
 
+// The rows of one cloud in the triangulation of it, and near its middle, where fans have their
+// centre: by one thread, by many, interrupted, and by callers that need the index at the same time.
+void located(const Cloud& cloud, const Delaunay& found) {
+    std::vector<double> asked;
+    for (const liftmesh::Point p : cloud.points)
+        asked.insert(asked.end(), {p.x, p.y, 1e-3 * p.x, 1e-3 * p.y});
+    const std::size_t count = asked.size() / 2;
+    liftmesh::Locator locator({cloud.input(), found.result.simplices.get(),
+                               found.result.neighbors.get(), found.result.triangle_count});
+    const auto answers = [&](unsigned threads, std::size_t patience) {
+        std::vector<std::int32_t> at(count);
+        Watched interrupt(patience);
+        if (!locator.find({asked.data(), count}, at.data(), {threads, false}, interrupt)) at = {};
+        return at;
+    };
+    for (const std::size_t patience : {1u, 3u, 8u}) answers(3, patience);
+    std::vector<std::thread> callers;
+    std::vector<std::vector<std::int32_t>> by(4);
+    for (std::vector<std::int32_t>& each : by)
+        callers.emplace_back([&] { each = answers(3, ~std::size_t{0}); });
+    for (std::thread& caller : callers) caller.join();
+    for (const std::vector<std::int32_t>& each : by)
+        demand(each == answers(1, ~std::size_t{0}), cloud, "threads change where points are");
+}
+
 // The other engines arrange their points on several threads.
 void arranged(const Cloud& cloud) {
     Watched interrupt(40);  // not the wrapping
@@ -134,7 +160,10 @@ void check(const Cloud& cloud) {
     interrupted(cloud, alone);
     at_the_same_time(cloud, alone);
     arranged(cloud);
-    if (alone.status == Status::ok && alone.result.triangle_count > 0) verified(cloud, alone);
+    if (alone.status == Status::ok && alone.result.triangle_count > 0) {
+        verified(cloud, alone);
+        located(cloud, alone);
+    }
     std::printf("%s: %zu rows, %zu triangles\n", cloud.name.c_str(), cloud.points.size(),
                 alone.result.triangle_count);
     std::fflush(stdout);

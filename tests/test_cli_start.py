@@ -1,0 +1,58 @@
+"""What a command imports: each library that it does not need would delay its start."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROGRAM = """
+import json, sys
+from liftmesh.cli import main
+code = main(sys.argv[1:])
+print("imported", json.dumps([code, *sys.modules]))
+"""
+DEAR = {"pydantic", "rich", "scipy", "trimesh", "matplotlib", "numpy.ma", "importlib.metadata"}
+
+
+def imported(*words: str | Path) -> set[str]:
+    """Run a command with its output in a pipe; return the modules that are loaded afterwards."""
+    program = [sys.executable, "-c", PROGRAM, *map(str, words)]
+    done = subprocess.run(program, capture_output=True, text=True, check=True)
+    code, *modules = json.loads(done.stdout.rpartition("imported ")[2])
+    assert code == 0, done.stderr
+    return set(modules)
+
+
+@pytest.fixture
+def cloud(tmp_path: Path) -> Path:
+    path = tmp_path / "cloud.xyz"
+    path.write_text("0 0 1\n1 0 2\n0 1 3\n1 1 5\n")
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj"])
+def test_a_command_imports_what_it_needs(cloud: Path, suffix: str) -> None:
+    mesh = cloud.with_suffix(suffix)
+    assert imported("triangulate", cloud, mesh) & DEAR == set()
+    assert imported("info", mesh) & DEAR == set()
+    assert imported("verify", mesh) & (DEAR - {"importlib.metadata"}) == set()
+
+
+def test_the_version_needs_neither_typer_nor_numpy() -> None:
+    assert imported("--version") & {"typer", "click", "numpy", "pydantic", "rich"} == set()
+
+
+def test_values_are_converted_and_refused_as_before(cloud: Path, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "liftmesh", "triangulate", cloud, tmp_path / "mesh.ply"]
+    for option, told in (
+        (("--method", "fast"), "--method 'fast' is unknown: give auto, "),
+        (("--skip-rows", "x"), "--skip-rows 'x' is not a value that it takes"),
+    ):
+        done = subprocess.run([*words, *option], capture_output=True, text=True, check=False)
+        assert done.returncode == 2
+        assert told in done.stderr
+    assert subprocess.run([*words, "--skip-rows", "1"], check=False).returncode == 0
