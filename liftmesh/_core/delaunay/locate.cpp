@@ -17,8 +17,8 @@ constexpr std::size_t short_walk = 48;                           // steps
 constexpr std::size_t hard_together = 15;                        // queries after one that was hard
 constexpr std::size_t queries_per_round = std::size_t{1} << 22;  // bounds the memory of the order
 constexpr std::size_t piece_size = std::size_t{1} << 12;
-constexpr std::size_t abreast = 32;  // walks
-constexpr std::size_t ahead = 4;     // queries that are fetched from memory in advance
+constexpr std::size_t walks_abreast = 48;
+constexpr std::size_t ahead = 4;  // queries that are fetched from memory in advance
 
 int depth_for(std::size_t simplices) {
     return static_cast<int>(std::bit_width(simplices / simplices_per_cell + 1)) - 1;
@@ -26,7 +26,7 @@ int depth_for(std::size_t simplices) {
 
 Splitters splitters_for(const Triangulated& mesh) {
     const int depth = depth_for(mesh.count);
-    std::vector<Point> sample(std::size_t{2} << depth);
+    std::vector<Point> sample(std::size_t{1} << depth);
     for (std::size_t i = 0; i < sample.size(); ++i)
         sample[i] = mesh.corner(static_cast<std::int32_t>(sample_place(i, mesh.count)),
                                 static_cast<int>(i % 3));
@@ -40,10 +40,19 @@ Locator::Locator(const Triangulated& triangulated)
       splitters_(splitters_for(triangulated)),
       start_(splitters_.cells(), -1),
       credit_(static_cast<std::int64_t>(triangulated.count / 4)) {
+    constexpr std::size_t abreast = 8;
     const std::size_t starts = std::min(mesh_.count, starts_per_cell * splitters_.cells());
-    for (std::size_t i = 0; i < starts; ++i) {
-        const auto simplex = static_cast<std::int32_t>(mesh_.count * i / starts);
-        start_[splitters_.cell(mesh_.corner(simplex, 0))] = simplex;
+    for (std::size_t i = 0; i < starts; i += abreast) {
+        Abreast<abreast> corners{};
+        std::int32_t simplices[abreast];
+        for (std::size_t k = 0; k < abreast; ++k) {
+            const std::size_t place = std::min(i + k, starts - 1);
+            simplices[k] = static_cast<std::int32_t>(mesh_.count * place / starts);
+            const Point corner = mesh_.corner(simplices[k], 0);
+            corners[k] = {corner.x, corner.y};
+        }
+        const auto cells = splitters_.cells(corners);
+        for (std::size_t k = 0; k < abreast; ++k) start_[cells[k]] = simplices[k];
     }
     // An empty cell starts where its predecessor does: in kd order they are neighbours.
     std::int32_t last = 0;
@@ -196,7 +205,7 @@ class Locator::Round {
         Patience patience(pool_.interrupt());
         std::vector<Site> hard;
         std::vector<Lane> lanes;
-        const std::size_t count = std::min(abreast, last - first);
+        const std::size_t count = std::min(walks_abreast, last - first);
         lanes.reserve(count);
         for (std::size_t i = 0; i < count; ++i)
             lanes.emplace_back(*this, first + (last - first) * i / count,
