@@ -128,15 +128,20 @@ def triangulate(**options: Any) -> Prepare:
 
 
 def queries(of: Callable[[Triangulation], Points]) -> Prepare:
-    """Prepare the location of as many points as there are rows; the first builds the index."""
+    """Prepare the location of as many points as there are rows, with the index at hand."""
 
     def prepare(points: Points) -> Work:
         found = liftmesh.delaunay(points, threads=1)
         asked = of(found)
-        found.find_simplex(asked[:1])
+        found.find_simplex(asked)
         return Work(lambda: found.find_simplex(asked), len(asked))
 
     return prepare
+
+
+def located_anew(found: Triangulation) -> object:
+    """Locate points with a triangulation that has no index yet."""
+    return copy.copy(found).find_simplex(near_the_middle(found))
 
 
 def near_the_middle(found: Triangulation) -> Points:
@@ -293,6 +298,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     ):
         label = f"Triangulation.find_simplex {place.__name__.replace('_', ' ')}"
         yield label, PLANAR, queries(place), counted
+    yield "Triangulation.find_simplex at first", PLANAR, on_triangulation(located_anew), FANS[:2]
     yield "Triangulation.find_simplex of rows", PLANAR, queries(lambda t: t.points), FANS[:2]
     for name in PROPERTIES:
         yield f"Triangulation.{name}", PLANAR, on_triangulation(computed(name)), PLAIN
