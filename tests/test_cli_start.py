@@ -50,7 +50,7 @@ def test_values_are_converted_and_refused_as_before(cloud: Path, tmp_path: Path)
     words = [sys.executable, "-m", "liftmesh", "triangulate", cloud, tmp_path / "mesh.ply"]
     for option, told in (
         (("--method", "fast"), "--method 'fast' is unknown: give auto, "),
-        (("--skip-rows", "x"), "--skip-rows 'x' is not a value that it takes"),
+        (("--skip-rows", "x"), "--skip-rows is 'x': give a whole number from 0"),
     ):
         done = subprocess.run([*words, *option], capture_output=True, text=True, check=False)
         assert done.returncode == 2

@@ -144,7 +144,7 @@ def test_rows_that_others_spoil_meanwhile_leave_names_of_rows() -> None:
 def test_ctrl_c_stops_long_walks_within_a_second() -> None:
     program = LONG_RUN.format(
         points=TWO_COLUMNS,
-        prepare="tri = liftmesh.delaunay(points); queries = rng.random((1_000_000, 2))",
+        prepare="tri = liftmesh.delaunay(points); queries = rng.random((10_000_000, 2))",
         call="tri.find_simplex(queries)",
     )
     assert seconds_to_stop(program, 0.3) < 1.0

@@ -73,7 +73,7 @@ class Triangulation:
     >>> tri.nsimplex, tri.duplicates.tolist()
     (2, [[4, 0]])
     >>> tri.find_simplex([[0.1, 0.1], [5, 5]]).tolist()
-    [0, -1]
+    [1, -1]
     """
 
     ndim = 2

@@ -49,6 +49,16 @@ class MeshLike:
 
 
 @dataclass(frozen=True)
+class CloudLike:
+    """An object of no library that says which cloud it is."""
+
+    cloud: Cloud
+
+    def to_cloud(self) -> Cloud:
+        return self.cloud
+
+
+@dataclass(frozen=True)
 class ArrayLike:
     """An object of no library that NumPy makes an array of."""
 
@@ -240,7 +250,8 @@ MAKERS: dict[str, dict[str, Callable[[Cloud], Any]]] = {
         "Open3D tensor PointCloud": to_tensor_points,
         "Open3D Tensor": lambda cloud: o3d.core.Tensor(np.array(cloud.points)),
     },
-    "object with to_cloud()": {"Surface": lambda cloud: triangulate(cloud, nonfinite="skip")},
+    "own mesh": {"Surface": lambda cloud: triangulate(cloud, nonfinite="skip")},
+    "object with to_cloud()": {"object with to_cloud()": CloudLike},
     "object with vertices and faces": {"object with vertices": to_mesh_like},
     "array-like": {"array-like object": lambda cloud: ArrayLike(cloud.points)},
 }

@@ -100,7 +100,8 @@ class Sort {
 
 }  // namespace
 
-Buffer<Query> in_spatial_order(const Queries& queries, const Splitters& splitters, ThreadPool& pool) {
+Buffer<Query> in_spatial_order(const Queries& queries, const Splitters& splitters,
+                               ThreadPool& pool) {
     return Sort(queries, splitters, pool).run();
 }
 

@@ -26,6 +26,7 @@ struct Queries {
 
 // Neighbours in the plane become neighbours in the list. Trees of more than 2^16 cells are sorted
 // by the upper splitters, and then in pieces by all of them. Null if the interrupt came first.
-Buffer<Query> in_spatial_order(const Queries& queries, const Splitters& splitters, ThreadPool& pool);
+Buffer<Query> in_spatial_order(const Queries& queries, const Splitters& splitters,
+                               ThreadPool& pool);
 
 }  // namespace liftmesh
