@@ -5,6 +5,7 @@
     python scripts/bench.py --targets    the inputs that have targets, and whether they are met
     python scripts/bench.py --small      the latency of small calls
     python scripts/bench.py --progress   the cost of a progress callback
+    python scripts/bench.py --before old/bin/python   a former liftmesh beside this one
     python scripts/bench.py --n 10000 100000 --distributions uniform circle --peers CGAL triangle
 
 Every contestant, a peer on one or two threads, first runs in a fresh process, which measures its
@@ -25,7 +26,8 @@ from pathlib import Path
 from benchmark import plots, records
 from benchmark.cases import MILLION, PROFILES, Case, grid
 from benchmark.contest import SEED, Limits, run_case
-from benchmark.peers import OURS, PEERS, RIVALS
+from benchmark.contestants import INTERPRETERS
+from benchmark.peers import BEFORE, OURS, PEERS, RIVALS
 from benchmark.results import Measurement
 from benchmark.startup import import_seconds
 from benchmark.tables import notes_of, tables_of, target_table
@@ -66,6 +68,7 @@ def read_options() -> Namespace:
         profiles.add_argument(f"--{name}", dest="profile", action="store_const", const=name)
     add("--n", nargs="+", type=int, metavar="ROWS", help="these sizes instead of a profile")
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, metavar="D", help="only these")
+    add("--before", metavar="PYTHON", help="interpreter for which a former liftmesh is installed")
     add("--peers", nargs="+", choices=PEERS, default=[*RIVALS], metavar="P", help=", ".join(PEERS))
     add(
         "--threads",
@@ -94,13 +97,18 @@ def read_options() -> Namespace:
         parser.error(
             f"--{options.profile} sets sizes and distributions: omit --n and --distributions"
         )
+    if options.before:
+        INTERPRETERS[BEFORE] = str(Path(options.before).absolute())
+    elif BEFORE in options.peers:
+        parser.error(f"{BEFORE} needs --before PYTHON, for which a former liftmesh is installed")
     options.json = options.json.absolute()
     return options
 
 
 def cases_of(options: Namespace) -> list[Case]:
     """Return the cases of the profile, or those of the given sizes and distributions."""
-    peers = tuple(dict.fromkeys((OURS, *options.peers)))
+    former = [BEFORE] if options.before else []
+    peers = tuple(dict.fromkeys((OURS, *former, *options.peers)))
     case = Case(
         "uniform",
         options.million,
@@ -117,7 +125,7 @@ def cases_of(options: Namespace) -> list[Case]:
 
 def settings_of(options: Namespace) -> dict[str, object]:
     """Return the options for the report, without folders of this machine."""
-    return vars(options) | {"json": options.json.name, "seed": SEED}
+    return vars(options) | {"json": options.json.name, "before": bool(options.before), "seed": SEED}
 
 
 def show(

@@ -16,7 +16,7 @@ from benchmark import cgal, records
 from benchmark.cases import Case
 from benchmark.contest import Judge, Limits, calls_in_round, rounds_allowed, run_case
 from benchmark.contestants import Contestant
-from benchmark.peers import CGAL, OURS, SORT, rows_by_position
+from benchmark.peers import BEFORE, CGAL, OURS, SORT, rows_by_position
 from benchmark.process import NoAnswerError, Process, TimeLimitError
 from benchmark.results import Measurement, ours
 from benchmark.system_load import SystemLoad
@@ -208,9 +208,33 @@ def test_the_command_prints_writes_and_draws(tmp_path: Path) -> None:
         assert "<svg" in (tmp_path / f"bench-{name}.svg").read_text()
 
 
+def test_the_command_takes_a_former_version(tmp_path: Path) -> None:
+    said, report = run_bench(tmp_path, "--n", "300", "--repeat", "2", "--distributions", "uniform",
+                             "--before", sys.executable)  # fmt: skip
+    assert "time / before" in said
+    (found,) = records.read(tmp_path / "bench.json")
+    assert found.timings[Contestant(BEFORE)].right
+    assert found.against_before(1) > 0
+    assert sys.executable not in json.dumps(report)
+
+
+def test_a_former_version_without_its_interpreter_is_refused(tmp_path: Path) -> None:
+    command = [
+        sys.executable,
+        SCRIPTS / "bench.py",
+        "--peers",
+        BEFORE,
+        "--json",
+        tmp_path / "b.json",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "needs --before PYTHON" in done.stderr
+
+
 def test_the_command_times_small_calls(tmp_path: Path) -> None:
     said, report = run_bench(tmp_path, "--small", "--million", "1000", "--threads", "1")
     assert "10 rows, threads=1" in said
     calls = [m["contestants"][0]["seconds"] for m in report["measurements"]]
-    assert [[len(one) for one in rounds] for rounds in calls] == [[10] * 3] * 2
-    assert [t["met"] is None for t in report["targets"]] == [False, True] * 2
+    assert [[len(one) for one in rounds] for rounds in calls] == [[10] * 3] * 3
+    assert [t["met"] is None for t in report["targets"]] == [False, True] * 3

@@ -7,7 +7,7 @@ from io import StringIO
 import pytest
 from benchmark.cases import DEMANDING, MILLION, PROFILES, Case, grid
 from benchmark.contestants import Contestant, line_up
-from benchmark.peers import CGAL, OURS, PEERS, RIVALS, SORT
+from benchmark.peers import BEFORE, CGAL, OURS, PEERS, RIVALS, SORT
 from benchmark.plots import spread_out
 from benchmark.results import Measurement, Timing, Trial, ours
 from benchmark.tables import digits, notes_of, seconds_cell, tables_of, target_table
@@ -168,9 +168,9 @@ def test_targets_are_held_against_what_was_measured() -> None:
     found += [million("uniform", 10_000, 40.0, 40.0), million("circle", 100, 1.0, 0.3)]
     reached = {(t.work, t.what): (t.reached, t.met) for t in targets(found, 100)}
     assert len(reached) == 5 + len(DEMANDING) + 4 + 2
-    assert reached["100 uniform, 2 threads", "time / CGAL"] == (0.2, True)
+    assert reached["100 uniform, 2 threads", "time / CGAL"] == (0.2, False)
     assert reached["100 uniform, 2 threads", "time / shull x2"] == (0.2, False)
-    assert reached["100 uniform, 1 thread", "time / CGAL"] == (0.4, True)
+    assert reached["100 uniform, 1 thread", "time / CGAL"] == (0.4, False)
     assert reached["100 circle, 2 threads", "time / best exact peer (CGAL)"] == (0.3, True)
     assert reached["100 gaussian, 2 threads", "time / best exact peer (none)"] == (None, None)
     assert reached["1,000 uniform, 2 threads", "time a point / that at 100"] == (
@@ -185,7 +185,27 @@ def test_targets_are_held_against_what_was_measured() -> None:
 
 def test_the_table_of_targets_says_yes_no_or_not_measured() -> None:
     text = printed(target_table(list(targets([million("uniform", 100, 0.4, 0.2)], 100))))
-    assert all(word in text for word in ("≤ 0.25", "≥ 1.8", "yes", "no", "not measured"))
+    assert all(word in text for word in ("≤ 0.14", "≥ 1.8", "yes", "no", "not measured"))
+
+
+def test_the_former_version_is_a_measure_and_no_rival() -> None:
+    beside = {BEFORE: timing(2.0), f"{BEFORE}_2": timing(1.6)}
+    uniform = measured(liftmesh=timing(1.0), liftmesh_2=timing(0.8), triangle=timing(9.0), **beside)
+    assert (uniform.against_before(1), uniform.against_before(2)) == (0.5, 0.5)
+    assert uniform.best_rival(2) == TRIANGLE
+    assert "0.50" in printed(*tables_of([uniform]))
+    assert "before" not in printed(*tables_of([measured(liftmesh=timing(1.0))]))
+    reached = [t for t in targets([uniform], 100) if t.what == "time / before"]
+    assert [(t.work, t.bound, t.met) for t in reached] == [("100 uniform, 2 threads", 0.55, True)]
+    tiny = measured(10, liftmesh=timing(1e-6), **{BEFORE: timing(9e-6)})
+    small = next(small_targets([tiny], MILLION))
+    assert (small.what, small.met) == ("time / before", True)
+
+
+def test_large_inputs_are_measured_with_the_former_version_too() -> None:
+    case = Case("uniform", MILLION, (OURS, BEFORE, "scipy"))
+    large = PROFILES["targets"](case, MILLION)[-2]
+    assert (large.size, large.peers) == (10 * MILLION, (OURS, BEFORE, CGAL))
 
 
 def test_small_calls_are_measured_in_microseconds() -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from distributions import DISTRIBUTIONS
 
 from benchmark.contestants import Contestant, line_up
-from benchmark.peers import CGAL, OURS, RIVALS, SORT
+from benchmark.peers import BEFORE, CGAL, OURS, RIVALS, SORT
 
 MILLION = 10**6
 FIELD = (OURS, *RIVALS)
@@ -44,6 +44,11 @@ class Case:
     def contestants(self) -> Iterator[Contestant]:
         """Return the contestants in the order of a round."""
         return line_up(self.peers, self.threads)
+
+
+def ourselves(case: Case) -> tuple[str, ...]:
+    """Return liftmesh, and its former version if that takes part."""
+    return tuple(peer for peer in case.peers if peer in {OURS, BEFORE})
 
 
 def grid(case: Case, distributions: Iterable[str], sizes: Iterable[int]) -> list[Case]:
@@ -83,7 +88,7 @@ def quick(case: Case, million: int) -> list[Case]:
 def targeted(case: Case, million: int) -> list[Case]:
     """The inputs on which targets are set, with the peers that the targets name."""
     some = grid(replace(case, patience=5.0), DEMANDING, [million])
-    large = replace(case, size=10 * million, peers=(OURS, CGAL), patience=60.0)
+    large = replace(case, size=10 * million, peers=(*ourselves(case), CGAL), patience=60.0)
     return [
         *grid(replace(case, patience=30.0), ["uniform"], [million]),
         *some,
@@ -93,9 +98,9 @@ def targeted(case: Case, million: int) -> list[Case]:
 
 
 def small(case: Case, million: int) -> list[Case]:
-    """Arrays of ten and of a thousand rows, in a loop."""
+    """Arrays of ten, a hundred and a thousand rows, in a loop."""
     calls = max(1, million // 100)
-    return grid(replace(case, rounds=3, calls=calls), ["uniform"], [10, 1000])
+    return grid(replace(case, rounds=3, calls=calls), ["uniform"], [10, 100, 1000])
 
 
 def progress(case: Case, million: int) -> list[Case]:

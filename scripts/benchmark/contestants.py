@@ -22,6 +22,10 @@ POOLS = ("LIFTMESH", "RAYON", "OMP", "OPENBLAS", "MKL")  # each reads <NAME>_NUM
 KEEP_MEMORY = "glibc.malloc.mmap_threshold=1099511627776:glibc.malloc.trim_threshold=1099511627776"
 
 
+INTERPRETERS: dict[str, str] = {}
+"""Of the peers that are installed somewhere else than for this interpreter."""
+
+
 @dataclass(frozen=True, order=True)
 class Contestant:
     """A peer on a number of threads, each in a process of its own, as thread pools are kept."""
@@ -43,7 +47,8 @@ class Contestant:
     def command(self) -> list[str]:
         if self.peer == CGAL:
             return [cgal_program()]
-        return [sys.executable, "-m", "benchmark.worker", self.peer, str(self.threads)]
+        interpreter = INTERPRETERS.get(self.peer, sys.executable)
+        return [interpreter, "-m", "benchmark.worker", self.peer, str(self.threads)]
 
 
 @cache

@@ -155,11 +155,12 @@ def cgal(_: int) -> Call:
     raise NotImplementedError("CGAL is a program of its own")
 
 
-OURS, CGAL, SORT = "liftmesh", "CGAL", "numpy.sort"
+OURS, BEFORE, CGAL, SORT = "liftmesh", "liftmesh before", "CGAL", "numpy.sort"
 PEERS = {
     peer.name: peer
     for peer in (
         Peer(OURS, OURS, liftmesh, "#d1495b", parallel=True),
+        Peer(BEFORE, OURS, liftmesh, "#9a8c98", parallel=True),
         Peer("liftmesh progress", OURS, with_progress, "#e5989b", parallel=True),
         Peer("lfres-indexed", OURS, lfres_indexed, "#8d5a97"),
         Peer(CGAL, "", cgal, "#00798c"),

@@ -69,6 +69,7 @@ def as_record(m: Measurement) -> dict[str, Any]:
         "others": round(m.others, 3),
         "best_exact_peer": {str(k): rival.label for k, rival in rivals.items() if rival},
         "ratio_to_best": {str(threads): m.against_best(threads) for threads in rivals},
+        "ratio_to_before": {str(threads): m.against_before(threads) for threads in rivals},
         "contestants": [as_entry(who, timing) for who, timing in m.timings.items()],
     }
 

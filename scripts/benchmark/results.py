@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from benchmark.contestants import Contestant
-from benchmark.peers import OURS, RIVALS
+from benchmark.peers import BEFORE, OURS, RIVALS
 
 Calls = tuple[float, ...]
 
@@ -104,6 +104,10 @@ class Measurement:
         """Return our time divided by that of the best exact peer."""
         rival = self.best_rival(threads)
         return self.ratio(ours(threads), rival) if rival else None
+
+    def against_before(self, threads: int) -> float | None:
+        """Return our time divided by that of the former version."""
+        return self.ratio(ours(threads), Contestant(BEFORE, threads))
 
     def gain(self, threads: int) -> float | None:
         """Return our speedup on several threads."""

@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from benchmark.contestants import Contestant
-from benchmark.peers import SORT
+from benchmark.peers import BEFORE, SORT
 from benchmark.results import Measurement, Timing, ours
 
 if TYPE_CHECKING:
@@ -94,12 +94,22 @@ def ratio_table(measurements: list[Measurement]) -> Table:
         for heading in (f"best exact peer, {threads} thr.", "our time / its", "per row / uniform")
     ]
     caption = "exact: the result passed the check on this input; ratios are medians over the rounds"
+    headings += [
+        f"time / before, {threads} thr." for threads in THREADS if was_before(measurements)
+    ]
     table = input_table("Ratios", caption, [*headings, "1 thread / 2", "our time / numpy.sort"])
     uniform = {m.size: m for m in measurements if m.distribution == "uniform"}
     for m in measurements:
         cells = [c for threads in THREADS for c in best_cells(m, threads, uniform.get(m.size))]
+        if was_before(measurements):
+            cells += [number(m.against_before(threads)) for threads in THREADS]
         table.add_row(m.distribution, f"{m.rows:,}", *cells, number(m.gain(2)), sort_cell(m))
     return table
+
+
+def was_before(measurements: list[Measurement]) -> bool:
+    """Whether a former version took part."""
+    return any(who.peer == BEFORE for m in measurements for who in m.timings)
 
 
 def best_cells(m: Measurement, threads: int, uniform: Measurement | None) -> Iterator[str]:

@@ -11,6 +11,7 @@ from benchmark.peers import CGAL
 from benchmark.results import Measurement, ours
 
 GIBIBYTE = 2**30
+HALVED = ("uniform", "lattice", "line-singularity")  # of which the most is asked
 Found = dict[tuple[str, int], Measurement]
 
 
@@ -39,17 +40,18 @@ def targets(measurements: list[Measurement], million: int) -> Iterator[Target]:
     yield from on_demanding_inputs(found, million)
     yield from on_large_inputs(found, million)
     yield from on_threads(found, million)
+    yield from against_before(found, million)
 
 
 def on_a_million(found: Found, million: int) -> Iterator[Target]:
     uniform = found.get(("uniform", million))
-    rivals = ((CGAL, 1, 0.25), ("shull", 2, 0.16), ("triangle", 1, 0.12), ("scipy", 1, 1 / 70))
+    rivals = ((CGAL, 1, 0.14), ("shull", 2, 0.10), ("triangle", 1, 0.07), ("scipy", 1, 0.011))
     for peer, threads, bound in rivals:
         rival = Contestant(peer, threads)
         reached = uniform.ratio(ours(2), rival) if uniform else None
         yield Target(f"{million:,} uniform, 2 threads", f"time / {rival.label}", bound, reached)
     reached = uniform.ratio(ours(1), Contestant(CGAL)) if uniform else None
-    yield Target(f"{million:,} uniform, 1 thread", f"time / {CGAL}", 0.45, reached)
+    yield Target(f"{million:,} uniform, 1 thread", f"time / {CGAL}", 0.24, reached)
 
 
 def on_demanding_inputs(found: Found, million: int) -> Iterator[Target]:
@@ -65,7 +67,7 @@ def on_large_inputs(found: Found, million: int) -> Iterator[Target]:
     large, huge = (found.get(("uniform", factor * million)) for factor in (10, 100))
     work = f"{10 * million:,} uniform, 2 threads"
     reached = large.ratio(ours(2), Contestant(CGAL)) if large else None
-    yield Target(work, f"time / {CGAL}", 0.18, reached)
+    yield Target(work, f"time / {CGAL}", 0.13, reached)
     growth = f"time a point / that at {million:,}"
     yield Target(work, growth, 1.35, grown(found, million, 10))
     work = f"{100 * million:,} uniform, 2 threads"
@@ -89,15 +91,32 @@ def on_threads(found: Found, million: int) -> Iterator[Target]:
         yield Target(f"{size:,} uniform", "1 thread / 2 threads", 1.8, gain, least=True)
 
 
+def against_before(found: Found, million: int) -> Iterator[Target]:
+    """Compare with the former version, if that was measured."""
+    for name in ("uniform", *DEMANDING):
+        measurement = found.get((name, million))
+        reached = measurement.against_before(2) if measurement else None
+        if reached is not None:
+            bound = 0.55 if name in HALVED else 0.7
+            yield Target(f"{million:,} {name}, 2 threads", "time / before", bound, reached)
+
+
 def small_targets(measurements: list[Measurement], _: int) -> Iterator[Target]:
     """Compare the latency of small calls with its targets."""
-    bounds = {10: 15.0, 1000: 300.0}
+    bounds = {10: 15.0, 100: 50.0, 1000: 300.0}
     for measurement in measurements:
         for threads in (1, 2):
+            before = measurement.against_before(threads)
+            if before is not None:
+                yield Target(small_work(measurement, threads), "time / before", 0.7, before)
             timing = measurement.timing(ours(threads))
             reached = timing.median * 1e6 if timing else None
-            work = f"{measurement.rows:,} rows, threads={threads}"
+            work = small_work(measurement, threads)
             yield Target(work, "median of a call", bounds[measurement.size], reached, unit=" µs")
+
+
+def small_work(measurement: Measurement, threads: int) -> str:
+    return f"{measurement.rows:,} rows, threads={threads}"
 
 
 def progress_targets(measurements: list[Measurement], _: int) -> Iterator[Target]:
@@ -107,7 +126,7 @@ def progress_targets(measurements: list[Measurement], _: int) -> Iterator[Target
             with_callback = Contestant("liftmesh progress", threads)
             ratio = measurement.ratio(with_callback, ours(threads))
             cost = None if ratio is None else 100 * (ratio - 1)
-            work = f"{measurement.rows:,} rows, threads={threads}"
+            work = small_work(measurement, threads)
             yield Target(work, "progress= costs", 1.0, cost, unit=" %")
 
 
