@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import subprocess
@@ -139,6 +140,45 @@ def test_rows_that_others_spoil_meanwhile_leave_names_of_rows() -> None:
     assert told[0] < 0.3
     assert spoilt.simplices.min() >= 0
     assert spoilt.simplices.max() < len(points)
+
+
+SPOILT = {
+    "NaN": lambda rows: np.full_like(rows, np.nan),
+    "infinite": lambda rows: rows * np.array([np.inf, -np.inf]),
+    "moved": lambda rows: 1 - rows[:, ::-1],
+    "far": lambda rows: rows * 1e300 - 1e299,
+    "small": lambda rows: rows * 1e-9,
+    "one place": lambda rows: np.full_like(rows, 0.5),
+}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("kind", SPOILT)
+def test_rows_that_a_thread_writes_all_the_time_are_each_read_once(kind: str, threads: int) -> None:
+    sound = np.random.default_rng(4).random((150_000, 2))
+    spoilt = SPOILT[kind](sound)
+    points = sound.copy()
+    done = threading.Event()
+
+    def write() -> None:
+        for first in itertools.cycle(range(7)):
+            points[first::7] = sound[first::7] if done.is_set() else spoilt[first::7]
+            points[first::3] = sound[first::3]
+            if done.is_set():
+                break
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        found = [liftmesh.delaunay(points, nonfinite="skip", threads=threads) for _ in range(6)]
+    finally:
+        done.set()
+        writer.join()
+    for each in found:
+        assert each.simplices.min() >= 0
+        assert each.simplices.max() < len(points)
+        rows = np.concatenate((each.simplices.ravel(), each.duplicates[:, 0], each.skipped))
+        np.testing.assert_array_equal(np.unique(rows), np.arange(len(points)))
 
 
 def test_ctrl_c_stops_long_walks_within_a_second() -> None:

@@ -150,7 +150,7 @@ def test_a_system_without_threads_to_give_gets_the_same_result():
         import numpy as np
         import liftmesh
 
-        points = np.random.default_rng(0).random((400_000, 2))
+        points = np.random.default_rng(0).random((1_500_000, 2))  # in runs that can be watched
         count = lambda: len(os.listdir("/proc/self/task"))
         most = 0
 

@@ -6,9 +6,9 @@
 
 A small driver, `driver.cpp`, triangulates and verifies several point sets on 2 to 8 threads, with
 duplicates and non-finite rows, interrupts runs, and makes several runs at the same time; `text.cpp`
-prints and parses numbers, and leaves rows that are being printed. Exits with
-1 if the sanitizer reports anything, or if a result differs from that of one thread. Needs clang
-with its sanitizers.
+prints and parses numbers, and leaves rows that are being printed; `spoilt.cpp` changes rows while
+they are triangulated. Exits with 1 if the sanitizer reports anything, or if a result differs from
+that of one thread. Needs clang with its sanitizers.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ PROGRAMS = {
     "address": Program("threads-address", HERE, CHECKED),
 }
 ROWS = 100_000  # several threads write the triangles of more than 32,768 points
+WRITERS = {"thread": 0, "address": 2}  # rows written while they are read are races
 MAPPING_FAILED = "unexpected memory mapping"
 
 
@@ -39,7 +40,7 @@ def main() -> None:
     options = read_options()
     program = built(PROGRAMS[options.sanitizer])
     began = time.monotonic()
-    done = run(program, options.rows)
+    done = run(program, options.rows, options.sanitizer)
     sys.stdout.write(done.stdout)
     if done.returncode:
         sys.stderr.write(done.stderr)
@@ -55,9 +56,9 @@ def read_options() -> Namespace:
     return parser.parse_args()
 
 
-def run(program: Path, rows: int) -> subprocess.CompletedProcess[str]:
+def run(program: Path, rows: int, sanitizer: str) -> subprocess.CompletedProcess[str]:
     """Run the driver; without address randomisation if ThreadSanitizer cannot cope with it."""
-    command = [str(program), str(rows)]
+    command = [str(program), str(rows), str(WRITERS[sanitizer])]
     environment = {**os.environ, "TSAN_OPTIONS": "halt_on_error=1"}
     done = _ran(command, environment)
     if MAPPING_FAILED in done.stderr:

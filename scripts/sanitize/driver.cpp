@@ -1,4 +1,6 @@
-// Runs whatever the kernel does on several threads, for a sanitizer to watch: `driver ROWS`.
+// Runs whatever the kernel does on several threads, for a sanitizer to watch: `driver ROWS
+// WRITERS`. Rows are changed amid runs on up to WRITERS threads; ThreadSanitizer would call these
+// races.
 //
 // Results are compared with those of one thread. Runs are interrupted in their middle, and several
 // run at the same time, as they do where Python's threads share one limit.
@@ -19,6 +21,7 @@
 #include "delaunay/locate.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
+#include "spoilt.hpp"
 #include "text.hpp"
 #include "verify/verify.hpp"
 
@@ -176,5 +179,6 @@ void check(const Cloud& cloud) {
 int main(int, char** arguments) {
     const std::size_t rows = std::stoul(arguments[1]);
     parallel::check_text(rows);
+    parallel::check_spoilt_rows(rows / 2, static_cast<unsigned>(std::stoul(arguments[2])));
     for (const parallel::Cloud& cloud : parallel::clouds(rows)) parallel::check(cloud);
 }

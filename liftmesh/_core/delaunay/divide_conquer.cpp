@@ -72,6 +72,13 @@ class Engine {
         const Index* start = &order_.cell_starts[(h - (Index{1} << level_of(h))) * span];
         return {start[0], start[span / 2], start[span]};
     }
+    Bounds box_of(Index h) const {
+        const Index span = Index{1} << (order_.splitters.depth() - level_of(h));
+        const Bounds* first = &order_.boxes[(h - (Index{1} << level_of(h))) * span];
+        Bounds box = first[0];
+        for (Index i = 1; i < span; ++i) box.add(first[i]);
+        return box;
+    }
     // A node with a child of fewer than two points is treated as one cell.
     bool is_cell(Index h) const {
         if (level_of(h) == order_.splitters.depth()) return true;
@@ -127,7 +134,7 @@ class Engine {
     Boxed cell(Index h, Extent at) {
         const Index count = at.last - at.first;
         interrupt_.advance(work::triangulating * count);
-        const Bounds box = bounds_of(&sites_[at.first], count);
+        const Bounds box = box_of(h);
         return {build(certainty(box), at.first, count, meeting_of(h)), box};
     }
 

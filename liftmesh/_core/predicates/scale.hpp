@@ -21,7 +21,7 @@ class Range {
     void add(Point p) { add(pair(p)); }
     void add(Pair p) {
         const Pair size = magnitudes(p);
-        least_ = ((size > Pair{}) & (size < least_)) ? size : least_;
+        least_ = liftmesh::least(size == Pair{} ? Pair{infinity, infinity} : size, least_);
         greatest_ = liftmesh::greatest(greatest_, size);
     }
     void add(const Range& other) {

@@ -1,6 +1,8 @@
 // The bounding box of points.
 #pragma once
 
+#include <limits>
+
 #include "base/pair.hpp"
 #include "base/point.hpp"
 
@@ -11,6 +13,11 @@ struct Bounds {
 
     Bounds() = default;
     explicit Bounds(Pair p) : low(p), high(p) {}
+    Bounds(Pair lowest, Pair highest) : low(lowest), high(highest) {}
+    static Bounds nothing() {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        return {Pair{infinity, infinity}, Pair{-infinity, -infinity}};
+    }
     void add(Pair p) {
         low = least(low, p);
         high = greatest(high, p);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "base/point_hash.hpp"
 
@@ -47,6 +48,10 @@ class Table {
     std::uint32_t* slots_;
 };
 
+void move_ahead(Site* sites, std::size_t from, std::size_t to) {
+    if (from != to) std::swap(sites[from], sites[to]);
+}
+
 std::size_t by_sorting(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates) {
     std::vector<std::uint32_t> order(count);
     std::iota(order.begin(), order.end(), 0u);
@@ -65,7 +70,7 @@ std::size_t by_sorting(Site* sites, std::size_t count, std::vector<Duplicate>& d
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i)
-        if (!repeated[i]) sites[kept++] = sites[i];
+        if (!repeated[i]) move_ahead(sites, i, kept++);
     return kept;
 }
 
@@ -79,12 +84,12 @@ std::size_t deduplicate(Site* sites, std::size_t count, std::vector<Duplicate>& 
         std::uint32_t& slot = table.find(sites[i].point, sites);
         if (slot == nothing) {
             slot = static_cast<std::uint32_t>(kept);
-            sites[kept++] = sites[i];
+            move_ahead(sites, i, kept++);
         } else {
             duplicates.push_back({sites[i].row, sites[slot].row});
         }
         if (table.is_clogged()) {
-            std::copy(sites + i + 1, sites + count, sites + kept);
+            std::rotate(sites + kept, sites + i + 1, sites + count);
             return by_sorting(sites, kept + count - i - 1, duplicates);
         }
     }

@@ -12,9 +12,9 @@ struct Duplicate {
     Row row, kept;
 };
 
-// Moves the first of each position to the front, in order, and returns how many there are; the
-// others are appended to `duplicates`. Rows must ascend among equal points, as they do when sites
-// come in the order of their rows.
+// Moves the first of each position to the front, in order, and returns how many there are. The
+// others come after them, in any order, and are appended to `duplicates`. Rows must ascend among
+// equal points, as they do when sites come in the order of their rows.
 std::size_t deduplicate(Site* sites, std::size_t count, std::vector<Duplicate>& duplicates);
 
 }  // namespace liftmesh

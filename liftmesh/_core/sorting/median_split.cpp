@@ -15,6 +15,12 @@ double along(Point p) {
     return axis == Axis::x ? p.x : p.y;
 }
 
+Bounds bounds_of(const Site* sites, std::size_t count) {
+    Bounds bounds(pair(sites[0].point));
+    for (std::size_t i = 1; i < count; ++i) bounds.add(pair(sites[i].point));
+    return bounds;
+}
+
 template <Axis axis>
 std::size_t split_few(Site* sites, std::size_t count) {
     std::size_t rank[few] = {};
@@ -80,12 +86,6 @@ std::size_t split_many(Site* sites, std::size_t count, Point near_middle) {
 }
 
 }  // namespace
-
-Bounds bounds_of(const Site* sites, std::size_t count) {
-    Bounds bounds(pair(sites[0].point));
-    for (std::size_t i = 1; i < count; ++i) bounds.add(pair(sites[i].point));
-    return bounds;
-}
 
 MedianSplit median_split(Site* sites, std::size_t count) {
     if (count <= few) {

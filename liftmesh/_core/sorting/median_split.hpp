@@ -5,8 +5,8 @@
 
 #include <cstddef>
 
+#include "base/point.hpp"
 #include "base/site.hpp"
-#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 
@@ -14,8 +14,6 @@ struct MedianSplit {
     Axis axis;
     std::size_t middle;
 };
-
-Bounds bounds_of(const Site* sites, std::size_t count);
 
 // Reorders `count` >= 4 sites of distinct positions: every site before the middle precedes across
 // the axis every site from it on. At least two stand on each side. The axis is the one along which

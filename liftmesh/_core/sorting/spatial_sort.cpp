@@ -1,8 +1,12 @@
 // A sample of the rows determines the cuts of a kd tree. A first pass over the rows finds the cell
-// of each, the range of the coordinates, and the rows that are not finite; a second moves every
-// point to its cell. This counting sort is stable for any number of shares of the rows, since each
-// share has its own counts and the shares of a cell stand in order. Then duplicates are removed
-// from each cell, which fits the cache.
+// of each, and the rows that are not finite; a second moves every point to its cell. This counting
+// sort is stable for any number of shares of the rows, since each share has its own counts and the
+// shares of a cell stand in order. Then each cell, which fits the cache, is settled: the range of
+// its coordinates is found, and duplicates are removed.
+//
+// The rows are the caller's, and another thread may write them between the passes. What counts is
+// the second reading: the copies that it makes are never read again from the rows. Where a copy is
+// not in the cell that was counted, the copies are sorted once more.
 
 #include "sorting/spatial_sort.hpp"
 
@@ -26,12 +30,20 @@ constexpr std::size_t sample_per_cell = 4;
 constexpr std::size_t abreast = 8;
 constexpr std::uint16_t no_cell = 0xffff;
 
-// A share of the rows, and what is found in it.
+// A share of the rows.
 struct Share {
     std::size_t first, last;
-    Range range;
     std::vector<Row> skipped;
 };
+
+// A run of cells, and what is found in them.
+struct Run {
+    Range range;
+    std::vector<Duplicate> duplicates;
+    bool is_inside = true;  // every copy is in its cell
+};
+
+enum class Outcome : std::uint8_t { sorted, changed, non_finite, interrupted };
 
 class SpatialSort {
  public:
@@ -40,14 +52,14 @@ class SpatialSort {
         order.splitters = learn_splitters();
     }
 
-    OrderResult run(bool skip_non_finite) {
+    Outcome run(bool skip_non_finite) {
         divide();
-        if (!find_cells()) return {Status::interrupted, 0};
-        if (!order_.skipped.empty() && !skip_non_finite)
-            return {Status::non_finite, order_.skipped.front()};
+        if (!find_cells()) return Outcome::interrupted;
+        if (!order_.skipped.empty() && !skip_non_finite) return Outcome::non_finite;
         place_cells();
-        const bool done = scatter() && deduplicate_cells();
-        return {done ? Status::ok : Status::interrupted, 0};
+        if (!scatter() || !settle_cells()) return Outcome::interrupted;
+        if (!are_inside()) return Outcome::changed;
+        return finish() ? Outcome::sorted : Outcome::interrupted;
     }
 
  private:
@@ -71,7 +83,7 @@ class SpatialSort {
         const std::size_t most = pool_.size() == 1 ? 1 : 4 * pool_.size();
         const std::size_t count = std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
         for (std::size_t i = 0; i < count; ++i)
-            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}, {}});
+            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}});
         next_.resize(count);
     }
 
@@ -79,12 +91,8 @@ class SpatialSort {
         cell_of_ = allocate<std::uint16_t>(input_.rows);
         if (!pool_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i], next_[i]); }))
             return false;
-        Range range;
-        for (const Share& share : shares_) {
-            range.add(share.range);
+        for (const Share& share : shares_)
             order_.skipped.insert(order_.skipped.end(), share.skipped.begin(), share.skipped.end());
-        }
-        order_.scale = Scale(range);
         return true;
     }
 
@@ -92,9 +100,7 @@ class SpatialSort {
     template <class Work>
     void with_reader(Work work) {
         const auto* plain = reinterpret_cast<const Point*>(input_.data);
-        if (order_.scale.moves) {
-            work([&](std::size_t row) { return pair(order_.scale(input_[row])); });
-        } else if (input_.is_plain()) {
+        if (input_.is_plain()) {
             work([plain](std::size_t row) { return pair(plain + row) + Pair{0.0, 0.0}; });
         } else {
             work([&](std::size_t row) { return pair(input_[row]); });
@@ -126,7 +132,6 @@ class SpatialSort {
         for (std::size_t i = 0; i < count; ++i) {
             const Pair p{points[i][0], points[i][1]};
             if (is_finite(p)) {
-                share.range.add(p);
                 ++population[cells[i]];
                 cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
             } else {
@@ -164,8 +169,7 @@ class SpatialSort {
                          });
     }
 
-    // A row that another thread has made non-finite since the first pass becomes the origin: later
-    // stages rely on an order of finite points.
+    // The counts keep every copy in the room of its cell, wherever its point is by now.
     template <class Read>
     void scatter(const Share& share, std::uint32_t* next, Read read) {
         Site* sites = order_.sites.get();
@@ -173,31 +177,78 @@ class SpatialSort {
         for_each_in_blocks(share.last - share.first, pool_.interrupt(), [&](std::size_t i) {
             const std::size_t row = share.first + i;
             if (cell_of_[row] == no_cell) return;
-            const Pair p = read(row);
-            sites[next[cell_of_[row]]++] = {is_finite(p) ? point(p) : Point{0, 0},
-                                            static_cast<Row>(row)};
+            sites[next[cell_of_[row]]++] = {point(read(row)), static_cast<Row>(row)};
         });
     }
 
-    // Tasks are runs of cells; the gaps that removed sites leave are closed afterwards.
-    bool deduplicate_cells() {
+    bool settle_cells() {
         const std::size_t cells = order_.splitters.cells();
-        const std::size_t runs = std::min<std::size_t>(cells, 64);
-        std::vector<std::vector<Duplicate>> found(runs);
-        std::vector<std::size_t> distinct(cells);
-        const bool done = pool_.run(runs, [&](std::size_t run) {
-            for (std::size_t c = cells * run / runs; c < cells * (run + 1) / runs; ++c) {
+        runs_.resize(std::min<std::size_t>(cells, 64));
+        distinct_.resize(cells);
+        order_.boxes.resize(cells);
+        return pool_.run(runs_.size(), [&](std::size_t run) {
+            const std::size_t end = cells * (run + 1) / runs_.size();
+            for (std::size_t c = cells * run / runs_.size(); c < end; ++c) {
                 if (pool_.interrupt().requested()) return;
-                const std::size_t start = order_.cell_starts[c];
-                distinct[c] = deduplicate(&order_.sites[start], order_.cell_starts[c + 1] - start,
-                                          found[run]);
+                distinct_[c] = settle(c, runs_[run]);
             }
         });
-        if (!done) return false;
-        for (const std::vector<Duplicate>& pairs : found)
-            order_.duplicates.insert(order_.duplicates.end(), pairs.begin(), pairs.end());
-        if (order_.duplicates.empty()) return true;
-        return close_up(distinct) && sort_duplicates();
+    }
+
+    // Returns how many of the cell's points are distinct.
+    std::size_t settle(std::size_t cell, Run& run) {
+        const std::size_t start = order_.cell_starts[cell];
+        const std::size_t count = order_.cell_starts[cell + 1] - start;
+        Site* sites = &order_.sites[start];
+        Bounds box = Bounds::nothing();
+        PairBits numbers = {~0ll, ~0ll};
+        for (std::size_t i = 0; i < count; ++i) {
+            const Pair p = pair(sites[i].point);
+            numbers &= p == p;
+            box.add(p);
+        }
+        order_.boxes[cell] = box;
+        if (count == 0) return 0;
+        const bool are_numbers = (numbers[0] & numbers[1]) != 0;
+        run.is_inside &= are_numbers && order_.splitters.region(cell).contains(box);
+        if (!run.is_inside) return count;
+        add_range(box, sites, count, run.range);
+        return deduplicate(sites, count, run.duplicates);
+    }
+
+    // Where all coordinates have one sign, the extreme magnitudes are at the sides of the box.
+    static void add_range(const Bounds& box, const Site* sites, std::size_t count, Range& range) {
+        const PairBits apart = (box.low > Pair{}) | (box.high < Pair{});
+        range.add(box.low);
+        range.add(box.high);
+        if ((apart[0] & apart[1]) != 0) return;
+        for (std::size_t i = 0; i < count; ++i) range.add(pair(sites[i].point));
+    }
+
+    bool are_inside() const {
+        return std::all_of(runs_.begin(), runs_.end(),
+                           [](const Run& run) { return run.is_inside; });
+    }
+
+    // Unites what the runs found; the gaps that duplicates leave are closed.
+    bool finish() {
+        Range range;
+        for (const Run& run : runs_) {
+            range.add(run.range);
+            order_.duplicates.insert(order_.duplicates.end(), run.duplicates.begin(),
+                                     run.duplicates.end());
+        }
+        order_.scale = Scale(range);
+        if (!order_.duplicates.empty() && !(close_up(distinct_) && sort_duplicates())) return false;
+        return !order_.scale.moves || move_to_scale();
+    }
+
+    bool move_to_scale() {
+        for (Bounds& box : order_.boxes)
+            box = {pair(order_.scale(point(box.low))), pair(order_.scale(point(box.high)))};
+        return for_each_in_blocks(order_.count, pool_.interrupt(), [&](std::size_t i) {
+            order_.sites[i].point = order_.scale(order_.sites[i].point);
+        });
     }
 
     bool close_up(const std::vector<std::size_t>& distinct) {
@@ -231,14 +282,45 @@ class SpatialSort {
     ThreadPool& pool_;
     Order& order_;
     std::vector<Share> shares_;
+    std::vector<Run> runs_;
+    std::vector<std::size_t> distinct_;             // points of each cell
     std::vector<std::vector<std::uint32_t>> next_;  // of each share and cell: see find_places
     Buffer<std::uint16_t> cell_of_;
 };
 
+// Sorts the copies of rows that were changed between the passes: nobody else can change these.
+OrderResult sort_copies(bool skip_non_finite, ThreadPool& pool, Order& order) {
+    sort_by_row(order);
+    const Order copies = std::exchange(order, Order{});
+    const Site* former = copies.sites.get();
+    const Input input{reinterpret_cast<const std::byte*>(former), copies.count, sizeof(Site),
+                      sizeof(double), false};
+    OrderResult result = spatial_sort(input, skip_non_finite, pool, order);
+    const auto restore = [former](Row& row) { row = former[row].row; };
+    std::for_each(order.skipped.begin(), order.skipped.end(), restore);
+    if (result.status == Status::non_finite) result.row = order.skipped.front();
+    if (result.status != Status::ok) return result;
+    for (std::size_t i = 0; i < order.count; ++i) restore(order.sites[i].row);
+    for (Duplicate& pair : order.duplicates) restore(pair.row), restore(pair.kept);
+    order.skipped.insert(order.skipped.end(), copies.skipped.begin(), copies.skipped.end());
+    std::sort(order.skipped.begin(), order.skipped.end());
+    return result;
+}
+
 }  // namespace
 
 OrderResult spatial_sort(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order) {
-    return SpatialSort(input, pool, order).run(skip_non_finite);
+    switch (SpatialSort(input, pool, order).run(skip_non_finite)) {
+        case Outcome::sorted:
+            return {Status::ok, 0};
+        case Outcome::non_finite:
+            return {Status::non_finite, order.skipped.front()};
+        case Outcome::interrupted:
+            return {Status::interrupted, 0};
+        case Outcome::changed:
+            return sort_copies(skip_non_finite, pool, order);
+    }
+    return {Status::interrupted, 0};
 }
 
 void sort_by_row(Order& order) {
@@ -246,6 +328,7 @@ void sort_by_row(Order& order) {
               [](const Site& a, const Site& b) { return a.row < b.row; });
     order.splitters = Splitters({}, 0);
     order.cell_starts = {0, order.count};
+    order.boxes.clear();
 }
 
 }  // namespace liftmesh

@@ -10,6 +10,7 @@
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
 #include "predicates/scale.hpp"
+#include "sorting/bounds.hpp"
 #include "sorting/deduplicate.hpp"
 #include "sorting/splitters.hpp"
 
@@ -23,6 +24,7 @@ struct Order {
     std::size_t count = 0;  // of the sites
     Splitters splitters = Splitters({}, 0);
     std::vector<std::size_t> cell_starts;  // and the end of the last
+    std::vector<Bounds> boxes;             // of the points of each cell
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
     Scale scale{Range{}};                  // from the caller's rows to the points
@@ -33,7 +35,9 @@ struct OrderResult {
     std::size_t row;  // of the first non-finite point, where that is the status
 };
 
-// Fills `order`. `skip_non_finite` leaves non-finite rows out instead of reporting the first.
+// Fills `order`. A row that another thread writes meanwhile counts as it was when it was copied:
+// the sites are those of points that nobody else changes. `skip_non_finite` leaves non-finite rows
+// out instead of reporting the first.
 OrderResult spatial_sort(const Input& input, bool skip_non_finite, ThreadPool& pool, Order& order);
 
 // Sorts the sites by row instead: the cells have no meaning from then on.

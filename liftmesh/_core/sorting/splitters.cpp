@@ -73,6 +73,13 @@ Splitters::Splitters(std::vector<Point> sample, int depth, ThreadPool& pool)
     });
 }
 
+Cell Splitters::region(std::size_t cell) const {
+    Cell found;
+    for (std::size_t node = cells() + cell; node > 1; node /= 2)
+        found.cut(axis(node / 2), cut_[node / 2].value, node % 2 == 1);
+    return found;
+}
+
 Point* Splitters::cut(std::size_t node, Point* first, Point* last) {
     if (first == last) return first;
     constexpr std::ptrdiff_t enough = 64;

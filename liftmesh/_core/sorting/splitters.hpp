@@ -4,13 +4,18 @@
 // little is left on the other side, the cut goes across the other axis, so a column is cut by y.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "base/pair.hpp"
 #include "base/point.hpp"
 #include "parallel/thread_pool.hpp"
+#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 
@@ -18,6 +23,27 @@ namespace liftmesh {
 using Coordinates = std::array<double, 2>;
 template <std::size_t N>
 using Abreast = std::array<Coordinates, N>;
+
+// A half-open rectangle, of finite points only.
+class Cell {
+ public:
+    void cut(Axis axis, double value, bool keep_upper) {
+        const auto along = static_cast<std::size_t>(axis);
+        if (keep_upper) {
+            from_[along] = std::max(from_[along], value);
+        } else {
+            to_[along] = std::min(to_[along], value);
+        }
+    }
+    bool contains(const Bounds& box) const {
+        const PairBits inside = (box.low >= from_) & (box.high < to_);
+        return (inside[0] & inside[1]) != 0;
+    }
+
+ private:
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+    Pair from_{-DBL_MAX, -DBL_MAX}, to_{infinity, infinity};
+};
 
 class Splitters {
  public:
@@ -30,6 +56,9 @@ class Splitters {
 
     // The axis across which a node is cut: the root is 1, node i has the children 2 i and 2 i + 1.
     Axis axis(std::size_t node) const { return cut_[node].place == 0 ? Axis::x : Axis::y; }
+
+    // The part of the plane that is a cell.
+    Cell region(std::size_t cell) const;
 
     std::size_t cell(Point p) const { return cells(Abreast<1>{{{p.x, p.y}}})[0]; }
 
