@@ -35,8 +35,8 @@ double square(Pair u) {
         if (turn[k] == 0) return no_leaf;
         signs |= static_cast<unsigned>(turn[k] > 0) << k;
     }
-    const int circle = incircle_canonical_exact(p[0], p[1], p[2], p[3], guard);
-    return signs | static_cast<unsigned>(circle > 0) << 4;
+    const bool circle = incircle_canonical(p[0], p[1], p[2], p[3], guard);
+    return signs | static_cast<unsigned>(circle) << 4;
 }
 
 }  // namespace
