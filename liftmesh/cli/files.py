@@ -109,11 +109,15 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     tuple of str
         Sentences, the first about the names of the columns.
     """
-    from liftmesh.io.tables.columns import described, found_columns  # noqa: PLC0415 - as above
+    from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
     names = found_columns(cloud.metadata)
+    if not names:
+        return ()
+    from liftmesh.io.tables.columns import described  # noqa: PLC0415 - few files are tables
+
     said = described(names)
-    return (*([said] if said else []), *(cloud.metadata.get("notes", ()) if names else ()))
+    return (*([said] if said else []), *cloud.metadata.get("notes", ()))
 
 
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:

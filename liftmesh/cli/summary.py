@@ -10,7 +10,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.cli.files import notes, parts_not_read
-from liftmesh.io.tables.columns import found_columns
+from liftmesh.io.metadata import found_columns
 from liftmesh.planar.positions import find_positions, pieces
 
 if TYPE_CHECKING:

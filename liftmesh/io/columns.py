@@ -21,6 +21,7 @@ POSITION = ("x", "y", "z")
 NORMAL = ("nx", "ny", "nz")
 COLOR = ("red", "green", "blue")
 ALPHA = "alpha"
+PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)  # of a point
 
 
 def type_in_text(name: str, dtype: np.dtype) -> np.dtype:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh.io.tables.columns import found_columns
+from liftmesh.io.columns import PARTS
 
 # What readers note; `read` sets "source" and "format" of every cloud.
 _LABELS = ("source", "format")
@@ -65,6 +65,18 @@ def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
 def _is_skipped(key: object, value: object) -> bool:
     """Whether an entry lists what was not read, of a file or of an object."""
     return key == "skipped" and isinstance(value, tuple)
+
+
+def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
+    """Return which columns of a table are the coordinates, colours and normals of a cloud.
+
+    >>> found_columns({"columns": {"x": "E", "y": "N"}})
+    {'x': 'E', 'y': 'N'}
+    """
+    found = metadata.get("columns")  # a file may hold anything of that name
+    if not isinstance(found, dict) or not {*found} <= {*PARTS}:
+        return {}
+    return found if all(isinstance(each, str) for each in found.values()) else {}
 
 
 def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:

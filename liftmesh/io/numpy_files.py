@@ -22,7 +22,6 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.format import Format
 from liftmesh.io.npy_array import Layout, array_parts, read_array
 from liftmesh.io.npz_archive import check_content, opened
 from liftmesh.io.streams import remaining
@@ -348,24 +347,3 @@ def _is_count(array: _Shaped) -> bool:
 
 def _is_text(array: _Shaped) -> bool:
     return array.shape == () and array.dtype.kind == "U"
-
-
-NPY = Format(
-    name="npy",
-    suffixes=(".npy",),
-    read=read_npy,
-    write=None,
-    description="one NumPy array of points",
-    read_chunks=read_npy_chunks,
-)
-
-NPZ = Format(
-    name="npz",
-    suffixes=(".npz",),
-    read=read_npz,
-    write=write_npz,
-    description="NumPy arrays by name: points, faces, colors, normals, attributes",
-    read_chunks=read_npz_chunks,
-    expands=True,
-    check=check_npz,
-)

@@ -25,7 +25,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, fits_eight_bits, recognized
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import OWN, Format, crs_comment, others, stated_crs
+from liftmesh.io.format import OWN, crs_comment, others, stated_crs
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
 from liftmesh.io.metadata import stated, statements, storable
 from liftmesh.io.obj_colors import MARK, color_columns, commented_colors, write_comments
@@ -310,7 +310,7 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
     write_rows(stream, columns, prefix="f ", between=between, plus=1)
 
 
-def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Colours within printed precision of 8-bit ones are read as these."""
     if options.get("colors", "values") != "values":
         return ("deep_colors", *(["colors"] if options["colors"] == "none" else []))
@@ -318,16 +318,3 @@ def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
         return ()
     levels = recognized(as_float(cloud.colors[:, :3]))
     return () if levels is not None and levels.dtype.kind == "f" else ("deep_colors",)
-
-
-FORMAT = Format(
-    name="obj",
-    suffixes=(".obj",),
-    read=read_obj,
-    write=write_obj,
-    description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
-    keeps=("points", "faces", "colors", "deep_colors", "normals", "crs", "metadata", "float64"),
-    needs=("points",),
-    loses=_lost,
-    gzip=True,
-)

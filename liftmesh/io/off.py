@@ -18,7 +18,6 @@ from liftmesh._typing import Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import Format
 from liftmesh.io.lines import HASH, Block, Lines, promised
 from liftmesh.io.number_lines import ragged_numbers, whole
 from liftmesh.io.ragged import Ragged, gathered
@@ -131,15 +130,3 @@ def _check_row(text: str, number: int, name: str) -> None:
             f"{name}: line {number}: {quoted(text)} is not a face: expected its number of "
             "vertices, then their indices, counted from 0"
         )
-
-
-FORMAT = Format(
-    name="off",
-    suffixes=(".off",),
-    read=read_off,
-    write=write_off,
-    description="OFF: coordinates and faces as text",
-    keeps=("points", "faces", "float64"),
-    needs=("points", "faces", "finite"),
-    gzip=True,
-)

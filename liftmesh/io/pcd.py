@@ -17,7 +17,6 @@ from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import NORMAL, POSITION, type_in_text
-from liftmesh.io.format import Format
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.lines import HASH, Lines, promised
 from liftmesh.io.lzf import DENSEST, decompress
@@ -214,14 +213,3 @@ def _described(header: Header) -> Mapping[str, Any]:
     if header.height > 1 and header.width * header.height == header.points:
         found["grid"] = (header.width, header.height)
     return found
-
-
-FORMAT = Format(
-    name="pcd",
-    suffixes=(".pcd",),
-    read=read_pcd,
-    write=None,
-    description="point clouds of PCL and Open3D: text, binary, compressed",
-    expands=True,
-    gzip=True,
-)

@@ -18,7 +18,6 @@ from liftmesh.color_depth import kept_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import recognized
 from liftmesh.io.columns import COLOR, NORMAL, POSITION
-from liftmesh.io.format import Format
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, promised
 from liftmesh.io.text_tables import number_table, quoted, regrouped
 
@@ -164,17 +163,3 @@ def _cloud(table: Floats, names: tuple[str, ...], **metadata: object) -> Cloud:
         attributes={key: values for key, values in columns.items() if key not in used},
         metadata=metadata,
     )
-
-
-FORMATS = (
-    Format(
-        "pts",
-        (".pts",),
-        read_pts,
-        None,
-        "points of laser scanners: x y z, intensity, colour",
-        gzip=True,
-    ),
-    Format("xyzrgb", (".xyzrgb",), read_xyzrgb, None, "lines of x y z r g b", gzip=True),
-    Format("xyzn", (".xyzn",), read_xyzn, None, "lines of x y z nx ny nz", gzip=True),
-)

@@ -14,7 +14,7 @@ Objects of other libraries as output are no entries of these tables: the functio
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import PurePath
@@ -25,21 +25,12 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.frozen import freeze
 from liftmesh.interruption import deferred, kept
-from liftmesh.io import (
-    numpy_files,
-    obj,
-    off,
-    pcd,
-    ply,
-    point_lines,
-    stl,
-    triangle_files,
-)
 from liftmesh.io.format import Format
-from liftmesh.io.gltf import formats as gltf
-from liftmesh.io.objects import open3d, plain, tables, trimesh, trimesh_scene
+from liftmesh.io.formats import FORMATS
+from liftmesh.io.objects import plain
+from liftmesh.io.objects.kinds import is_of, is_other_table, is_table
 from liftmesh.io.objects.plain import qualified_name
-from liftmesh.io.tables import writer as text
+from liftmesh.io.on_call import OnCall
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -87,54 +78,40 @@ class Adapter:
     to_cloud: Callable[[Any], Cloud]
 
 
-def _is_of(package: str, names: Collection[str]) -> Callable[[object], bool]:
-    """Make a test for instances of some classes of a package that does not import it."""
-
-    def accepts(source: object) -> bool:
-        return any(
-            kind.__name__ in names and kind.__module__.partition(".")[0] == package
-            for kind in type(source).__mro__
-        )
-
-    return accepts
-
-
 def _refuse_path(path: object) -> Cloud:
     raise UnsupportedTypeError(f"{path!r} is a path, not a cloud: liftmesh.read it first")
 
 
-FORMATS: tuple[Format, ...] = (
-    ply.FORMAT,
-    obj.FORMAT,
-    text.FORMAT,
-    numpy_files.NPY,
-    numpy_files.NPZ,
-    off.FORMAT,
-    stl.FORMAT,
-    *gltf.FORMATS,
-    pcd.FORMAT,
-    *point_lines.FORMATS,
-    *triangle_files.FORMATS,
-)
+def _objects(module: str, name: str) -> OnCall:
+    return OnCall(f"liftmesh.io.objects.{module}", name)
+
 
 ADAPTERS = (
     Adapter("cloud", lambda source: isinstance(source, Cloud), lambda source: source),
-    Adapter("table", tables.is_table, tables.to_cloud),
+    Adapter("table", is_table, _objects("tables", "to_cloud")),
     Adapter("array", plain.is_array, plain.from_array),
-    Adapter("own mesh", _is_of("liftmesh", {"Surface", "LowerHull"}), plain.converted),
+    Adapter("own mesh", is_of("liftmesh", {"Surface", "LowerHull"}), plain.converted),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
-    Adapter("trimesh", _is_of("trimesh", {"PointCloud", "Trimesh"}), trimesh.to_cloud),
-    Adapter("trimesh scene", _is_of("trimesh", {"Scene"}), trimesh_scene.to_cloud),
-    Adapter("open3d", _is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}), open3d.to_cloud),
+    Adapter(
+        "trimesh", is_of("trimesh", {"PointCloud", "Trimesh"}), _objects("trimesh", "to_cloud")
+    ),
+    Adapter("trimesh scene", is_of("trimesh", {"Scene"}), _objects("trimesh_scene", "to_cloud")),
+    Adapter(
+        "open3d",
+        is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}),
+        _objects("open3d", "to_cloud"),
+    ),
 )
 
 # Tried after the adapters of other packages.
 FALLBACKS = (
     Adapter("object with to_cloud()", plain.has_to_cloud, plain.converted),
     Adapter("object with vertices and faces", plain.is_mesh_like, plain.from_mesh_like),
-    Adapter("another table", tables.is_other_table, tables.refuse),
+    Adapter("another table", is_other_table, _objects("tables", "refuse")),
     Adapter("array-like", plain.is_array_like, plain.from_array),
 )
+
+_with_options = _objects("tables", "with_options")
 
 
 def known_formats() -> dict[str, Format]:
@@ -298,7 +275,8 @@ def as_cloud(source: Any, **options: Any) -> Cloud:
     (3, 3)
     """
     if options:
-        return tables.with_options(source, options)
+        made: Cloud = _with_options(source, options)
+        return made
     with kept():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
         cloud = None if adapter is None else adapter.to_cloud(source)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 import struct
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
@@ -21,12 +21,14 @@ from liftmesh._typing import Array, Floats
 from liftmesh.arrays import used_rows, widened
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.format import Format, Origin
 from liftmesh.io.origin import checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.stl_text import read_corners
 from liftmesh.io.streams import read_exactly, remaining
 from liftmesh.io.text_tables import quoted
 from liftmesh.io.welding import weld
+
+if TYPE_CHECKING:
+    from liftmesh.io.format import Origin
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _TITLE_SIZE = 80
@@ -181,15 +183,3 @@ def _normals(corners: Floats) -> Floats:
     np.divide((x, y, z), lengths, out=normals, where=lengths > 0)
     found: Floats = normals.T
     return found
-
-
-FORMAT = Format(
-    "stl",
-    (".stl",),
-    read_stl,
-    write_stl,
-    "STL: triangles in single precision",
-    keeps=("faces",),
-    needs=("faces", "finite"),
-    gzip=True,
-)

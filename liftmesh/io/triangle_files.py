@@ -22,7 +22,6 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.format import Format
 from liftmesh.io.gzip_stream import decompressed
 from liftmesh.io.limits import check_columns
 from liftmesh.io.lines import HASH, Lines, promised
@@ -182,25 +181,3 @@ def _check_folder(path: Path, given: Path) -> None:
     folders = (given.absolute().parent.resolve(), given.resolve().parent)
     if path.resolve().parent not in folders:
         raise FormatError(f"{given}: its points, {path}, are a link to another folder: copy them")
-
-
-FORMATS = (
-    Format(
-        name="node",
-        suffixes=(".node",),
-        read=read_node,
-        write=None,
-        description="points of Triangle and TetGen",
-        expands=True,
-        gzip=True,
-    ),
-    Format(
-        name="ele",
-        suffixes=(".ele",),
-        read=read_ele,
-        write=None,
-        description="triangles of Triangle, with the .node file beside",
-        expands=True,
-        gzip=True,
-    ),
-)

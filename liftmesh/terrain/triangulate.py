@@ -20,7 +20,7 @@ from liftmesh.arrays import check_finite, non_finite
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
-from liftmesh.io.tables.columns import found_columns
+from liftmesh.io.metadata import found_columns
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.shapes import of_one_array

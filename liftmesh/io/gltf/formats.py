@@ -8,20 +8,22 @@ whatever happens to the nodes.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
 from liftmesh.color_depth import kept_depth
-from liftmesh.io.format import Format, Origin
 from liftmesh.io.gltf import names as value_names
 from liftmesh.io.gltf.file import File
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
 from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.io.format import Origin
 
 
 def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
@@ -112,7 +114,7 @@ def _extras(cloud: Cloud, origin: Origin | None, names: dict[str, list[str]]) ->
     return as_extras(storable(cloud.metadata)) | crs | ({NOTE: own} if own else {})
 
 
-def _renamed(cloud: Cloud) -> dict[str, str]:
+def renamed(cloud: Cloud) -> dict[str, str]:
     """The attributes whose names are not just written with an underscore and in capitals."""
     names = value_names.keys(value_names.columns(cloud.attributes))
     return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
@@ -122,14 +124,14 @@ def _has_faces(cloud: Cloud) -> bool:
     return cloud.faces is not None and len(cloud.faces) > 0
 
 
-def _lost_in_gltf(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Points are written without normals; those of meshes get the length 1, but for zeros."""
-    lost = value_names.lost(cloud.attributes)
+    names = value_names.lost(cloud.attributes)
     if cloud.normals is None:
-        return tuple(lost)
+        return tuple(names)
     if not _has_faces(cloud) or not _are_unit(cloud.normals):
-        return (*lost, "normals")
-    return (*lost, *value_names.lost({"normals": cloud.normals}))
+        return (*names, "normals")
+    return (*names, *value_names.lost({"normals": cloud.normals}))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -147,24 +149,7 @@ def _are_unit(normals: Array) -> bool:
     return bool(((np.abs(lengths - 1.0) <= TOLERANCE) | (normals == 0).all(axis=1)).all())
 
 
-def _check_gltf(cloud: Cloud) -> None:
+def check(cloud: Cloud) -> None:
     """Raise for coordinates that single precision cannot hold, and for names that are one."""
     needed_origin(cloud.points, "glTF")
     value_names.columns(cloud.attributes)
-
-
-_GLTF: dict[str, Any] = {
-    "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
-    "needs": ("points", "finite"),
-    "loses": _lost_in_gltf,
-    "expands": True,
-    "check": _check_gltf,
-    "renames": _renamed,
-}
-
-FORMATS = (
-    Format(
-        "glb", (".glb",), read_glb, write_glb, "binary glTF: single precision, colours", **_GLTF
-    ),
-    Format("gltf", (".gltf",), read_gltf, write_gltf, "glTF: single precision, colours", **_GLTF),
-)

@@ -2,7 +2,7 @@
 
 They are read by the names of their columns, like the same table as text (`io.tables.columns`), and
 refused for the same reasons. Values keep their types: text, dates and other objects are left out
-and named. Libraries are recognised by the names of their classes and never imported.
+and named. No library of tables is imported.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.interruption import kept
 from liftmesh.io.colors import fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.objects.kinds import FRAMES, RECORDS, classes, is_structured, is_table
 from liftmesh.io.objects.plain import is_array, qualified_name
 from liftmesh.io.tables.columns import Columns, understood, unnamed
 from liftmesh.io.tables.doubts import Doubts
@@ -29,29 +30,9 @@ from liftmesh.io.tables.words import with_point
 from liftmesh.io.text_tables import is_number, shortened
 from liftmesh.shapes import is_masked_array
 
-_FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}
-_RECORDS = {("laspy", "LasData"), ("laspy", "ScaleAwarePointRecord")}
-_READERS = {("laspy", "LasReader")}
 _CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe", "read")
 _OPTIONS = ("columns", "flat", "nodata")
 _WHERE = "the table"
-
-
-def is_table(source: object) -> bool:
-    """Whether an object is a table whose columns have names."""
-    if isinstance(source, list | tuple):  # of arrays, one for each view of a pipeline of PDAL
-        return bool(source) and _is_structured(source[0])
-    return _is_structured(source) or bool(_classes(source) & (_FRAMES | _RECORDS))
-
-
-def is_other_table(source: object) -> bool:
-    """Whether an object looks like a table, but not like one that `to_cloud` takes."""
-    if isinstance(source, dict | type):
-        return False
-    kind = type(source)  # whose attributes cost nothing to look up
-    named = any(hasattr(kind, name) for name in ("columns", "column_names", "colnames"))
-    is_reader = bool(_classes(source) & _READERS)
-    return is_reader or isinstance(source, Mapping) or (named and hasattr(kind, "__getitem__"))
 
 
 def refuse(source: object) -> Cloud:
@@ -142,19 +123,19 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
             f"a list of {len(source)} structured arrays is no table: give one of them, or what "
             "np.concatenate makes of them"
         )
-    if _is_structured(source):
+    if is_structured(source):
         if source.ndim != 1:
             raise InputError(
                 f"a structured array of the shape {source.shape} is no list of rows: give its "
                 "ravel()"
             )
         return [(name, source[name]) for name in source.dtype.names], {}
-    found = _classes(source)
-    if found & _RECORDS:
+    found = classes(source)
+    if found & RECORDS:
         return _of_laspy(source)
     if ("polars", "DataFrame") in found:
         return [(name, _of_polars(source[name])) for name in source.columns], {}
-    if found & _FRAMES:
+    if found & FRAMES:
         return [(str(name), source.iloc[:, k]) for k, name in enumerate(source.columns)], {}
     rows = np.asanyarray(source)
     if rows.ndim != 2:
@@ -362,11 +343,3 @@ def _stacked(found: dict[str, Array], names: tuple[str, ...]) -> Array | None:
     if not all(name in found and found[name].ndim == 1 for name in names):
         return None
     return np.stack([found.pop(name) for name in names], axis=1)
-
-
-def _is_structured(source: object) -> bool:
-    return isinstance(source, np.ndarray) and source.dtype.names is not None
-
-
-def _classes(source: object) -> set[tuple[str, str]]:
-    return {(kind.__module__.partition(".")[0], kind.__name__) for kind in type(source).__mro__}

@@ -17,14 +17,13 @@ from liftmesh._typing import Array, Rows
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import Format, others, stated_crs
+from liftmesh.io.format import others, stated_crs
 from liftmesh.io.metadata import stated
 from liftmesh.io.ply.ascii_body import AsciiBody
 from liftmesh.io.ply.binary_body import BinaryBody
 from liftmesh.io.ply.depth import stated as stated_depth
 from liftmesh.io.ply.header import Element, read_header
 from liftmesh.io.ply.names import old_names
-from liftmesh.io.ply.writer import check_ply, not_numeric, renamed_properties, write_ply
 from liftmesh.io.ragged import Ragged
 from liftmesh.io.text_tables import shortened
 
@@ -214,23 +213,3 @@ class _Reading:
 
 def _scalars(element: Element) -> dict[str, np.dtype]:
     return {each.name: each.dtype for each in element.properties if each.length is None}
-
-
-def _lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
-    names = (f"{name} (not numbers)" for name in not_numeric(cloud.attributes))
-    return (*names, *(() if options.get("colors") == "exact" else ("deep_colors",)))
-
-
-FORMAT = Format(
-    name="ply",
-    suffixes=(".ply",),
-    read=read_ply,
-    write=write_ply,
-    description="PLY, binary or text: float64, colours, normals, attributes, triangles",
-    loses=_lost,
-    renames=renamed_properties,
-    check=check_ply,
-    read_chunks=read_ply_chunks,
-    expands=True,
-    gzip=True,
-)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -275,3 +275,9 @@ def _names(attributes: Mapping[str, Array]) -> list[str]:
     if twice is not None:
         raise FormatError(f"two attributes are named {twice!r}: rename one")
     return [*names]
+
+
+def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Attributes that are not numbers; colours beyond 8 bits unless they are written exactly."""
+    names = (f"{name} (not numbers)" for name in not_numeric(cloud.attributes))
+    return (*names, *(() if options.get("colors") == "exact" else ("deep_colors",)))

@@ -13,11 +13,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from liftmesh.errors import DataWarning, FormatError
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
 from liftmesh.io.tables.names import Meaning, meaning
 from liftmesh.io.tables.options import LEFT_OUT, TableOptions, is_plain
 
-PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 
 _GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
@@ -96,18 +95,6 @@ def described(mapping: Mapping[str, str]) -> str:
     return (
         "" if plain or first else ", ".join(f"{k} is {_quoted(name)}" for k, name in planar.items())
     )
-
-
-def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
-    """Return which columns of a table are the coordinates, colours and normals of a cloud.
-
-    >>> found_columns({"columns": {"x": "E", "y": "N"}})
-    {'x': 'E', 'y': 'N'}
-    """
-    found = metadata.get("columns")  # a file may hold anything of that name
-    if not isinstance(found, dict) or not {*found} <= {*PARTS}:
-        return {}
-    return found if all(isinstance(each, str) for each in found.values()) else {}
 
 
 def shown(names: Sequence[str], most: int = 12) -> str:

@@ -19,14 +19,13 @@ from liftmesh.cloud import Cloud
 from liftmesh.color_depth import kept_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.format import Format
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
-from liftmesh.io.tables.columns import PARTS, Columns, understood, unnamed
+from liftmesh.io.tables.columns import Columns, understood, unnamed
 from liftmesh.io.tables.doubts import Doubts, check_count
 from liftmesh.io.tables.encoding import as_utf8, skip_lines
 from liftmesh.io.tables.layout import Layout, before_remark, sniff, stated_separator
-from liftmesh.io.tables.options import TableOptions, checked
+from liftmesh.io.tables.options import TableOptions
 from liftmesh.io.tables.values import TableValues
 from liftmesh.io.text_tables import quoted, regrouped
 
@@ -344,16 +343,3 @@ def _popped(columns: dict[str, Floats], names: tuple[str, ...]) -> Floats | None
     if not all(each in columns for each in names):
         return None
     return np.stack([columns.pop(each) for each in names], axis=1)
-
-
-FORMAT = Format(
-    name="text",
-    suffixes=(".xyz", ".csv", ".txt", ".asc", ".tsv"),
-    read=read_text,
-    write=None,
-    description="points as text, one per line, with or without a header",
-    read_chunks=read_text_chunks,
-    expands=True,
-    options=checked,
-    gzip=True,
-)

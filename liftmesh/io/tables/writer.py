@@ -11,7 +11,6 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -80,7 +79,7 @@ def _columns(cloud: Cloud) -> tuple[dict[str, Array], dict[str, Array]]:
     return columns, attributes
 
 
-def _check(cloud: Cloud) -> None:
+def check(cloud: Cloud) -> None:
     """Raise for what no table can hold; names that depend on the delimiter are checked later."""
     _columns(cloud)
 
@@ -178,7 +177,7 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
     )
 
 
-def _lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Numbers are read as doubles, and colours close to those of 8 bits as these."""
     whole = {k: each for k, each in sorted(cloud.attributes.items()) if each.dtype.kind in "iu"}
     wide = [name for name, values in whole.items() if not whole_numbers.fit(values, DOUBLE)]
@@ -192,14 +191,3 @@ def _lost_colors(cloud: Cloud) -> tuple[str, ...]:
     if back is not None and np.array_equal(as_float(back), as_float(cloud.colors)):
         return ()
     return ("deep_colors", "alpha")[: cloud.colors.shape[1] - 2]
-
-
-FORMAT = replace(
-    reader.FORMAT,
-    write=write_text,
-    suffix_options={".csv": {"delimiter": ","}, ".tsv": {"delimiter": "\t"}},
-    keeps=("points", "colors", "alpha", "deep_colors", "normals", "attributes", "float64"),
-    needs=("points",),
-    loses=_lost,
-    check=_check,
-)

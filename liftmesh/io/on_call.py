@@ -1,0 +1,57 @@
+"""Functions that are imported when they are first called.
+
+What is known of a format or of a type of object stands in a table, and its code in a module of its
+own: a command that reads a PLY file loads no other reader.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from liftmesh.interruption import deferred
+
+
+class OnCall:
+    """A function of a module, which is imported at the first call.
+
+    Parameters
+    ----------
+    module : str
+        Full name of the module.
+    name : str
+        Name of the function.
+
+    Examples
+    --------
+    >>> OnCall("math", "sqrt")(4.0)
+    2.0
+    """
+
+    __slots__ = ("_function", "module", "name")
+
+    def __init__(self, module: str, name: str) -> None:
+        self.module = module
+        self.name = name
+        self._function: Callable[..., Any] | None = None
+
+    def __call__(self, *values: Any, **options: Any) -> Any:
+        """Call the function."""
+        return self._imported()(*values, **options)
+
+    def __repr__(self) -> str:
+        """Name the function in full."""
+        return f"{self.module}.{self.name}"
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """What `inspect.signature` returns: the signature of the function."""
+        return inspect.signature(self._imported())
+
+    def _imported(self) -> Callable[..., Any]:
+        if self._function is None:
+            with deferred():
+                self._function = getattr(import_module(self.module), self.name)
+        return self._function
