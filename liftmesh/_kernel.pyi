@@ -4,6 +4,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+VERSION: str
 MOST_ROWS: int
 ROWS_PER_THREAD: int
 

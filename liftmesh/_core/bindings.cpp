@@ -259,6 +259,7 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
 NB_MODULE(_kernel, m) {
     liftmesh::refuse_contraction(liftmesh::contracts());
     m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
+    m.attr("VERSION") = LIFTMESH_VERSION;
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence, Sized
 from contextlib import suppress
-from importlib.metadata import version
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -247,7 +246,7 @@ def _certify(
         flaws=tuple(sorted(flaws.values(), key=lambda flaw: flaw.kind == "not_canonical")),
         points_sha256=sums[0],
         simplices_sha256=sums[1],
-        version=version("liftmesh"),
+        version=_kernel.VERSION,
     )
 
 
