@@ -77,8 +77,6 @@ def parse(
     >>> parse(columns="id,x,y,z", skip_rows="2")
     {'columns': 'id,x,y,z', 'skip_rows': 2}
     """
-    from liftmesh.io.tables.options import checked  # noqa: PLC0415 - help and --version do without
-
     words = {"columns": columns, "delimiter": delimiter, "decimal": decimal, "nodata": nodata}
     words |= {"end": end, "encoding": encoding}
     given: dict[str, Any] = {k: word for k, word in words.items() if word is not None}
@@ -86,6 +84,10 @@ def parse(
     given |= {"header": False} if no_header else {}
     lines = parse_count("--skip-rows", skip_rows, 0)
     given |= {"skip_rows": lines} if lines else {}
+    if not given:
+        return given
+    from liftmesh.io.tables.options import checked  # noqa: PLC0415 - most runs do without
+
     try:
         checked(**given)
     except InputError as error:
