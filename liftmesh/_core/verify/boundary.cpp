@@ -23,9 +23,13 @@ class BoundaryCheck {
         std::size_t windings = 0;
         if (!check_turns(turns, windings)) return false;
         if (windings == 1 && !turns.any()) return true;
-        if (find_loops(flaws)) return true;
+        const std::vector<Row> loops = find_loops();
+        if (loops.size() > 1) {
+            for (const Row start : loops) flaws.add(Flaw::boundary_loops, {start, 0});
+            return true;
+        }
         flaws.add(turns);
-        if (!turns.any()) flaws.add(Flaw::boundary_winding, {boundary_.front().tail, windings});
+        if (!turns.any()) flaws.add(Flaw::boundary_winding, {loops.front(), windings});
         return true;
     }
 
@@ -80,17 +84,15 @@ class BoundaryCheck {
         return (before_xy(a, b) && before_xy(b, c)) || (before_xy(c, b) && before_xy(b, a));
     }
 
-    // Traces the closed curves of the boundary. If there are several, each is a flaw.
-    bool find_loops(Flaws& flaws) {
+    // Traces the closed curves of the boundary; returns the lowest row of each.
+    std::vector<Row> find_loops() {
         std::vector<Row> starts;
-        for (const HalfEdge& edge : boundary_) {
-            if (next_[edge.tail] == none) continue;
-            starts.push_back(edge.tail);
-            for (Row at = edge.tail; at != none;) at = std::exchange(next_[at], none);
+        for (Row row = 0; row < mesh_.rows; ++row) {
+            if (next_[row] == none) continue;
+            starts.push_back(row);
+            for (Row at = row; at != none;) at = std::exchange(next_[at], none);
         }
-        if (starts.size() == 1) return false;
-        for (const Row start : starts) flaws.add(Flaw::boundary_loops, {start, 0});
-        return true;
+        return starts;
     }
 
     static constexpr std::size_t ahead = 16;

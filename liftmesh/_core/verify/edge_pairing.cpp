@@ -7,13 +7,14 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <span>
 #include <utility>
 
 #include "base/input.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/perturbation.hpp"
+#include "verify/cover.hpp"
+#include "verify/edge_groups.hpp"
 #include "verify/hash_partition.hpp"
 #include "verify/pairing_table.hpp"
 
@@ -37,10 +38,12 @@ class Checker {
                     triangles.add(Flaw::non_finite, {mesh_.callers_place(place), 0});
             return false;
         }
-        const int turn = orient2d(a, b, c);
-        if (turn <= 0)
+        if (const int turn = orient2d(a, b, c); turn <= 0) {
+            turned.push_back(static_cast<std::uint32_t>(triangle));
             triangles.add(turn < 0 ? Flaw::clockwise : Flaw::degenerate,
                           {mesh_.callers_place(first) / 3, 0});
+        }
+        covering += covering_corner(a, b, c) != no_corner;
         return true;
     }
 
@@ -58,15 +61,11 @@ class Checker {
         interior_edges += std::exchange(batch_size_, 0);
     }
 
-    // Adds two half-edges with the same ends and the same direction.
-    void add_non_manifold(std::uint32_t one, std::uint32_t other) {
-        const Place place = in_order(one, other);
-        edges.add(Flaw::non_manifold_edges, {place.other, place.at});
-    }
-
-    std::size_t interior_edges = 0;
+    std::size_t interior_edges = 0, covering = 0;
     std::vector<HalfEdge> unpaired;
-    Flaws triangles, edges;
+    std::vector<FlippableEdge> flippable;
+    std::vector<std::uint32_t> turned;
+    Flaws triangles;
 
  private:
     struct Edge {
@@ -92,19 +91,11 @@ class Checker {
         const int sign = filter.det > error ? 1 : incircle_exact(a, b, c, d, mesh_.guard);
         if (sign < 0 || (sign == 0 && perturbed_sign(a, b, c, d) <= 0)) return;
         if (!is_counter_clockwise(first) || !is_counter_clockwise(other - other % 3)) return;
-        const Place place = in_order(one, other);
-        if (sign > 0) edges.add(Flaw::not_delaunay, place);
-        edges.add(Flaw::not_canonical, place);
+        flippable.push_back({one, other, sign > 0});
     }
 
     bool is_counter_clockwise(std::size_t first) const {
         return orient2d(mesh_.point(first), mesh_.point(first + 1), mesh_.point(first + 2)) > 0;
-    }
-
-    Place in_order(std::uint32_t one, std::uint32_t other) const {
-        const auto [low, high] =
-            std::minmax({mesh_.callers_place(one), mesh_.callers_place(other)});
-        return {low, high};
     }
 
     const MeshView& mesh_;
@@ -134,6 +125,10 @@ class Reader {
         if (!checker_.check_triangle(triangle)) return;
         for (int k = 0; k < 3; ++k) {
             const HalfEdge edge = mesh_.half_edge(triangle, k);
+            if (edge.tail == edge.head) {  // its own opposite: the table would pair two of them
+                checker_.unpaired.push_back(edge);
+                continue;
+            }
             std::uint32_t twin = 0;
             const auto evict = [&](const HalfEdge& oldest) { checker_.unpaired.push_back(oldest); };
             if (table_.pair(edge, twin, evict)) checker_.add_edge(edge.place, twin);
@@ -145,47 +140,18 @@ class Reader {
     PairingTable table_;
 };
 
-// The ends of a half-edge, in whatever direction it runs.
-std::uint64_t ends_of(const HalfEdge& edge) {
-    const auto [low, high] = std::minmax(edge.tail, edge.head);
-    return std::uint64_t{low} << 32 | high;
-}
-
-bool is_forward(const HalfEdge& edge) {
-    return edge.tail < edge.head;
-}
-
 // Half-edges with the same ends: [first, middle) run in one direction, [middle, last) in the other.
+// If one direction has several, which of them are twins is undecidable, and the edge is not tested.
 template <class It>
 void pair_opposite(It first, It middle, It last, Checker& checker) {
-    for (auto one = first; one != last; ++one)
-        if (one != first && one != middle)
-            checker.add_non_manifold(std::prev(one)->place, one->place);
     const auto pairs = std::min(middle - first, last - middle);
     if (std::max(middle - first, last - middle) > 1) {
-        checker.interior_edges +=
-            static_cast<std::size_t>(pairs);  // which are twins is undecidable
+        checker.interior_edges += static_cast<std::size_t>(pairs);
     } else if (pairs == 1) {
         checker.add_edge(first->place, middle->place);
     }
     checker.unpaired.insert(checker.unpaired.end(), first + pairs, middle);
     checker.unpaired.insert(checker.unpaired.end(), middle + pairs, last);
-}
-
-void pair_bucket(std::span<HalfEdge> edges, Checker& checker) {
-    const auto before = [](const HalfEdge& p, const HalfEdge& q) {
-        return std::pair(ends_of(p), is_forward(p)) < std::pair(ends_of(q), is_forward(q));
-    };
-    if (!std::is_sorted(edges.begin(), edges.end(), before))  // many may have the same ends
-        std::sort(edges.begin(), edges.end(), before);
-    for (auto first = edges.begin(); first != edges.end();) {
-        const auto is_other = [&](const HalfEdge& edge) {
-            return ends_of(edge) != ends_of(*first);
-        };
-        const auto last = std::find_if(first, edges.end(), is_other);
-        pair_opposite(first, std::find_if(first, last, is_forward), last, checker);
-        first = last;
-    }
 }
 
 // Runs work(task, checker) for each task, adds up what the checkers find, and collects what they
@@ -198,8 +164,11 @@ bool run_tasks(const MeshView& mesh, std::size_t tasks, ThreadPool& pool, EdgePa
     unpaired.clear();
     for (Checker& checker : checkers) {
         pairing.interior_edges += checker.interior_edges;
+        pairing.covering += checker.covering;
         pairing.triangles.add(checker.triangles);
-        pairing.edges.add(checker.edges);
+        pairing.turned.insert(pairing.turned.end(), checker.turned.begin(), checker.turned.end());
+        pairing.flippable.insert(pairing.flippable.end(), checker.flippable.begin(),
+                                 checker.flippable.end());
         unpaired.push_back(std::move(checker.unpaired));
     }
     return done;
@@ -210,8 +179,11 @@ bool pair_by_hash(const MeshView& mesh, ThreadPool& pool,
     const HashPartition<HalfEdge, EdgeHash> parts(unpaired, pool);
     if (!parts.complete()) return false;
     const auto pair_part = [&](std::size_t part, Checker& checker) {
-        parts.for_each_bucket(part,
-                              [&](std::span<HalfEdge> edges) { pair_bucket(edges, checker); });
+        parts.for_each_bucket(part, [&](std::span<HalfEdge> edges) {
+            for_each_edge(edges, [&](auto first, auto middle, auto last) {
+                pair_opposite(first, middle, last, checker);
+            });
+        });
         checker.check_batch();
     };
     const bool done = run_tasks(mesh, parts.size(), pool, pairing, unpaired, pair_part);
@@ -231,16 +203,6 @@ bool pair_edges(const MeshView& mesh, ThreadPool& pool, EdgePairing& pairing) {
     };
     return run_tasks(mesh, blocks(mesh.count), pool, pairing, unpaired, read) &&
            pair_by_hash(mesh, pool, unpaired, pairing);
-}
-
-bool pair_edges_by_hash(const MeshView& mesh, ThreadPool& pool, EdgePairing& pairing) {
-    std::vector<std::vector<HalfEdge>> all(blocks(mesh.count));
-    const bool done = pool.run(all.size(), [&](std::size_t task) {
-        const std::size_t last = std::min(mesh.count, (task + 1) * block);
-        for (std::size_t t = task * block; t < last; ++t)
-            for (int k = 0; k < 3; ++k) all[task].push_back(mesh.half_edge(t, k));
-    });
-    return done && pair_by_hash(mesh, pool, all, pairing);
 }
 
 }  // namespace liftmesh

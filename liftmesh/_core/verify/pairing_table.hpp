@@ -11,17 +11,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "verify/edge_groups.hpp"
 #include "verify/mesh_view.hpp"
 
 namespace liftmesh {
-
-struct EdgeHash {
-    std::uint64_t operator()(const HalfEdge& edge) const {
-        const std::uint64_t low = std::min(edge.tail, edge.head);
-        const std::uint64_t high = std::max(edge.tail, edge.head);
-        return (high << 32 | low) * 0x9e3779b97f4a7c15u;
-    }
-};
 
 class PairingTable {
  public:

@@ -18,10 +18,10 @@
 // every interior edge passes it, the triangles are the lower hull of the perturbed lifts, which is
 // unique: the triangulation is canonical.
 //
-// If any triangle is clockwise or degenerate, none of this follows. Then all half-edges are paired
-// by a hash partition, which finds the non-manifold edges, and in-circle tests skip those edges and
-// the edges of clockwise or degenerate triangles. A list in which every triangle is clockwise is
-// judged as if the corners of each were given in the other order.
+// If any triangle is clockwise or degenerate, none of this follows. Then non-manifold edges are
+// looked for (`repeated_edges`), and in-circle tests skip those edges and the edges of clockwise or
+// degenerate triangles. A list in which every triangle is clockwise is judged as if the corners of
+// each were given in the other order.
 //
 // Several rows may be corners at one position, as in meshes whose triangles share no vertices: if
 // the triangles are not connected by their rows, each corner is renamed to the lowest row of its
@@ -42,10 +42,12 @@
 #include "base/floating_point.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/scale.hpp"
+#include "sorting/sample.hpp"
 #include "verify/boundary.hpp"
 #include "verify/edge_pairing.hpp"
 #include "verify/gather.hpp"
 #include "verify/positions.hpp"
+#include "verify/repeated_edges.hpp"
 
 namespace liftmesh {
 
@@ -103,7 +105,7 @@ class Verification {
         if (!check_triangles(found)) return false;
         if (verdict_.flaws.any(Flaw::non_finite)) return true;
         if (!check_edges(found)) return false;
-        verdict_.flaws.add(found.pairing.edges);
+        add_flippable(found.pairing.flippable);
         verdict_.flaws.add(found.boundary);
         verdict_.interior_edges = found.pairing.interior_edges;
         verdict_.boundary_edges = found.pairing.boundary.size();
@@ -111,28 +113,41 @@ class Verification {
     }
 
     bool check_triangles(Findings& found) {
+        if (looks_clockwise()) {
+            if (!reverse_triangles() || !pair_edges(found)) return false;
+            if (none_is_clockwise(found.pairing)) return add_reversed(found.pairing);
+            if (!reverse_triangles()) return false;
+        }
         if (!pair_edges(found)) return false;
         verdict_.flaws.add(found.pairing.triangles);
-        return !all_are_clockwise() || (reverse_triangles() && pair_edges(found));
+        return true;
     }
 
-    // First by the corners as given, then by position, and if neither is consistent by a hash
-    // partition of all half-edges, so that what is found does not depend on the order of triangles.
+    // First by the corners as given, then by position. If neither is consistent, edges with several
+    // triangles on one side are looked for, so that what is found does not depend on the order of
+    // triangles: consistent ones have none.
     bool check_edges(Findings& found) {
         if (!check_boundary(found)) return false;
         if (!found.are_consistent() && !merged_) {
-            found = {};
             if (!merge_positions()) return false;
             if (verdict_.merged > 0 && !(pair_edges(found) && check_boundary(found))) return false;
         }
-        if (found.are_consistent()) return true;
-        found = {};
-        return pair_edges_by_hash(mesh_, pool_, found.pairing) && check_boundary(found);
+        return found.are_consistent() ||
+               separate_repeated(mesh_, is_corner_, pool_, found.pairing, verdict_.flaws);
     }
 
     bool pair_edges(Findings& found) {
         found = {};
         return liftmesh::pair_edges(mesh_, pool_, found.pairing);
+    }
+
+    void add_flippable(const std::vector<FlippableEdge>& edges) {
+        for (const FlippableEdge& edge : edges) {
+            const auto [low, high] =
+                std::minmax({mesh_.callers_place(edge.one), mesh_.callers_place(edge.other)});
+            if (edge.not_delaunay) verdict_.flaws.add(Flaw::not_delaunay, {low, high});
+            verdict_.flaws.add(Flaw::not_canonical, {low, high});
+        }
     }
 
     bool check_boundary(Findings& found) {
@@ -231,16 +246,38 @@ class Verification {
         return true;
     }
 
-    // A mesh oriented to be seen from below is a single mistake: other flaws are looked for after
-    // reversing it.
-    bool all_are_clockwise() const {
-        const std::size_t clockwise = verdict_.flaws[Flaw::clockwise].count();
-        const std::size_t degenerate = verdict_.flaws[Flaw::degenerate].count();
-        return clockwise > 0 && clockwise + degenerate == mesh_.count;
+    // Whether no triangle of a sample turns counter-clockwise: then perhaps none does.
+    bool looks_clockwise() const {
+        constexpr std::size_t sample = 64;
+        for (std::size_t i = 0; i < sample && mesh_.count > 0; ++i) {
+            const std::size_t first = 3 * sample_place(i, mesh_.count);
+            const Point a = mesh_.point(first), b = mesh_.point(first + 1);
+            const Point c = mesh_.point(first + 2);
+            if (!(is_finite(a) && is_finite(b) && is_finite(c)) || orient2d(a, b, c) > 0)
+                return false;
+        }
+        return mesh_.count > 0;
+    }
+
+    // Whether none of the reversed triangles turns clockwise, and not all are degenerate.
+    bool none_is_clockwise(const EdgePairing& pairing) const {
+        return !pairing.triangles.any(Flaw::clockwise) &&
+               !pairing.triangles.any(Flaw::non_finite) && pairing.turned.size() < mesh_.count;
+    }
+
+    // A mesh oriented to be seen from below is a single mistake: the other flaws are those of the
+    // reversed triangles.
+    bool add_reversed(const EdgePairing& pairing) {
+        std::vector<std::uint8_t> is_degenerate(mesh_.count);
+        for (const std::size_t triangle : pairing.turned)
+            is_degenerate[mesh_.callers_place(3 * triangle) / 3] = 1;
+        for (std::size_t t = 0; t < mesh_.count; ++t)
+            verdict_.flaws.add(is_degenerate[t] ? Flaw::degenerate : Flaw::clockwise, {t, 0});
+        return true;
     }
 
     bool reverse_triangles() {
-        mesh_.reversed = true;
+        mesh_.reversed = !mesh_.reversed;
         return in_blocks(mesh_.count, [&](std::size_t first, std::size_t last, auto) {
             for (std::size_t t = first; t < last; ++t)
                 std::swap(corners_[3 * t + 1], corners_[3 * t + 2]);
