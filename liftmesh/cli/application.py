@@ -18,13 +18,13 @@ HELP = (
 
 
 def _listed(title: str, lines: list[str]) -> str:
-    return "\n".join([f"[bold]{title}[/bold]", *(f"  {line}" for line in lines)])
+    return "\n".join([title, *(f"  {line}" for line in lines)])
 
 
 EXIT_CODES = _listed(
     "Exit codes", [f"{code:>3}  {meaning}" for code, meaning in exit_codes.MEANINGS.items()]
 )
-DEBUG = "[cyan]--debug[/cyan] with any command prints the traceback of an error."
+DEBUG = "--debug with any command prints the traceback of an error."
 
 COMMANDS = ("triangulate", "verify", "compare", "info", "paper")
 
@@ -52,7 +52,7 @@ def application(words: Sequence[str]) -> typer.Typer:
         cls=Group,
         help=HELP,
         epilog=f"{EXIT_CODES}\n\n{DEBUG}",
-        rich_markup_mode="rich",
+        rich_markup_mode=None,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
@@ -64,7 +64,7 @@ def application(words: Sequence[str]) -> typer.Typer:
             name=name,
             help=f"{module.SHORT_HELP} {module.HELP}",
             short_help=module.SHORT_HELP,
-            epilog=_listed("Examples", [f"[green]$[/green] {line}" for line in module.EXAMPLES]),
+            epilog=_listed("Examples", [f"$ {line}" for line in module.EXAMPLES]),
         )(module.run)
     return app
 

@@ -1,12 +1,14 @@
 """The values of options, converted from text without pydantic.
 
 Some versions of typer convert values with pydantic, whose import and schemas take longer than most
-commands. The options here have a handful of simple types, and those are converted by themselves. A
-parameter of another type, or of a typer that is made otherwise, is left as it is.
+commands. The options here have a handful of simple types, and those are converted by themselves:
+typer asks each parameter by `get_runtime_param` for what converts its value. A parameter of another
+type, or of a typer that is made otherwise, is left as it is.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
@@ -30,7 +32,7 @@ def convert_simply(parameters: list[Any]) -> list[Any]:
     for each in parameters:
         kind = getattr(getattr(each, "type_descriptor", None), "annotation", None)
         if hasattr(each, "get_runtime_param") and _is_simple(_wanted(kind)):
-            each._runtime_param = _Conversion(_wanted(kind))  # noqa: SLF001 - there is no other way
+            each.get_runtime_param = partial(_Conversion, _wanted(kind))
     return parameters
 
 
