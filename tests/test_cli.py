@@ -60,7 +60,7 @@ def test_help_tells_the_exit_codes():
     for code, meaning in exit_codes.MEANINGS.items():
         assert f"{code}  {meaning}" in done.stdout
     for command in COMMANDS:
-        assert f"│ {command} " in done.stdout
+        assert f"\n  {command} " in done.stdout
     assert "--debug" in done.stdout
 
 

@@ -18,7 +18,8 @@ HELP = (
 
 
 def _listed(title: str, lines: list[str]) -> str:
-    return "\n".join([title, *(f"  {line}" for line in lines)])
+    as_it_stands = "\b"  # click wraps other paragraphs
+    return "\n".join([as_it_stands, f"{title}:", *(f"  {line}" for line in lines)])
 
 
 EXIT_CODES = _listed(
@@ -54,7 +55,7 @@ def application(words: Sequence[str]) -> typer.Typer:
         epilog=f"{EXIT_CODES}\n\n{DEBUG}",
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
-        context_settings={"help_option_names": ["-h", "--help"]},
+        context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120},
     )
     app.callback()(liftmesh)
     for name in words[:1] if words and words[0] in COMMANDS else COMMANDS:

@@ -252,31 +252,9 @@ def bytes_text(count: float) -> str:
     return f"{count:,.3g} TB"
 
 
-def is_colored(stream: TextIO) -> bool:
-    """Whether a stream shows colours: a terminal, unless NO_COLOR or TERM=dumb says otherwise.
-
-    Parameters
-    ----------
-    stream : text stream
-        Standard output, for example.
-
-    Returns
-    -------
-    bool
-        Whether to use them.
-    """
-    if os.environ.get("NO_COLOR") or os.environ.get("TERM") in ("dumb", "unknown"):
-        return False
-    return _may_be_terminal(stream)
-
-
-def _may_be_terminal(stream: TextIO) -> bool:
-    return stream.isatty() or any(os.environ.get(each) for each in FORCED)
-
-
 def _console(stream: TextIO) -> Console | None:
     """Return rich's view of a stream, if it is a terminal."""
-    if not _may_be_terminal(stream):
+    if not stream.isatty() and not any(os.environ.get(each) for each in FORCED):
         return None
     from rich.console import Console  # noqa: PLC0415 - a pipe does without
 

@@ -23,10 +23,6 @@ class Command(TyperCommand):
         """Return the parameters, flags without a placeholder for a value."""
         return convert_simply(_without_types(super().get_params(ctx)))
 
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help."""
-        _write_help(self, ctx, formatter)
-
 
 class Group(TyperGroup):
     """The same of the program."""
@@ -34,16 +30,6 @@ class Group(TyperGroup):
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters, flags without a placeholder for a value."""
         return convert_simply(_without_types(super().get_params(ctx)))
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help."""
-        _write_help(self, ctx, formatter)
-
-
-def _write_help(command: Any, ctx: Any, formatter: Any) -> None:
-    from liftmesh.cli.help import write_help  # noqa: PLC0415 - most runs do without
-
-    write_help(command, ctx, formatter)
 
 
 def _without_types(parameters: list[Any]) -> list[Any]:
