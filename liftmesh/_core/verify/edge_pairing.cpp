@@ -32,7 +32,7 @@ class Checker {
         const std::size_t first = 3 * triangle;
         const Point a = mesh_.point(first), b = mesh_.point(first + 1);
         const Point c = mesh_.point(first + 2);
-        if (!(is_finite(a) & is_finite(b) & is_finite(c))) {
+        if (!mesh_.finite && !(is_finite(a) & is_finite(b) & is_finite(c))) {
             for (std::size_t place = first; place < first + 3; ++place)
                 if (!is_finite(mesh_.point(place)))
                     triangles.add(Flaw::non_finite, {mesh_.callers_place(place), 0});
@@ -43,20 +43,30 @@ class Checker {
             triangles.add(turn < 0 ? Flaw::clockwise : Flaw::degenerate,
                           {mesh_.callers_place(first) / 3, 0});
         }
-        covering += covering_corner(a, b, c) != no_corner;
+        covering += covers_upwards(a, b, c);
         return true;
     }
 
-    // Adds an edge by the places of its two half-edges. Edges are checked in batches, apart from
-    // the pairing that finds them, so that their data can be prefetched.
-    void add_edge(std::uint32_t one, std::uint32_t other) {
-        for (const std::uint32_t place : {one, other}) __builtin_prefetch(&mesh_.simplices[place]);
-        batch_[batch_size_++] = {one, other};
+    // Adds an edge by the places of its two half-edges, the first in a triangle that was just read.
+    // Edges are checked in batches, apart from the pairing that finds them, so that their data can
+    // be prefetched.
+    void add_edge(std::size_t triangle, std::uint32_t one, std::uint32_t other) {
+        __builtin_prefetch(&mesh_.simplices[other]);
+        batch_[batch_size_++] = {static_cast<std::uint32_t>(3 * triangle), one, other};
         if (batch_size_ == batch_.size()) check_batch();
     }
 
+    // The same where neither triangle was.
+    void add_distant_edge(std::uint32_t one, std::uint32_t other) {
+        __builtin_prefetch(&mesh_.simplices[one]);
+        distant_ = true;
+        add_edge(one / 3, one, other);
+    }
+
     void check_batch() {
-        for (std::size_t i = 0; i < batch_size_; ++i) prefetch(batch_[i]);
+        if (distant_)
+            for (std::size_t i = 0; i < batch_size_; ++i) prefetch(batch_[i].first, 3);
+        for (std::size_t i = 0; i < batch_size_; ++i) prefetch(batch_[i].other, 1);
         for (std::size_t i = 0; i < batch_size_; ++i) check_edge(batch_[i]);
         interior_edges += std::exchange(batch_size_, 0);
     }
@@ -69,20 +79,18 @@ class Checker {
 
  private:
     struct Edge {
-        std::uint32_t one, other;
+        std::uint32_t first, one, other;  // the triangle of `one` begins at `first`
     };
 
-    void prefetch(Edge edge) const {
-        const std::size_t first = edge.one - edge.one % 3;
-        for (const std::size_t place : {first, first + 1, first + 2, std::size_t{edge.other}})
+    void prefetch(std::size_t place, std::size_t count) const {
+        for (const std::size_t end = place + count; place < end; ++place)
             __builtin_prefetch(&mesh_.points[mesh_.corner(place)]);
     }
 
     // Adds the edge if the apex of one triangle lies inside the circumcircle of the other. Edges of
     // clockwise and degenerate triangles are skipped.
     void check_edge(Edge edge) {
-        const auto [one, other] = edge;
-        const std::size_t first = one - one % 3;
+        const auto [first, one, other] = edge;
         const Point a = mesh_.point(first), b = mesh_.point(first + 1);
         const Point c = mesh_.point(first + 2), d = mesh_.point(other);
         const InCircleFilter filter = incircle_filter(a, b, c, d);
@@ -101,6 +109,7 @@ class Checker {
     const MeshView& mesh_;
     std::array<Edge, 64> batch_{};
     std::size_t batch_size_ = 0;
+    bool distant_ = false;
 };
 
 // Reads the triangles of one task in order. Corners are prefetched.
@@ -131,7 +140,7 @@ class Reader {
             }
             std::uint32_t twin = 0;
             const auto evict = [&](const HalfEdge& oldest) { checker_.unpaired.push_back(oldest); };
-            if (table_.pair(edge, twin, evict)) checker_.add_edge(edge.place, twin);
+            if (table_.pair(edge, twin, evict)) checker_.add_edge(triangle, edge.place, twin);
         }
     }
 
@@ -148,7 +157,7 @@ void pair_opposite(It first, It middle, It last, Checker& checker) {
     if (std::max(middle - first, last - middle) > 1) {
         checker.interior_edges += static_cast<std::size_t>(pairs);
     } else if (pairs == 1) {
-        checker.add_edge(first->place, middle->place);
+        checker.add_distant_edge(first->place, middle->place);
     }
     checker.unpaired.insert(checker.unpaired.end(), first + pairs, middle);
     checker.unpaired.insert(checker.unpaired.end(), middle + pairs, last);

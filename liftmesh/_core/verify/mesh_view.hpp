@@ -24,6 +24,7 @@ struct MeshView {
     Guard guard;                           // of the points
     const std::uint32_t* order = nullptr;  // the caller's number of each triangle, if reordered
     bool reversed = false;                 // the last two corners of each triangle are swapped
+    bool finite = false;                   // every row is
 
     Row corner(std::size_t place) const { return static_cast<Row>(simplices[place]); }
     Point point(std::size_t place) const { return points[corner(place)]; }

@@ -183,6 +183,7 @@ class Verification {
             if (verdict_.skipped == 0) verdict_.row = rows.first;
             verdict_.skipped += rows.count;
         }
+        mesh_.finite = verdict_.skipped == 0;
         const Scale scale(range);
         mesh_.guard = scale.guard;
         return !scale.moves || apply(scale);
