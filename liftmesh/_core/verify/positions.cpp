@@ -33,7 +33,8 @@ struct PositionHash {
 class Slots {
  public:
     explicit Slots(std::size_t rows)
-        : bits_(std::bit_width(per_row * rows / per_word)), words_(std::size_t{1} << bits_) {}
+        : bits_(static_cast<int>(std::bit_width(per_row * rows / per_word))),
+          words_(std::size_t{1} << bits_) {}
 
     std::uint64_t* word(std::uint64_t hash) {
         return &words_[bits_ == 0 ? 0 : hash >> (64 - bits_)];
