@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 
+#include "sorting/counting_sort.hpp"
+
 namespace liftmesh {
 
 namespace {
@@ -29,21 +31,22 @@ class Sort {
           cells_(allocate<std::uint32_t>(queries.count)),
           sorted_(allocate<Query>(queries.count)) {
         const std::size_t most = pool.size() == 1 ? 1 : 2 * pool.size();
-        places_.resize(std::clamp<std::size_t>(queries.count / share_size, 1, most));
+        next_.resize(std::clamp<std::size_t>(queries.count / share_size, 1, most));
     }
 
     Buffer<Query> run() {
-        const bool done = pool_.run(places_.size(), [&](std::size_t i) { count(i); }) && sum_up() &&
-                          pool_.run(places_.size(), [&](std::size_t i) { move(i); }) &&
-                          (shift_ == 0 || refine());
+        if (!pool_.run(next_.size(), [&](std::size_t i) { count(i); })) return nullptr;
+        find_places(next_, keys_);
+        const bool done =
+            pool_.run(next_.size(), [&](std::size_t i) { move(i); }) && (shift_ == 0 || refine());
         return done ? std::move(sorted_) : nullptr;
     }
 
  private:
-    std::size_t start(std::size_t share) const { return queries_.count * share / places_.size(); }
+    std::size_t start(std::size_t share) const { return queries_.count * share / next_.size(); }
 
     void count(std::size_t share) {
-        std::vector<std::uint32_t>& population = places_[share];
+        std::vector<std::uint32_t>& population = next_[share];
         population.assign(keys_, 0);
         const std::size_t end = start(share + 1);
         for (std::size_t i = start(share); i < end; i += abreast) {
@@ -61,23 +64,10 @@ class Sort {
         }
     }
 
-    // From the population of each key in each share to the place of its first query.
-    bool sum_up() {
-        std::uint32_t next = 0;
-        for (std::size_t key = 0; key < keys_; ++key) {
-            for (std::vector<std::uint32_t>& place : places_) {
-                const std::uint32_t population = place[key];
-                place[key] = next;
-                next += population;
-            }
-        }
-        return true;
-    }
-
     void move(std::size_t share) {
-        std::vector<std::uint32_t>& place = places_[share];
+        std::vector<std::uint32_t>& next = next_[share];
         for (std::size_t i = start(share); i < start(share + 1); ++i)
-            sorted_[place[cells_[i] >> shift_]++] = {cells_[i], static_cast<std::uint32_t>(i)};
+            sorted_[next[cells_[i] >> shift_]++] = {cells_[i], static_cast<std::uint32_t>(i)};
     }
 
     bool refine() {
@@ -95,7 +85,7 @@ class Sort {
     std::size_t keys_;
     Buffer<std::uint32_t> cells_;
     Buffer<Query> sorted_;
-    std::vector<std::vector<std::uint32_t>> places_;  // of the keys in each share
+    std::vector<std::vector<std::uint32_t>> next_;  // of each share and key: see find_places
 };
 
 }  // namespace
