@@ -31,8 +31,10 @@ int sign_of_wide_turn(const PlanarLattice<3>& lattice) {
     return det.sign();
 }
 
-bool axis_parallel(Point a, Point b, Point c) {
-    return ((a.x == b.x) & (b.x == c.x)) | ((a.y == b.y) & (b.y == c.y));
+// Axis-parallel lines, and points that coincide, as a query at a vertex does.
+bool are_plainly_collinear(Point a, Point b, Point c) {
+    const bool x_ab = a.x == b.x, x_bc = b.x == c.x, y_ab = a.y == b.y, y_bc = b.y == c.y;
+    return (x_ab & (x_bc | y_ab)) | (y_bc & (x_bc | y_ab)) | (a == c);
 }
 
 // A product with its exponent apart, so that it cannot leave the range of doubles.
@@ -67,7 +69,7 @@ int sign_of_scaled(Point a, Point b, Point c) {
 }  // namespace
 
 int orient2d_exact(Point a, Point b, Point c) {
-    if (axis_parallel(a, b, c)) return 0;
+    if (are_plainly_collinear(a, b, c)) return 0;
     if (const int sign = sign_of_scaled(a, b, c)) return sign;
     const PlanarLattice<3> lattice({a, b, c});
     return lattice.fits<1>() ? sign_of_turn(lattice) : sign_of_wide_turn(lattice);
