@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/input.hpp"
+#include "base/pair.hpp"
 
 namespace liftmesh {
 
@@ -13,7 +14,12 @@ struct Triangulated {
     const std::int32_t* simplices;  // count x 3, counter-clockwise
     const std::int32_t* neighbors;  // count x 3; entry k is opposite vertex k; -1 outside
     std::size_t count;
+    const Point* plain =  // the points, if they are laid out like this
+        points.is_plain() ? reinterpret_cast<const Point*>(points.data) : nullptr;
 
+    Pair place(std::int32_t row) const {
+        return plain ? pair(plain + row) : pair(points[static_cast<std::size_t>(row)]);
+    }
     std::int32_t vertex(std::int32_t simplex, int k) const {
         return simplices[3 * static_cast<std::ptrdiff_t>(simplex) + k];
     }
@@ -23,6 +29,7 @@ struct Triangulated {
     std::int32_t neighbor(std::int32_t simplex, int k) const {
         return neighbors[3 * static_cast<std::ptrdiff_t>(simplex) + k];
     }
+    Pair place(std::int32_t simplex, int k) const { return place(vertex(simplex, k)); }
     void prefetch(std::int32_t simplex) const {
         __builtin_prefetch(simplices + 3 * static_cast<std::ptrdiff_t>(simplex));
         __builtin_prefetch(neighbors + 3 * static_cast<std::ptrdiff_t>(simplex));

@@ -4,15 +4,28 @@
 
 namespace liftmesh {
 
+// Rarely needed, and so kept out of the loops of steps.
+[[gnu::cold, gnu::noinline]] Pair Walk::exact_turns() {
+    const Point tail = mesh_->corner(at_, wrapped(k_ + 2)),
+                head = mesh_->corner(at_, wrapped(k_ + 1));
+    const Point apex = mesh_->corner(at_, k_), query = point(query_);
+    const int turns[2] = {orient2d(tail, apex, query), orient2d(apex, head, query)};
+    is_in_doubt_ |= (turns[0] == 0) | (turns[1] == 0);
+    return Pair{static_cast<double>(turns[0]), static_cast<double>(turns[1])};
+}
+
 // Among the triangles that share the side or the corner on which the query lies.
 std::int32_t Walk::least_here(const Hubs* hubs) const {
-    const int on = (turn_[0] == 0) + (turn_[1] == 0) + (turn_[2] == 0);
-    if (on == 2) {
-        const int off = turn_[0] != 0 ? 0 : turn_[1] != 0 ? 1 : 2;
-        return least_around(wrapped(k_ + off), hubs);
+    int turn[3], on = 0;
+    for (int k = 0; k < 3; ++k) {
+        turn[k] = orient2d(mesh_->corner(at_, (k + 1) % 3), mesh_->corner(at_, (k + 2) % 3),
+                           point(query_));
+        if (turn[k] < 0) return outside;
+        on += turn[k] == 0;
     }
-    const int side = turn_[0] == 0 ? 0 : turn_[1] == 0 ? 1 : 2;
-    const std::int32_t across = mesh_->neighbor(at_, wrapped(k_ + side));
+    if (on == 2) return least_around(turn[0] != 0 ? 0 : turn[1] != 0 ? 1 : 2, hubs);
+    const int side = turn[0] == 0 ? 0 : turn[1] == 0 ? 1 : 2;
+    const std::int32_t across = mesh_->neighbor(at_, side);
     return across < 0 ? at_ : std::min(at_, across);
 }
 

@@ -3,13 +3,16 @@
 // and with exact orientations it ends at the right one, wherever it begins.
 //
 // A step is a chain of loads, at the end of which the side is as good as random. So no branch
-// depends on the side, and a caller with many queries takes steps of several walks in turn: their
-// loads overlap.
+// depends on the side, both sides are judged side by side, and a caller with many queries takes
+// steps of several walks in turn: their loads overlap. Corners are kept relative to the query,
+// which is the first thing that an orientation computes; where rounding leaves it open, they are
+// read again.
 #pragma once
 
-#include <bit>
+#include <cmath>
 #include <cstdint>
 
+#include "base/pair.hpp"
 #include "delaunay/hubs.hpp"
 #include "delaunay/triangulated.hpp"
 #include "predicates/orient2d.hpp"
@@ -22,40 +25,45 @@ class Walk {
 
     explicit Walk(const Triangulated& mesh) : mesh_(&mesh) {}
 
+    // Starts as if it had come across the first side of a triangle, from whichever side of it the
+    // query is not on. On that side, or beyond it where there is no triangle, it is in doubt.
     void begin(Point query, std::int32_t start) {
-        query_ = query;
-        at_ = start;
-        from_ = nowhere;
-        tail_ = mesh_->corner(start, 2);
-        head_ = mesh_->corner(start, 1);
-        turn_[0] = orient2d(head_, tail_, query);
+        query_ = pair(query);
+        const Pair tail = mesh_->place(start, 2), head = mesh_->place(start, 1);
+        const std::int32_t beyond = mesh_->neighbor(start, 0);
+        const int turn = orient2d(point(head), point(tail), query);
+        const bool crosses = (turn < 0) & (beyond >= 0);
+        from_ = crosses ? start : nowhere;
+        at_ = crosses ? beyond : start;
+        const Pair ends[2] = {tail - query_, head - query_};
+        tail_ = ends[crosses];
+        head_ = ends[!crosses];
+        is_in_doubt_ = (turn <= 0) & !crosses;
         is_outside_ = false;
     }
 
     // Before each step: fetches the corner that the triangle adds to the side just crossed.
     void look() {
         k_ = mesh_->place_of_neighbor(at_, from_);
-        apex_ = static_cast<std::size_t>(mesh_->vertex(at_, k_));
-        mesh_->points.prefetch(apex_);
+        apex_ = mesh_->vertex(at_, k_);
+        mesh_->points.prefetch(static_cast<std::size_t>(apex_));
     }
 
     // Goes to the next triangle. False if there is none: the walk has ended.
     bool step() {
-        const Point apex = mesh_->points[apex_];
-        turn_[1] = orient2d(tail_, apex, query_);
-        turn_[2] = orient2d(apex, head_, query_);
-        const unsigned beyond = (turn_[0] < 0) | (turn_[1] < 0) << 1 | (turn_[2] < 0) << 2;
-        if (beyond == 0) return false;
-        const int over = std::countr_zero(beyond);
-        const std::int32_t next = mesh_->neighbor(at_, wrapped(k_ + over));
+        const Pair apex = mesh_->place(apex_) - query_;
+        const Pair turns = turns_at(apex);
+        const PairBits order = Pair{turns[0], turns[0]} < Pair{turns[1], turns[1]};
+        const PairBits behind = turns < Pair{0, 0};
+        if ((behind[0] | behind[1]) == 0) return false;
+        const std::int32_t next =
+            mesh_->neighbor(at_, wrapped(k_ + 2 + static_cast<int>(order[0])));
         is_outside_ = next < 0;
         if (is_outside_) return false;
         mesh_->prefetch(next);
-        const double x[3] = {tail_.x, apex.x, head_.x}, y[3] = {tail_.y, apex.y, head_.y};
-        const int tail = wrapped(over + 2);
-        tail_ = {x[tail], y[tail]};
-        head_ = {x[over], y[over]};
-        turn_[0] = 1;
+        tail_ = order ? tail_ : apex;
+        head_ = order ? apex : head_;
+        is_in_doubt_ = false;
         from_ = at_;
         at_ = next;
         return true;
@@ -69,23 +77,38 @@ class Walk {
     // `unfinished` if many meet at the vertex, and no table of hubs is given.
     std::int32_t answer(const Hubs* hubs) const {
         if (is_outside_) return outside;
-        return (turn_[0] & turn_[1] & turn_[2]) != 0 ? at_ : least_here(hubs);
+        return is_in_doubt_ ? least_here(hubs) : at_;
     }
 
  private:
+    static constexpr double bound = (3 + 16 * 0x1p-53) * 0x1p-53;
     static constexpr std::int32_t nowhere = -2;  // no neighbour: that is the side opposite corner 0
 
     static int wrapped(int k) { return k - 3 * (k >= 3); }
+
+    // Positive where the query is on the inner side of tail and apex, and of apex and head: the
+    // determinants and the filter of `orient2d`.
+    Pair turns_at(Pair apex) {
+        const Pair left = Pair{tail_[0], apex[0]} * Pair{apex[1], head_[1]};
+        const Pair right = Pair{tail_[1], apex[1]} * Pair{apex[0], head_[0]};
+        const Pair turns = left - right;
+        const Pair error = bound * (magnitudes(left) + magnitudes(right)) + Pair{1e-300, 1e-300};
+        const PairBits sure = magnitudes(turns) > error;
+        if ((sure[0] & sure[1]) != 0) [[likely]]
+            return turns;
+        return exact_turns();
+    }
+    Pair exact_turns();
     std::int32_t least_here(const Hubs* hubs) const;
     std::int32_t least_around(int k, const Hubs* hubs) const;
 
     const Triangulated* mesh_;
-    Point query_;
-    Point tail_, head_;  // the side of the triangle opposite corner k, seen from across it
+    Pair query_;
+    Pair tail_, head_;  // the side of the triangle opposite corner k, seen from across it
     std::int32_t at_, from_;
-    int k_;             // the corner that from_ has not
-    std::size_t apex_;  // its row
-    int turn_[3];  // the orientation of the query and the sides opposite corners k, k + 1, k + 2
+    int k_;              // the corner that from_ has not
+    std::int32_t apex_;  // its row
+    bool is_in_doubt_;   // whether the query may be on the border of this triangle, or beyond
     bool is_outside_;
 };
 
