@@ -68,6 +68,21 @@ def test_a_million_queries_in_a_fan_take_seconds(family: str) -> None:
     assert time.process_time() - began < 10  # going around the centre: hours
 
 
+def test_the_rows_of_a_raster_need_no_index_of_edges() -> None:
+    tri = liftmesh.delaunay(PLANAR["uniform"](200_000))
+    raster = (np.indices((400, 400)).reshape(2, -1).T + 0.5) / 400
+
+    def seconds(each: liftmesh.Triangulation) -> float:
+        began = time.process_time()
+        each.find_simplex(raster)
+        return time.process_time() - began
+
+    tri.find_simplex(raster)
+    again = min(seconds(tri) for _ in range(4))
+    first = min(seconds(liftmesh.delaunay(tri.points)) for _ in range(3))
+    assert first < 2 * again
+
+
 def test_an_index_is_shared_by_threads_that_need_it_at_once() -> None:
     tri = liftmesh.delaunay(PLANAR["circle and centre"](50_000))
     asked = near_the_middle(tri)

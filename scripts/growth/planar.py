@@ -176,7 +176,7 @@ PLANAR = {
 }
 
 FANS = ("uniform", "circle and centre", "polar scan", "column and apex")
-HARD_TO_WALK = (*FANS, "facing arcs", "nested clusters")
+HARD_TO_WALK = (*FANS, "facing arcs", "nested clusters", "parabola")
 DEAR = (
     "mixed exponents", "wide line", "huge by denormal", "powers of two", "wide spiral",
     "tiny and far", "colliding hashes",

@@ -13,11 +13,12 @@ namespace {
 
 constexpr std::size_t simplices_per_cell = 16;
 constexpr std::size_t starts_per_cell = 2;
-constexpr std::size_t short_walk = 48;                           // steps
+constexpr std::size_t short_walk = 48, step_aside = 12;  // steps
+constexpr std::size_t queries_per_trial = 128, least_trials = 4, most_trials = 256;
 constexpr std::size_t hard_together = 15;                        // queries after one that was hard
 constexpr std::size_t queries_per_round = std::size_t{1} << 22;  // bounds the memory of the order
 constexpr std::size_t piece_size = std::size_t{1} << 12;
-constexpr std::size_t walks_abreast = 48;
+constexpr std::size_t walks_abreast = 48, queries_per_start = 8;
 constexpr std::size_t ahead = 4;  // queries that are fetched from memory in advance
 
 int depth_for(std::size_t simplices) {
@@ -92,15 +93,27 @@ class Locator::Round {
     }
 
  private:
-    // Whether most queries follow one in the same cell already, judged from a few pairs.
+    // Whether it is a short walk from most queries to the next, judged from a few pairs.
     bool are_neighbors() const {
-        const std::size_t pairs = std::min<std::size_t>(queries_.count / 4, 256);
+        const std::size_t pairs = std::min(
+            {queries_.count / 2, queries_.count / queries_per_trial + least_trials, most_trials});
         std::size_t near = 0;
         for (std::size_t i = 0; i < pairs; ++i) {
             const std::size_t at = sample_place(i, queries_.count - 1);
-            near += cell(at) == cell(at + 1);
+            if (!is_finite(queries_[at]) || !is_finite(queries_[at + 1])) continue;
+            Walk walk(mesh_);
+            walk.begin(queries_[at], locator_.start_[cell(at)]);
+            if (!ends_within(short_walk, walk)) continue;
+            walk.begin(queries_[at + 1], walk.at());
+            near += ends_within(step_aside, walk);
         }
         return near > pairs / 2;
+    }
+
+    static bool ends_within(std::size_t steps, Walk& walk) {
+        for (walk.look(); walk.step(); walk.look())
+            if (steps-- == 0) return false;
+        return true;
     }
 
     // One of several walks, from query to query. In the spatial order each cell has a start of its
@@ -121,7 +134,7 @@ class Locator::Round {
         bool advance() {
             if (!is_walking_) return false;
             if (walk_.step()) {
-                if (++steps_ > short_walk && round_.locator_.credit_-- <= 0) give_up();
+                if (++steps_ > short_walk && !may_go_on()) give_up();
             } else {
                 settle();
             }
@@ -148,9 +161,12 @@ class Locator::Round {
         void take() {
             const Query* order = round_.order_.get();
             query_ = order ? order[next_].index : static_cast<std::uint32_t>(next_);
-            if (order && last_ - next_ > ahead)
-                round_.queries_.prefetch(order[next_ + ahead].index);
-            if (order && order[next_].cell != cell_) enter(order[next_].cell);
+            if (last_ - next_ > ahead)
+                round_.queries_.prefetch(order ? order[next_ + ahead].index : next_ + ahead);
+            if (order) {
+                __builtin_prefetch(order + next_ + 4 * ahead);
+                if (order[next_].cell != cell_) enter(order[next_].cell);
+            }
             ++next_;
         }
 
@@ -165,6 +181,9 @@ class Locator::Round {
             steps_ = 0;
             is_walking_ = true;
         }
+
+        // A walk that has not begun in the cell of its query does so first.
+        bool may_go_on() { return has_jumped_ && round_.locator_.credit_-- > 0; }
 
         void settle() {
             const std::int32_t answer = walk_.answer(nullptr);
@@ -205,7 +224,9 @@ class Locator::Round {
         Patience patience(pool_.interrupt());
         std::vector<Site> hard;
         std::vector<Lane> lanes;
-        const std::size_t count = std::min(walks_abreast, last - first);
+        // Where a walk begins at the last query's end, its first one is the longest.
+        const std::size_t each = order_ ? 1 : queries_per_start;
+        const std::size_t count = std::min(walks_abreast, (last - first + each - 1) / each);
         lanes.reserve(count);
         for (std::size_t i = 0; i < count; ++i)
             lanes.emplace_back(*this, first + (last - first) * i / count,
