@@ -89,3 +89,34 @@ print((status("VmHWM") - before) / len(points))
 def test_the_kernel_takes_little_more_than_its_result() -> None:
     done = subprocess.run([sys.executable, "-c", PEAK], capture_output=True, text=True, check=True)
     assert float(done.stdout) < 80  # bytes a point; the result is 48
+
+
+INDEX = """
+import ctypes
+import numpy as np
+import liftmesh
+
+def resident():
+    ctypes.CDLL(None).malloc_trim(0)  # what was freed is no part of it
+    with open("/proc/self/status") as lines:
+        return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
+
+angle = 2 * np.pi * np.arange(2_000_000) / 1_999_999
+points = np.column_stack([np.cos(angle), np.sin(angle)])
+points[-1] = {last}
+liftmesh.delaunay(points[:1000]).find_simplex(points[:10])
+triangulation = liftmesh.delaunay(points)
+asked = np.random.default_rng(0).uniform(-0.5, 0.5, (1000, 2))  # far from the vertices
+before = resident()
+triangulation.find_simplex(asked)
+print((resident() - before) / len(points))
+"""
+
+
+@pytest.mark.parametrize("last", ["0", "1"])
+def test_the_index_of_point_location_takes_at_most_8_bytes_a_row(last: str) -> None:
+    program = INDEX.format(last=last)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert 1 < float(done.stdout) < 8

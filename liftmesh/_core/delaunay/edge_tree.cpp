@@ -21,77 +21,85 @@ double area(Point a, Point b, Point c) {
 
 }  // namespace
 
+// The pieces of the subtrees that are still to be made stand in one array, one after the other: the
+// memory is that of the sample and of the pieces that cuts have added.
 class EdgeTree::Builder {
  public:
-    Builder(const Triangulated& mesh, std::vector<Node>& nodes, Patience& patience)
-        : mesh_(mesh), nodes_(nodes), patience_(patience) {}
+    Builder(const Triangulated& mesh, std::vector<Node>& nodes, std::vector<Piece> sample,
+            Patience& patience)
+        : mesh_(mesh), nodes_(nodes), pieces_(std::move(sample)), patience_(patience) {}
 
-    // Adds a node for the first piece, and the subtrees of the parts of the others on either side,
-    // with at most `room` nodes in all. The pieces are in random order, so that the first is as
-    // good as any.
-    void build(std::vector<Piece> pieces, int level, std::size_t room) {
+    // Makes a subtree of at most `room` nodes of the pieces from the first to the last of all, and
+    // removes them. Its root is the first piece: they are in random order, so that it is as good
+    // as any.
+    void build(std::size_t first, int level, std::size_t room) {
         const std::size_t at = nodes_.size();
-        nodes_.push_back({0, pieces.front().edge & most_edges, 0});
-        std::vector<Piece> left, right;
-        divide(pieces, left, right);
-        pieces = {};
-        if (level == deepest || patience_.ends(left.size() + right.size())) return;
-        const std::size_t both = left.size() + right.size();
-        const std::size_t room_left = both == 0 ? 0 : (room - 1) * left.size() / both;
-        const std::size_t room_right = room - 1 - room_left;
-        if (!left.empty() && room_left > 0) {
+        nodes_.push_back({0, pieces_[first].edge & most_edges, 0});
+        const std::size_t middle = divide(first);
+        const std::size_t left = pieces_.size() - middle, both = pieces_.size() - first;
+        const bool is_last = both == 0 || level == deepest || patience_.ends(both);
+        const std::size_t rest = is_last ? 0 : room - 1;
+        const std::size_t room_left = is_last ? 0 : rest * left / both;
+        if (room_left > 0) {
             nodes_[at].has_left = 1;
-            build(std::move(left), level + 1, room_left);
+            build(middle, level + 1, room_left);
         }
-        if (!right.empty() && room_right > 0) {
+        pieces_.resize(middle);
+        if (middle != first && room_left < rest) {
             nodes_[at].right = static_cast<std::uint32_t>(nodes_.size());
-            build(std::move(right), level + 1, room_right);
+            build(first, level + 1, rest - room_left);
         }
+        pieces_.resize(first);
     }
 
  private:
-    void divide(const std::vector<Piece>& pieces, std::vector<Piece>& left,
-                std::vector<Piece>& right) const {
-        const Line cut = line(mesh_, pieces.front().edge);
-        for (std::size_t i = 1; i < pieces.size(); ++i) {
-            const Piece& piece = pieces[i];
+    // Puts the parts on the right of the first piece's line before those on the left, and returns
+    // where these begin.
+    std::size_t divide(std::size_t first) {
+        const Line cut = line(mesh_, pieces_[first].edge);
+        const std::size_t end = pieces_.size();
+        std::size_t middle = first;
+        left_.clear();
+        for (std::size_t i = first + 1; i < end; ++i) {
+            const Piece piece = pieces_[i];
             const Line edge = line(mesh_, piece.edge);
             const int tail = orient2d(cut.tail, cut.head, edge.tail);
             const int head = orient2d(cut.tail, cut.head, edge.head);
-            if (tail * head < 0) {
-                cross(piece, cut, edge, tail > 0 ? left : right, tail > 0 ? right : left);
-            } else if (tail + head != 0) {
-                (tail + head > 0 ? left : right).push_back(piece);
-            }
+            Piece left = piece, right = piece;
+            if (tail * head < 0) halve(tail > 0 ? left : right, tail > 0 ? right : left, cut, edge);
+            if ((tail > 0 || head > 0) && !left.is_empty()) left_.push_back(left);
+            if ((tail < 0 || head < 0) && !right.is_empty()) pieces_[middle++] = right;
         }
+        pieces_.resize(middle);
+        pieces_.insert(pieces_.end(), left_.begin(), left_.end());
+        return middle;
     }
 
-    // Of an edge that crosses the line the part on either side is kept, if it is in the cell. Where
-    // the share overflows it is NaN, and both parts are kept whole.
-    static void cross(const Piece& piece, const Line& cut, const Line& edge,
-                      std::vector<Piece>& with_tail, std::vector<Piece>& with_head) {
+    // The parts before and after the line of an edge that crosses it. Where the share overflows it
+    // is NaN, and both parts stay whole.
+    static void halve(Piece& with_tail, Piece& with_head, const Line& cut, const Line& edge) {
         const double tail = std::fabs(area(cut.tail, cut.head, edge.tail));
         const double head = std::fabs(area(cut.tail, cut.head, edge.head));
         const auto share = static_cast<float>(tail / (tail + head));
-        if (!(share <= piece.from))
-            with_tail.push_back({piece.edge, piece.from, std::fmin(piece.to, share)});
-        if (!(share >= piece.to))
-            with_head.push_back({piece.edge, std::fmax(piece.from, share), piece.to});
+        with_tail.to = std::fmin(with_tail.to, share);
+        with_head.from = std::fmax(with_head.from, share);
     }
 
     const Triangulated& mesh_;
     std::vector<Node>& nodes_;
+    std::vector<Piece> pieces_, left_;
     Patience& patience_;
 };
 
 EdgeTree::EdgeTree(const Triangulated& mesh, Patience& patience) : mesh_(mesh) {
-    std::vector<Piece> pieces(mesh.count / triangles_per_edge + 1);
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
+    std::vector<Piece> sample(mesh.count / triangles_per_edge + 1);
+    for (std::size_t i = 0; i < sample.size(); ++i) {
         const std::size_t triangle = sample_place(i, mesh.count);
-        pieces[i] = {static_cast<std::uint32_t>(3 * triangle + i % 3), 0, 1};
+        sample[i] = {static_cast<std::uint32_t>(3 * triangle + i % 3), 0, 1};
     }
-    const std::size_t room = nodes_per_edge * pieces.size();
-    Builder(mesh, nodes_, patience).build(std::move(pieces), 0, room);
+    const std::size_t room = nodes_per_edge * sample.size();
+    nodes_.reserve(room);  // what is not used does not become resident
+    Builder(mesh, nodes_, std::move(sample), patience).build(0, 0, room);
     nodes_.shrink_to_fit();
 }
 

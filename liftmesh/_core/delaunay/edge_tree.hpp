@@ -46,6 +46,8 @@ class EdgeTree {
     struct Piece {
         std::uint32_t edge;
         float from, to;
+
+        bool is_empty() const { return from >= to; }
     };
     class Builder;
 
