@@ -68,6 +68,18 @@ def test_a_million_queries_in_a_fan_take_seconds(family: str) -> None:
     assert time.process_time() - began < 10  # going around the centre: hours
 
 
+def test_rows_that_were_overwritten_are_not_walked_through_for_ever() -> None:
+    points = PLANAR["uniform"](20_000)
+    tri = liftmesh.delaunay(points)
+    asked = near_the_middle(tri)
+    points[::3] = np.nan
+    began = time.process_time()
+    found = tri.find_simplex(asked)
+    assert time.process_time() - began < 5
+    assert found.min() >= -1
+    assert found.max() < tri.nsimplex
+
+
 def test_the_rows_of_a_raster_need_no_index_of_edges() -> None:
     tri = liftmesh.delaunay(PLANAR["uniform"](200_000))
     raster = (np.indices((400, 400)).reshape(2, -1).T + 0.5) / 400

@@ -269,12 +269,15 @@ class Locator::Round {
         });
     }
 
-    // A walk longer than the triangulation means that the arrays were modified.
-    void walk_to_end(Walk& walk, Patience& patience) const {
-        walk.look();
-        for (std::size_t steps = 0; walk.step(); ++steps) {
-            if (steps == mesh_.count || patience.ends()) return;
-            walk.look();
+    // A walk longer than the triangulation means that the arrays were modified. What is found is
+    // meaningless then, and the next walks end soon.
+    void walk_to_end(Walk& walk, Patience& patience) {
+        std::size_t steps = 0;
+        for (walk.look(); walk.step(); walk.look()) {
+            if (patience.ends()) return;
+            if (++steps <= longest_walk_) continue;
+            longest_walk_ = short_walk;
+            return;
         }
     }
 
@@ -286,6 +289,7 @@ class Locator::Round {
     Buffer<Query> order_;
     std::mutex mutex_;
     std::vector<Site> hard_;
+    std::atomic<std::size_t> longest_walk_ = mesh_.count;
 };
 
 bool Locator::find(const Queries& queries, std::int32_t* found, Threads threads,
