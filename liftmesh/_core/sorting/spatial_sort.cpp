@@ -24,7 +24,7 @@ namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t cell_population = 96;
+constexpr std::size_t cell_population = 160;
 constexpr int deepest = 13;
 constexpr std::size_t sample_per_cell = 4;
 constexpr std::size_t abreast = 8;
