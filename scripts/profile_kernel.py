@@ -20,9 +20,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
-from benchmark.profile.build import KERNEL, build
 from benchmark.profile.callgrind import Cost, Place, profile
 from distributions import DISTRIBUTIONS
+from native.build import KERNEL, NATIVE, Program, built
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -33,6 +33,13 @@ CLONE = re.compile(r" \[clone [^]]*\]")
 TASK = re.compile(r"([\w:]+)\([^()]*\)(?: const)?::\{lambda\([^()]*\)#(\d+)\}")
 NESTED = re.compile(r"<[^<>]*>|\([^()]*\)(?: const)?")
 LIBRARY = "libraries"
+PROGRAM = Program(
+    "profile",
+    Path(__file__).parent / "benchmark" / "profile",
+    ("-O3", "-g"),
+    compiler=NATIVE,
+    remedy="install g++, or name a compiler in CXX",
+)
 HEADINGS = ("instructions\na point", "share", "mispredicted\na point")
 
 
@@ -44,8 +51,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, console.status("building"):
         folder = Path(name)
         points.tofile(folder / "points")
-        program = build(folder)
-        found = profile([str(program), str(folder / "points")], folder)
+        program = built(PROGRAM)
+        found = profile([str(program), str(folder / "points"), "1"], folder)
     title = f"{len(points):,} points, {options.distribution}, one thread"
     for name, costs in (("Functions", by_function(found)), ("Sources", by_source(found))):
         console.print(table_of(costs, f"{name}: {title}", len(points), options.top))

@@ -6,9 +6,9 @@ import subprocess
 from io import StringIO
 
 import pytest
-from benchmark.profile.build import DRIVER, FLAGS, KERNEL, compiler
 from benchmark.profile.callgrind import Cost, costs
-from profile_kernel import by_function, by_source, plain, table_of
+from native.build import KERNEL
+from profile_kernel import PROGRAM, by_function, by_source, plain, table_of
 from rich.console import Console
 
 FILE = f"""events: Ir Bc Bcm Bi Bim
@@ -68,4 +68,5 @@ def test_names_are_shown_without_what_is_long_in_them(name: str, short: str) -> 
 
 
 def test_the_driver_fits_the_kernel() -> None:
-    subprocess.run([*compiler(), *FLAGS, "-fsyntax-only", str(DRIVER)], check=True)
+    (driver,) = PROGRAM.folder.glob("*.cpp")
+    subprocess.run([*PROGRAM.compiled_with(driver), "-fsyntax-only", str(driver)], check=True)

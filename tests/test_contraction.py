@@ -27,6 +27,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import twin
+from native.instructions import beyond_sse2, fused
 from numpy.typing import NDArray
 from test_predicates import nearly_cocircular
 
@@ -36,15 +37,6 @@ CORE = Path(__file__).resolve().parent.parent / "liftmesh" / "_core"
 PROGRAMS = Path(__file__).parent / "contraction"
 PREDICATES = [CORE / f"predicates/{name}.cpp" for name in ("orient2d", "incircle", "perturbation")]
 FUSING = "-ffp-contract=fast"
-FUSED = re.compile(r"\s(?:vfn?m(?:add|sub)\w+|fn?m(?:add|sub)|fml[as])\s")
-
-
-def fused_instructions(binary: Path) -> int:
-    """Count them in a program or library, on x86 and on ARM."""
-    command = ["objdump", "--disassemble", "--no-show-raw-insn", binary]
-    return len(
-        FUSED.findall(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-    )
 
 
 def options() -> list[str]:
@@ -73,14 +65,14 @@ class TestTheProbe:
     def test_it_says_nothing_of_a_build_with_the_projects_options(self, tmp_path):
         program = build(tmp_path / "probe", options(), *self.SOURCES)
         assert self.says(program) == ["rounds as written"]
-        assert fused_instructions(program) == 0
+        assert fused(program) == 0
 
     def test_it_tells_a_build_that_may_fuse_and_the_remedy(self, tmp_path):
         program = build(tmp_path / "probe", [FUSING], *self.SOURCES)
         found, refusal = self.says(program)
         assert found == "contracts"
         assert "-ffp-contract=off" in refusal
-        assert fused_instructions(program) > 0
+        assert fused(program) > 0
 
     @pytest.mark.parametrize("fuses", ["caller", "kernel"])
     def test_it_asks_the_caller_and_the_kernel_each_for_itself(self, fuses, tmp_path):
@@ -97,7 +89,24 @@ class TestTheProbe:
 
 class TestTheKernelHere:
     def test_no_instruction_of_it_fuses(self):
-        assert fused_instructions(Path(_kernel.__file__)) == 0
+        assert fused(Path(_kernel.__file__)) == 0
+
+    def test_every_x86_64_processor_has_its_instructions(self):
+        assert beyond_sse2(Path(_kernel.__file__)) == set()
+
+    def test_later_instructions_would_be_seen(self, tmp_path):
+        """Those of this processor, in code that adds and counts."""
+        source = tmp_path / "sums.cpp"
+        source.write_text(
+            "void add(double* a, const double* b) { for (int i = 0; i < 64; ++i) a[i] += b[i]; }\n"
+            "int ones(unsigned long bits) { return __builtin_popcountl(bits); }\n"
+        )
+        target = tmp_path / "sums.o"
+        for flags, found in (((), False), (("-mavx2", "-mpopcnt"), True)):
+            if flags and platform.machine() not in {"x86_64", "AMD64"}:
+                continue
+            subprocess.run(["c++", "-O3", *flags, "-c", source, "-o", target], check=True)
+            assert bool(beyond_sse2(target)) == found
 
     def test_it_asks_itself_at_its_import(self):
         module = (CORE / "bindings.cpp").read_text("utf-8").partition("NB_MODULE(")[2]

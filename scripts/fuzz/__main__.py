@@ -30,13 +30,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from fuzz.build import OUT
 from fuzz.campaign import Outcome, fuzz, reason
 from fuzz.distill import distill
 from fuzz.shrink import shrink
 from fuzz.structure.campaign import ENDLESS, hunt, run_files
 from fuzz.structure.generators import GENERATORS
-from fuzz.targets import TARGETS, Target
+from fuzz.targets import OUT, TARGETS, Target
 
 STRUCTURE = "structure"
 

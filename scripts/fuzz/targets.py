@@ -6,7 +6,12 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzz.build import FUZZ_TARGET, HERE, OUT, ROOT, built
+from native.build import CHECKED, ROOT, Program, built
+
+HERE = Path(__file__).resolve().parent
+OUT = ROOT / "out" / "fuzz"
+COUNTED = "-fsanitize-coverage=inline-8bit-counters,pc-table"
+FUZZ_TARGET = Program("kernel", HERE / "kernel", CHECKED, (COUNTED,), ("-fsanitize=fuzzer",))
 
 KINDS = ("ply", "obj", "xyz", "numbers")
 SCRIPTS = ROOT / "scripts"

@@ -23,11 +23,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from fuzz.build import CHECKED, Program, built
+from native.build import CHECKED, TRACED, Program, built
 
 HERE = Path(__file__).resolve().parent
 PROGRAMS = {
-    "thread": Program("threads-thread", HERE, ("-fsanitize=thread",)),
+    "thread": Program("threads-thread", HERE, (*TRACED, "-fsanitize=thread")),
     "address": Program("threads-address", HERE, CHECKED),
 }
 ROWS = 100_000  # several threads write the triangles of more than 32,768 points

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "never.hpp"
 #include "text/lines.hpp"
 #include "text/number.hpp"
 #include "text/parsing.hpp"
@@ -26,13 +27,7 @@ namespace {
 
 namespace text = liftmesh::text;
 using liftmesh::ThreadPool;
-
-class Never final : public liftmesh::Interrupt {
- public:
-    bool requested() override { return false; }
-    void expect(std::size_t) override {}
-    void advance(std::size_t) override {}
-};
+using native::Never;
 
 void demand(bool condition, const char* what) {
     if (condition) return;
