@@ -2,11 +2,16 @@
 
     python scripts/profile_kernel.py                        100,000 uniform points, one thread
     python scripts/profile_kernel.py --distribution lattice --n 20000
+    python scripts/profile_kernel.py --stages               which stages many threads can share
 
 A small driver, built with the kernel's sources, runs under valgrind's callgrind. It counts
 instructions exactly and simulates a simple branch predictor, so mispredictions compare with each
 other but not with a processor's. Inlined code counts towards the function that it is inlined into,
 and towards the source file that it was written in.
+
+With `--stages`, each task of a run with 1, 2 and 16 threads is counted (a million points, unless
+`--n` says otherwise), and how long the stages are on so many threads follows by the model of
+`benchmark/stages/table.py`.
 """
 
 from __future__ import annotations
@@ -21,6 +26,8 @@ from pathlib import Path
 
 import numpy as np
 from benchmark.profile.callgrind import Cost, Place, profile
+from benchmark.stages.counting import steps_of
+from benchmark.stages.table import MANY, stages, table, verdict
 from distributions import DISTRIBUTIONS
 from native.build import KERNEL, NATIVE, Program, built
 from rich.console import Console
@@ -44,18 +51,29 @@ HEADINGS = ("instructions\na point", "share", "mispredicted\na point")
 
 
 def main() -> None:
-    """Build and profile the driver, and print two tables."""
+    """Count what one run of the kernel takes, and print tables."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=120)
-    points = DISTRIBUTIONS[options.distribution](options.n, np.random.default_rng(SEED))
-    with tempfile.TemporaryDirectory() as name, console.status("building"):
+    rows = options.n or (1_000_000 if options.stages else 100_000)
+    points = DISTRIBUTIONS[options.distribution](rows, np.random.default_rng(SEED))
+    with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         points.tofile(folder / "points")
-        program = built(PROGRAM)
+        if options.stages:
+            print_stages(folder)
+            return
+        with console.status("building"):
+            program = built(PROGRAM)
         found = profile([str(program), str(folder / "points"), "1"], folder)
     title = f"{len(points):,} points, {options.distribution}, one thread"
     for name, costs in (("Functions", by_function(found)), ("Sources", by_source(found))):
         console.print(table_of(costs, f"{name}: {title}", len(points), options.top))
+
+
+def print_stages(folder: Path) -> None:
+    """Print the stages as Markdown: millions of instructions, one after the other."""
+    runs = {n: stages(steps_of(folder / "points", n, folder), n) for n in (1, 2, MANY)}
+    print("\n".join(table(runs)), verdict(runs[MANY]), sep="\n\n")
 
 
 def read_options() -> Namespace:
@@ -63,7 +81,8 @@ def read_options() -> Namespace:
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--distribution", choices=DISTRIBUTIONS, default="uniform", metavar="D")
-    add("--n", type=int, default=100_000, metavar="ROWS")
+    add("--n", type=int, metavar="ROWS")
+    add("--stages", action="store_true", help="the stages of a run on many threads")
     add("--top", type=int, default=15, help="number of functions and of sources to list")
     return parser.parse_args()
 

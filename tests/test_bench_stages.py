@@ -1,0 +1,93 @@
+"""The stages of a run on many threads: files of callgrind put together, and the model's lengths."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+
+from benchmark.stages.counting import PROGRAM, Step, steps
+from benchmark.stages.table import MANY, NAMES, Stage, makespan, stages, table, verdict
+from native.build import KERNEL
+
+ALONE = "desc: Trigger: Client Request: alone"
+CELLS = "liftmesh::(anonymous namespace)::SpatialSort::find_cells()::{lambda(unsigned long)#1}"
+ENGINE = "liftmesh::(anonymous namespace)::Engine::run()::{lambda(unsigned long)#1}"
+
+
+def part(trigger: str, instructions: int) -> str:
+    return f"version: 1\n{trigger}\nevents: Ir\n\nfn=(1)\n0 5\ntotals: {instructions}\n"
+
+
+def asked(round_: int, work: str) -> str:
+    return f"desc: Trigger: Client Request: {round_} {work}"
+
+
+PARTS = [
+    part(ALONE, 100),
+    *(part(asked(1, CELLS), 1600) for _ in range(32)),
+    part(ALONE, 10),
+    *(part(asked(2, ENGINE), 3200) for _ in range(16)),
+    part(ALONE, 0),
+    *(part(asked(3, ENGINE), count) for count in (60, 80)),
+    part("desc: Trigger: Program termination", 7),
+]
+
+
+def test_files_become_steps_in_their_order() -> None:
+    assert steps(PARTS) == [
+        Step(100, CELLS, [1600] * 32),
+        Step(10, ENGINE, [3200] * 16),
+        Step(0, ENGINE, [60, 80]),
+        Step(7),
+    ]
+
+
+def test_the_next_free_thread_takes_the_next_task() -> None:
+    assert makespan([5, 3, 3, 3], 1) == 14
+    assert makespan([5, 3, 3, 3], 2) == 8
+    assert makespan([1] * 33, MANY) == 3
+    assert makespan([], 3) == 0
+
+
+def test_a_list_is_as_long_as_its_busiest_thread() -> None:
+    found = stages(steps(PARTS), MANY)
+    assert [stage.length for stage in found] == [100, 3200, 10, 3200, 0, 80, 7]
+    assert [stage.name for stage in found if stage.tasks] == [
+        NAMES["SpatialSort::find_cells"],
+        NAMES["Engine::run"],
+        "merges into 2 parts",
+    ]
+
+
+def test_the_table_has_a_row_for_each_and_the_sum_of_all() -> None:
+    rows = list(table({n: stages(steps(PARTS), n) for n in (1, MANY)}))
+    split = [row.replace("| |", "|").split(" | ") for row in rows]
+    cells = {first.strip("| "): others for first, *others in split}
+    assert cells["cells of the rows"] == ["32", "0.05", "0.00", "48.5 % |"]
+    assert cells["**whole**"] == ["**0.10**", "**0.01** |"]
+
+
+def test_what_only_few_threads_can_share_is_told() -> None:
+    found = [Stage("cells", 32, 320, 20), Stage("last", 1, 60, 60), Stage("alone", 0, 20, 20)]
+    told = verdict(found)
+    assert '"last", is 60.0 %' in told
+    assert "all of them together 80.0 %" in told
+    assert "4.0 times" in told
+
+
+def test_the_named_functions_are_those_that_share_out_work() -> None:
+    sources = "\n".join(path.read_text("utf-8") for path in KERNEL.rglob("*.cpp"))
+    for function in NAMES:
+        name = function.rpartition("::")[2]
+        body = re.search(rf"[ :]{name}\([^;{{]*\{{\n(?:.*\n)*?(?:\}}| {{4}}\}})\n", sources)
+        assert body is not None, function
+
+
+def test_the_counting_pool_fits_the_kernel() -> None:
+    replaced = {path.name for path in PROGRAM.folder.glob("*.cpp")}
+    assert replaced == {"thread_pool.cpp"}
+    for source in PROGRAM.sources():
+        if source.name in {"thread_pool.cpp", "driver.cpp"}:
+            assert not source.is_relative_to(KERNEL)
+            command = [*PROGRAM.compiled_with(source), "-fsyntax-only", str(source)]
+            subprocess.run(command, check=True)
