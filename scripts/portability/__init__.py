@@ -1,0 +1,1 @@
+"""The kernel built by several compilers for several machines: the same bits."""
