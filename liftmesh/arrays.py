@@ -5,7 +5,7 @@ from __future__ import annotations
 import decimal
 import math
 import numbers
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from liftmesh.shapes import is_masked_array, no_array, wrong_shape
 
 MOST_ROWS: int = _kernel.MOST_ROWS
 
+_DOUBLE = np.dtype(np.float64)
 _EXACT_INTEGERS = 2**53
 _LARGEST = float(np.finfo(np.float64).max)
 _LONGEST_SHOWN = 256  # bits
@@ -50,6 +51,8 @@ def as_coordinates(points: ArrayLike) -> Reals:
     >>> as_coordinates([[0, 1], [2, 3]]).dtype
     dtype('float64')
     """
+    if _is_usual(points):
+        return points
     array = _as_array(points)
     _check_shape(array.shape)  # before anything is copied
     array = _as_floating(_plain(array))
@@ -281,6 +284,15 @@ def used_rows(length: int, triangles: Rows) -> Rows:
         # NumPy does not notice when its own conversion of an index runs out of memory.
         used[corners[start : start + _PIECE].astype(np.intp)] = True
     return np.flatnonzero(used).astype(np.int32)
+
+
+def _is_usual(points: ArrayLike) -> TypeGuard[Floats]:
+    """Whether points are contiguous pairs of float64: small calls need no longer look."""
+    if type(points) is not np.ndarray or points.dtype is not _DOUBLE:
+        return False
+    flags, shape = points.flags, points.shape
+    is_plain = flags.c_contiguous and flags.aligned
+    return is_plain and len(shape) == 2 and shape[1] == 2 and shape[0] <= MOST_ROWS
 
 
 def _as_array(points: ArrayLike) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import second_opinion
 from clouds import FAMILIES
 from meshes import assert_oracle_agrees
 from numpy.typing import NDArray
@@ -164,3 +165,22 @@ def test_the_documented_method_is_the_default(points: NDArray[np.float64]) -> No
     auto = liftmesh.delaunay(points)
     named = liftmesh.delaunay(points, method="divide-and-conquer")
     np.testing.assert_array_equal(auto.simplices, named.simplices)
+
+
+def test_few_triangles_are_views_of_one_array_and_more_are_not() -> None:
+    """Whoever takes them sees no difference: 128 triangles are where it changes."""
+    rng = np.random.default_rng(71)
+    bases = set()
+    for n in range(3, 80):
+        points = rng.random((n, 2))
+        found = liftmesh.delaunay(points)
+        assert second_opinion.flaw(points, found.simplices, found.neighbors) == ""
+        edges = {tuple(edge) for edge in found.convex_hull.tolist()}
+        corner, side = np.nonzero(found.neighbors < 0)
+        start, end = (found.simplices[corner, (side + k) % 3].tolist() for k in (1, 2))
+        assert edges == set(zip(start, end, strict=True))
+        for array in (found.simplices, found.neighbors):
+            assert array.flags.c_contiguous
+            assert not array.flags.writeable
+        bases.add((found.nsimplex < 128, found.simplices.base is found.neighbors.base))
+    assert bases == {(True, True), (False, False)}

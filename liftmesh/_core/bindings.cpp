@@ -6,6 +6,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -92,25 +93,57 @@ const char* name(liftmesh::Status status) {
     return "";
 }
 
+struct Arrays {
+    nb::object simplices, neighbors, hull;
+};
+
+// Views of one array, whose rows are triangles, neighbours, and the hull in the first column: the
+// interpreter takes less time for these than for three arrays, and that is most of a small call.
+Arrays packed(const liftmesh::Result& result) {
+    const std::size_t triangles = result.triangle_count, hull = result.hull_count;
+    const std::size_t rows = 2 * triangles + hull, words = 3 * triangles;
+    auto values = liftmesh::allocate<std::int32_t>(3 * rows);
+    std::copy_n(result.simplices.get(), words, values.get());
+    std::copy_n(result.neighbors.get(), words, values.get() + words);
+    for (std::size_t i = 0; i < hull; ++i) values[2 * words + 3 * i] = result.hull[i];
+    const nb::object all = adopt(std::move(values), rows, 3);
+    return {nb::object(all[nb::slice(std::size_t{0}, triangles)]),
+            nb::object(all[nb::slice(triangles, 2 * triangles)]),
+            nb::object(all[nb::make_tuple(nb::slice(2 * triangles, rows), 0)])};
+}
+
+Arrays arrays(liftmesh::Result& result) {
+    constexpr std::size_t few = 128;
+    if (result.triangle_count > 0 && result.triangle_count < few) return packed(result);
+    return {adopt(std::move(result.simplices), result.triangle_count, 3),
+            adopt(std::move(result.neighbors), result.triangle_count, 3),
+            adopt(std::move(result.hull), result.hull_count, 1)};
+}
+
 nb::tuple as_tuple(liftmesh::Delaunay& outcome) {
     if (outcome.status == liftmesh::Status::interrupted) throw nb::python_error();
-    liftmesh::Result& result = outcome.result;
-    return nb::make_tuple(name(outcome.status), outcome.row, outcome.distinct,
-                          adopt(std::move(result.simplices), result.triangle_count, 3),
-                          adopt(std::move(result.neighbors), result.triangle_count, 3),
-                          adopt(std::move(result.hull), result.hull_count, 1),
-                          duplicates(outcome.duplicates), skipped(outcome.skipped));
+    auto [simplices, neighbors, hull] = arrays(outcome.result);
+    return nb::make_tuple(name(outcome.status), outcome.row, outcome.distinct, simplices, neighbors,
+                          hull, duplicates(outcome.duplicates), skipped(outcome.skipped));
 }
+
+// For runs that end long before a signal or `progress` would be due: each look at the clock takes
+// as long as a point.
+class NoInterrupt final : public liftmesh::Interrupt {
+ public:
+    bool requested() override { return false; }
+};
 
 nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned threads, bool shared,
                    nb::handle progress) {
+    constexpr std::size_t few = 512;  // the worst of them take 10 ms
     const Input input = read(rows);
-    PythonInterrupt interrupt(progress);
     liftmesh::Delaunay outcome;
-    {
+    const auto run = [&](liftmesh::Interrupt&& interrupt) {
         const nb::gil_scoped_release unlocked;
         outcome = liftmesh::delaunay(input, skip_non_finite, {threads, shared}, interrupt);
-    }
+    };
+    input.rows < few ? run(NoInterrupt()) : run(PythonInterrupt(progress));
     return as_tuple(outcome);
 }
 

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_coordinates, as_reals, as_rows3, read_only
 from liftmesh.choices import shown
-from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.planar.meshes import rows_of
@@ -24,6 +23,7 @@ from liftmesh.planar.meshes import rows_of
 if TYPE_CHECKING:
     import trimesh
 
+    from liftmesh.cloud import Cloud
     from liftmesh.io.files import Written
     from liftmesh.planar.counters import Counters
 
@@ -241,6 +241,8 @@ class LowerHull:
         >>> len(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_cloud())
         3
         """
+        from liftmesh.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
+
         metadata = {} if self.q is None else {"q": self.q}
         return Cloud(self.vertices, faces=self.faces, metadata=metadata)
 

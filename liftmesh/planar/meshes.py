@@ -35,8 +35,11 @@ def rows_of(points: Any) -> Any:
     >>> rows_of(liftmesh.Cloud(np.zeros((1, 3))))
     array([[0., 0., 0.]])
     """
-    is_record = isinstance(points, np.ndarray) and points.dtype.names is not None
-    if isinstance(points, np.ndarray | list | tuple) and not is_record:
+    if isinstance(points, np.ndarray):
+        is_record = points.dtype.names is not None
+    else:
+        is_record = not isinstance(points, list | tuple)
+    if not is_record:
         return points
     from liftmesh.io import registry  # noqa: PLC0415 - arrays do without
 

@@ -91,19 +91,24 @@ class Triangulation:
         skipped: Rows,
         counters: Counters | None = None,
     ) -> None:
-        self._rows = read_only(points)  # the array itself may be the caller's
+        self._rows = points  # perhaps the caller's: `points` is a read-only view
         self._hull = hull
         self.simplices = simplices
         self.neighbors = neighbors
         self.duplicates = duplicates
         self.skipped = skipped
         self.counters = counters
-        self._protect()
+        for array in self._given():
+            array.setflags(write=False)
+
+    def _given(self) -> tuple[Rows, ...]:
+        """Return the arrays that must stay as they are: point location relies on them."""
+        return self.simplices, self.neighbors, self._hull, self.duplicates, self.skipped
 
     def _protect(self) -> None:
-        """Make all arrays read-only: point location relies on them."""
-        for value in self.__dict__.values():
-            if isinstance(value, np.ndarray) and value.flags.writeable:
+        """Make all arrays read-only, but for the points, which may be the caller's."""
+        for name, value in self.__dict__.items():
+            if isinstance(value, np.ndarray) and name != "_rows":
                 value.setflags(write=False)
 
     def _kept(self, array: Array) -> Array:

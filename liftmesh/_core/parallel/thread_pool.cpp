@@ -34,10 +34,9 @@ unsigned claim(Threads threads) {
 }  // namespace
 
 ThreadPool::ThreadPool(Threads threads, Interrupt& interrupt)
-    : interrupt_(interrupt),
-      workers_(std::make_unique<Workers>()),
-      size_(claim(threads)),
-      forks_(forks) {}
+    : interrupt_(interrupt), size_(claim(threads)), forks_(forks) {
+    if (size_ > 1) workers_ = std::make_unique<Workers>();
+}
 
 // In a child that was forked during the run no worker is left to join, and destroying a condition
 // variable would wait for threads that waited on it at the time of the fork: the workers are
@@ -47,6 +46,11 @@ ThreadPool::~ThreadPool() {
         static_cast<void>(workers_.release());
         return;
     }
+    if (has_workers()) stop_workers();
+    busy -= size_;
+}
+
+void ThreadPool::stop_workers() {
     next_ = tasks_;
     {
         const std::lock_guard lock(mutex_);
@@ -54,7 +58,10 @@ ThreadPool::~ThreadPool() {
     }
     workers_->begin.notify_all();
     for (std::thread& worker : workers_->threads) worker.join();
-    busy -= size_;
+}
+
+bool ThreadPool::has_workers() const {
+    return workers_ != nullptr && !workers_->threads.empty();
 }
 
 bool ThreadPool::forked() const {
@@ -108,17 +115,27 @@ void ThreadPool::run_tasks() {
 }
 
 bool ThreadPool::run(std::size_t tasks, std::function<void(std::size_t)> work) {
+    if (size_ == 1) return run_alone(tasks, work);
     begin(tasks, std::move(work));
     return finish();
 }
 
+// What `begin` and `finish` would do, for calls on few points.
+bool ThreadPool::run_alone(std::size_t tasks, const std::function<void(std::size_t)>& work) {
+    for (std::size_t task = 0; task < tasks && !forked(); ++task) {
+        if (interrupt_.requested()) return false;
+        work(task);
+    }
+    return !forked() && !interrupt_.requested();
+}
+
 void ThreadPool::begin(std::size_t tasks, std::function<void(std::size_t)> work) {
     if (forked()) return;
-    if (tasks > 1 && size_ > 1 && workers_->threads.empty()) start_workers();
+    if (tasks > 1 && size_ > 1 && !has_workers()) start_workers();
     work_ = std::move(work);
     tasks_ = tasks;
     next_ = 0;
-    alone_ = tasks < 2 || workers_->threads.empty();
+    alone_ = tasks < 2 || !has_workers();
     if (alone_) return;
     {
         const std::lock_guard lock(mutex_);

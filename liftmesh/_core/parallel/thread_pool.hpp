@@ -74,14 +74,17 @@ class ThreadPool {
         std::condition_variable begin, end;
     };
 
+    bool has_workers() const;
     bool forked() const;
+    bool run_alone(std::size_t tasks, const std::function<void(std::size_t)>& work);
     void start_workers();
+    void stop_workers();
     void run_worker();
     void run_tasks();
     void wait();
 
     RelayedInterrupt interrupt_;
-    std::unique_ptr<Workers> workers_;
+    std::unique_ptr<Workers> workers_;  // none in a pool of one thread
     unsigned size_;
     unsigned forks_;
 
