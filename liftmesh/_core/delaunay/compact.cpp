@@ -57,7 +57,7 @@ class Compaction {
 
     template <class Visit>
     bool in_blocks(std::size_t count, Visit visit) {
-        constexpr std::size_t block = std::size_t{1} << 18;
+        constexpr std::size_t block = std::size_t{1} << 16;
         return pool_.run((count + block - 1) / block, [&](std::size_t i) {
             visit(i * block, std::min(count, (i + 1) * block));
         });
