@@ -191,12 +191,16 @@ def test_the_table_of_targets_says_yes_no_or_not_measured() -> None:
 def test_the_former_version_is_a_measure_and_no_rival() -> None:
     beside = {BEFORE: timing(2.0), f"{BEFORE}_2": timing(1.6)}
     uniform = measured(liftmesh=timing(1.0), liftmesh_2=timing(0.8), triangle=timing(9.0), **beside)
+    few = measured(10, liftmesh=timing(1.0), **{BEFORE: timing(1.25)})
     assert (uniform.against_before(1), uniform.against_before(2)) == (0.5, 0.5)
     assert uniform.best_rival(2) == TRIANGLE
     assert "0.50" in printed(*tables_of([uniform]))
     assert "before" not in printed(*tables_of([measured(liftmesh=timing(1.0))]))
-    reached = [t for t in targets([uniform], 100) if t.what == "time / before"]
-    assert [(t.work, t.bound, t.met) for t in reached] == [("100 uniform, 2 threads", 0.55, True)]
+    reached = [t for t in targets([few, uniform], 100) if t.what == "time / before"]
+    assert [(t.work, t.bound, t.met) for t in reached] == [
+        ("10 uniform, 1 thread", 0.6, False),
+        ("100 uniform, 2 threads", 0.55, True),
+    ]
     tiny = measured(10, liftmesh=timing(1e-6), **{BEFORE: timing(9e-6)})
     small = next(small_targets([tiny], MILLION))
     assert (small.what, small.met) == ("time / before", True)

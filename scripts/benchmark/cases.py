@@ -89,8 +89,9 @@ def targeted(case: Case, million: int) -> list[Case]:
     """The inputs on which targets are set, with the peers that the targets name."""
     some = grid(replace(case, patience=5.0), DEMANDING, [million])
     large = replace(case, size=10 * million, peers=(*ourselves(case), CGAL), patience=60.0)
+    patient = replace(case, patience=30.0)
     return [
-        *grid(replace(case, patience=30.0), ["uniform"], [million]),
+        *grid(patient, ["uniform"], [max(3, million // k) for k in (1000, 100, 10, 1)]),
         *some,
         large,
         hundred_million(case, million),

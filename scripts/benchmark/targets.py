@@ -93,6 +93,11 @@ def on_threads(found: Found, million: int) -> Iterator[Target]:
 
 def against_before(found: Found, million: int) -> Iterator[Target]:
     """Compare with the former version, if that was measured."""
+    for size in (million // 1000, million // 100, million // 10):
+        measurement = found.get(("uniform", size))
+        reached = measurement.against_before(1) if measurement else None
+        if reached is not None:
+            yield Target(f"{size:,} uniform, 1 thread", "time / before", 0.6, reached)
     for name in ("uniform", *DEMANDING):
         measurement = found.get((name, million))
         reached = measurement.against_before(2) if measurement else None
