@@ -36,7 +36,7 @@ def test_the_terrain():
     assert told["duplicates"] == told["overhangs"] == "0"
     assert told["collinear"] == "no"
     assert told["float32"].startswith("enough")
-    assert told["memory"] == "about 19.4 MB to triangulate"
+    assert told["memory"] == "about 13 MB to triangulate"
 
 
 def test_the_coordinate_system_is_shown_where_there_is_one(tmp_path):

@@ -6,7 +6,6 @@ own: a command that reads a PLY file loads no other reader.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
@@ -46,9 +45,9 @@ class OnCall:
         return f"{self.module}.{self.name}"
 
     @property
-    def __signature__(self) -> inspect.Signature:
-        """What `inspect.signature` returns: the signature of the function."""
-        return inspect.signature(self._imported())
+    def __wrapped__(self) -> Callable[..., Any]:
+        """The function itself: what `inspect.signature` and `inspect.unwrap` look at."""
+        return self._imported()
 
     def _imported(self) -> Callable[..., Any]:
         if self._function is None:

@@ -74,7 +74,7 @@ def _values(found: Format, option: inspect.Parameter) -> tuple[Any, ...]:
     """The values of an option whose type lists them, or is a switch."""
     kind = option.annotation
     if isinstance(kind, str):
-        kind = getattr(sys.modules[found.write.__module__], kind, kind)
+        kind = getattr(sys.modules[inspect.unwrap(found.write).__module__], kind, kind)
     if get_origin(kind) is Literal:
         return get_args(kind)
     if kind in ("bool", bool):

@@ -23,7 +23,7 @@ NAMES = {
     "SpatialSort::find_cells": "cells of the rows",
     "SpatialSort::touch_sites": "pages of the points",
     "SpatialSort::scatter": "points to their cells",
-    "SpatialSort::deduplicate_cells": "duplicates",
+    "SpatialSort::settle_cells": "check of cells, duplicates",
     "Engine::run": "subtrees: halving, leaves, merges",
     "Compaction::finish": "vertices to rows, edges to triangles",
 }
