@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from interrupt.worker import where
 
 import liftmesh
 from liftmesh import interruption
@@ -375,3 +376,12 @@ def test_check_raises_what_was_announced_until_it_is_withdrawn(tmp_path: Path) -
         interruption.withdraw()
     interruption.check()
     assert [*tmp_path.iterdir()] == []
+
+
+def test_the_campaign_names_the_stage_of_the_kernel() -> None:
+    def stop(_: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        liftmesh.delaunay(np.random.default_rng(1).random((2000, 2)), progress=stop)
+    assert where(caught.tb, 0.5) == "halving, merging (50%)"

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import second_opinion
@@ -184,3 +188,50 @@ def test_few_triangles_are_views_of_one_array_and_more_are_not() -> None:
             assert not array.flags.writeable
         bases.add((found.nsimplex < 128, found.simplices.base is found.neighbors.base))
     assert bases == {(True, True), (False, False)}
+
+
+@pytest.mark.parametrize("make", [liftmesh.delaunay, liftmesh.Delaunay])
+@pytest.mark.parametrize("form", ["float64", "float32", "column-major"])
+def test_the_form_of_the_callers_array_may_change_afterwards(
+    make: Callable[[NDArray[np.floating]], liftmesh.Triangulation], form: str
+) -> None:
+    given = np.random.default_rng(3).random((600, 2))
+    given = {
+        "float64": given,
+        "float32": given.astype(np.float32),
+        "column-major": np.asfortranarray(given),
+    }[form]
+    tri = make(given)
+    asked = np.random.default_rng(4).random((100, 2))
+    expected, points = make(given.copy()).find_simplex(asked), given.astype(np.float64)
+    given.shape = (1, 1200) if given.flags.c_contiguous else (600, 2, 1)
+    assert (tri.npoints, tri.points.shape) == (600, (600, 2))
+    np.testing.assert_array_equal(tri.points, points)
+    np.testing.assert_array_equal(tri.find_simplex(asked), expected)
+    assert given.flags.writeable
+
+
+def test_the_empty_arrays_of_a_result_are_its_own() -> None:
+    first, second = (liftmesh.delaunay(np.eye(3)[:, :2]) for _ in range(2))
+    first.duplicates.shape = (0,)
+    first.skipped.dtype = np.float64
+    assert (second.duplicates.shape, second.skipped.dtype) == ((0, 2), np.int32)
+    assert liftmesh.delaunay(np.eye(3)[:, :2]).coplanar.shape == (0, 3)
+
+
+def unpickled(tri: liftmesh.Triangulation) -> liftmesh.Triangulation:
+    found: liftmesh.Triangulation = pickle.loads(pickle.dumps(tri))
+    return found
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, unpickled])
+@pytest.mark.parametrize("make", [liftmesh.delaunay, liftmesh.Delaunay])
+def test_points_of_copies_stay_read_only(
+    make: Callable[[NDArray[np.float64]], liftmesh.Triangulation],
+    again: Callable[[liftmesh.Triangulation], liftmesh.Triangulation],
+) -> None:
+    given = np.random.default_rng(3).random((60, 2))
+    points = again(make(given)).points
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        points.setflags(write=True)
+    given[0] = 0  # the caller's own array is as it was

@@ -29,16 +29,24 @@ class OnCall:
     2.0
     """
 
-    __slots__ = ("_function", "module", "name")
-
     def __init__(self, module: str, name: str) -> None:
         self.module = module
-        self.name = name
+        self.name = self.__name__ = name
         self._function: Callable[..., Any] | None = None
 
     def __call__(self, *values: Any, **options: Any) -> Any:
         """Call the function."""
         return self._imported()(*values, **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.module, self.name)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other one stands for the same function."""
+        return isinstance(other, OnCall) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
 
     def __repr__(self) -> str:
         """Name the function in full."""

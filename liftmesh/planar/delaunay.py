@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, ParaboloidVertex, Progress, Reals, Rows
+from liftmesh._typing import Array, ParaboloidVertex, Progress, Rows
 from liftmesh.arrays import as_coordinates, non_finite, read_only
 from liftmesh.choices import Method, NonFinite, RowOrder, as_switch, check_option, check_progress
 from liftmesh.errors import DegenerateInputError
@@ -117,7 +117,7 @@ def delaunay(
            [3, 1, 2]], dtype=int32)
     """
     rows = rows_of(points)
-    return _triangulation(**solve(rows, method, q, nonfinite, order, threads, progress, copy))
+    return Triangulation(**solve(rows, method, q, nonfinite, order, threads, progress, copy))
 
 
 def solve(
@@ -185,30 +185,6 @@ def solve(
         "skipped": skipped,
         "counters": counters,
     }
-
-
-def _triangulation(
-    points: Reals,
-    simplices: Rows,
-    neighbors: Rows,
-    hull: Rows,
-    duplicates: Rows,
-    skipped: Rows,
-    counters: Counters | None,
-) -> Triangulation:
-    """Make what the constructor makes; the arrays are read-only already.
-
-    To look whether they are takes a tenth of a call on ten points.
-    """
-    found = Triangulation.__new__(Triangulation)
-    found._rows = points  # noqa: SLF001 - as in the constructor
-    found._hull = hull  # noqa: SLF001
-    found.simplices = simplices
-    found.neighbors = neighbors
-    found.duplicates = duplicates
-    found.skipped = skipped
-    found.counters = counters
-    return found
 
 
 def _check(method: Method, nonfinite: NonFinite, order: RowOrder, progress: object) -> None:

@@ -91,24 +91,18 @@ class Triangulation:
         skipped: Rows,
         counters: Counters | None = None,
     ) -> None:
-        self._rows = points  # perhaps the caller's: `points` is a read-only view
+        self._rows = read_only(points)  # the array itself may be the caller's
         self._hull = hull
         self.simplices = simplices
         self.neighbors = neighbors
         self.duplicates = duplicates
         self.skipped = skipped
         self.counters = counters
-        for array in self._given():
-            array.setflags(write=False)
-
-    def _given(self) -> tuple[Rows, ...]:
-        """Return the arrays that must stay as they are: point location relies on them."""
-        return self.simplices, self.neighbors, self._hull, self.duplicates, self.skipped
 
     def _protect(self) -> None:
-        """Make all arrays read-only, but for the points, which may be the caller's."""
-        for name, value in self.__dict__.items():
-            if isinstance(value, np.ndarray) and name != "_rows":
+        """Make all arrays read-only: point location relies on them."""
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):
                 value.setflags(write=False)
 
     def _kept(self, array: Array) -> Array:
@@ -328,14 +322,14 @@ class Triangulation:
         Raises
         ------
         InputError
-            The last axis is not of length two.
+            The last axis is not of length two, or LIFTMESH_NUM_THREADS is no number of threads.
 
         Notes
         -----
         The points are put into spatial order, unless they are in one, and located by visibility
         walks with exact orientations, on as many threads as `delaunay` uses by default. Where walks
-        are long, as in fans and among slivers, a tree of sampled edges shortens them, so that on
-        every triangulation a point takes O(log m) steps in expectation. The index takes at most 8
+        are long, as in fans and among slivers, a tree of sampled edges shortens them, though little
+        where millions of rows are nearly on one line. The index takes at most 8
         bytes for each row.
 
         Examples

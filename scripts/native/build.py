@@ -143,6 +143,7 @@ def _precompiled(program: Program, folder: Path) -> list[str]:
 
 def _forget_old(program: Program, folder: Path) -> None:
     """Delete all but the last few programs of a name."""
-    programs = [p for p in folder.glob(f"{program.name}-*") if p.is_file()]
+    digest = "[0-9a-f]" * 16  # the name of another program may begin with this one's
+    programs = [p for p in folder.glob(f"{program.name}-{digest}") if p.is_file()]
     for path in sorted(programs, key=lambda p: p.stat().st_mtime)[:-KEPT]:
         path.unlink(missing_ok=True)

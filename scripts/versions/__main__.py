@@ -53,8 +53,8 @@ class Version:
         self.name = self.child.stdout.readline().strip()
 
     def ask(self, file: Path, threads: int) -> None:
-        print(file, self.folder / f"{self.child.pid}.npz", threads, file=self.child.stdin)
-        self.child.stdin.flush()
+        answer = self.folder / f"{self.child.pid}.npz"
+        print(file, answer, threads, sep="\t", file=self.child.stdin, flush=True)
 
     def answer(self) -> Arrays:
         found = self.child.stdout.readline().strip()
@@ -104,7 +104,7 @@ def compare_small(new: Version, old: Version, options: Namespace) -> int:
         sets = [small_set(kinds[(compared + i) % len(kinds)], rng) for i in range(count)]
         found = compare(new, old, sets, threads=1)
         for i in range(0, count, options.oracle):
-            check_by_definition(sets[i], found, i)
+            check_by_definition(sets[i], found, i, new.folder)
         compared += count
     return compared
 
@@ -130,14 +130,14 @@ def compare(new: Version, old: Version, sets: list[Points], threads: int) -> Arr
     return found
 
 
-def check_by_definition(points: Points, found: Arrays, place: int) -> None:
+def check_by_definition(points: Points, found: Arrays, place: int, folder: Path) -> None:
     """Compare the triangles of a set with those of the definition."""
     if len(points) > MOST_FOR_THE_ORACLE:
         return
     at = exact(points.tolist())
     mine = {tuple(at[row] for row in triangle) for triangle in triangles(found, place)}
     if {tuple(sorted(t)) for t in mine} != {tuple(sorted(t)) for t in by_definition(at)}:
-        file = KEPT.with_stem("not-by-definition")
+        file = folder / "set.npz"
         np.savez(file, points=points, starts=[0, len(points)])
         fail(file, "another triangulation than the definition's")
 

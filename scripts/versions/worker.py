@@ -1,9 +1,9 @@
 """The process of one version: triangulates the sets of a file, and saves what is comparable.
 
-A request is a line: the file of the sets, the file for the answer, the number of threads. The
-triangles of all sets stand in one array, each turned to begin with its least row and all of them
-sorted; the neighbours follow them. An error is its message, without what it says of rows: 0.1.0
-found another end of a line first.
+A request is a line, with tabs between the file of the sets, the file for the answer and the number
+of threads. The triangles of all sets stand in one array, each turned to begin with its least row
+and all of them sorted; the neighbours follow them. An error is its message, without what it says of
+rows: 0.1.0 found another end of a line first.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Arrays = dict[str, NDArray[Any]]
 def main() -> None:
     print(f"liftmesh {liftmesh.__version__} in {sys.prefix}", flush=True)
     for line in sys.stdin:
-        source, target, threads = line.split()
+        source, target, threads = line.rstrip("\n").split("\t")
         with np.load(source) as given:
             np.savez(target, **triangulated(given["points"], given["starts"], int(threads)))
         print(target, flush=True)

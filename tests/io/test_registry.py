@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import inspect
 import os
+import pickle
 import subprocess
 import sys
 from array import array
@@ -12,7 +15,7 @@ import pytest
 
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError, UnsupportedTypeError
-from liftmesh.io.registry import Adapter, as_cloud
+from liftmesh.io.registry import Adapter, as_cloud, known_formats
 
 ROWS = [[0.0, 0.0, 5.0], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]
 
@@ -165,3 +168,11 @@ def test_an_adapter_is_a_frozen_record():
     adapter = Adapter("none", lambda source: False, as_cloud)
     with pytest.raises(AttributeError):
         adapter.name = "other"  # type: ignore[misc]
+
+
+def test_functions_that_are_imported_when_called_look_like_functions() -> None:
+    found = known_formats()["ply"]
+    assert found.write.__name__ == "write_ply"
+    assert "encoding" in inspect.signature(found.write).parameters
+    assert pickle.loads(pickle.dumps(found)) == found
+    assert len({found.write, copy.deepcopy(found.write)}) == 1

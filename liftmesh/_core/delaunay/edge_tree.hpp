@@ -1,9 +1,9 @@
 // Edges as cuts: a binary space partition by the lines of sampled edges of the triangulation. It
-// leads near any query in O(log n) expected steps where a walk from the nearest vertices does not:
-// in fans, and among slivers that are longer than their vertices are apart, such as those of points
-// on a circle. There the edges hardly cross each other's lines, so that the tree is as small as the
-// sample and balanced; where they are short, few lines are cut. A leaf is a convex cell that holds
-// few edges, and the walk that follows begins at an edge on its border.
+// leads near a query in few steps where a walk from the nearest vertices does not: in fans, and
+// among slivers that are longer than their vertices are apart. There the edges hardly cross each
+// other's lines, so that the tree is as small as the sample; where they are short, few lines are
+// cut. (Edges that are all nearly on one line leave it no good cuts.) A leaf is a convex cell that
+// holds few edges, and the walk that follows begins at an edge on its border.
 //
 // Sides are exact; which part of an edge lies in a cell is rounded, and whether it is right changes
 // the length of a walk, never its end.

@@ -27,6 +27,7 @@ int depth_for(std::size_t simplices) {
 
 Splitters splitters_for(const Triangulated& mesh) {
     const int depth = depth_for(mesh.count);
+    const IeeeArithmetic ieee;
     std::vector<Point> sample(std::size_t{1} << depth);
     for (std::size_t i = 0; i < sample.size(); ++i)
         sample[i] = mesh.corner(static_cast<std::int32_t>(sample_place(i, mesh.count)),
@@ -41,6 +42,7 @@ Locator::Locator(const Triangulated& triangulated)
       splitters_(splitters_for(triangulated)),
       start_(splitters_.cells(), -1),
       credit_(static_cast<std::int64_t>(triangulated.count / 4)) {
+    const IeeeArithmetic ieee;
     constexpr std::size_t abreast = 8;
     const std::size_t starts = std::min(mesh_.count, starts_per_cell * splitters_.cells());
     for (std::size_t i = 0; i < starts; i += abreast) {

@@ -3,9 +3,9 @@
 // A kd tree over a sample of the vertices puts the queries into spatial order, and knows a triangle
 // in each cell; a walk leads from one query to the next. A walk that would take long, as in a fan
 // or among slivers, is left to a second index, which cuts along the edges themselves. It is made
-// when the walks that took longer have cost as much as making it, so that no triangulation and no
-// query costs more than O(log n), and ordinary ones need the first index only. Answers depend on
-// the point alone: not on the other queries, their order or the threads.
+// once long walks have taken as many steps as a quarter of the triangles: ordinary triangulations
+// need the first index only. Answers depend on the point alone: not on the other queries, their
+// order or the threads.
 #pragma once
 
 #include <atomic>

@@ -65,7 +65,9 @@ def name_of(step: Step, merging: bool) -> str:
             if merging and function == "Engine::run":
                 return MERGES.format(len(step.tasks), "s" * (len(step.tasks) > 1))
             return name
-    return "ghosts give way"
+    if "Compaction::" in step.work:
+        return "ghosts give way"
+    raise ValueError(f"no name is known for the work of {step.work}")
 
 
 def makespan(tasks: list[int], threads: int) -> int:
