@@ -65,7 +65,7 @@ def name_of(step: Step, merging: bool) -> str:
             if merging and function == "Engine::run":
                 return MERGES.format(len(step.tasks), "s" * (len(step.tasks) > 1))
             return name
-    if "Compaction::" in step.work:
+    if "Compaction" in step.work:
         return "ghosts give way"
     raise ValueError(f"no name is known for the work of {step.work}")
 

@@ -25,10 +25,12 @@ void write_down(const std::string& what) {
     CALLGRIND_TOGGLE_COLLECT;
 }
 
+// The mangled name where there is no other, as of a lambda in a template.
 std::string name_of(const std::function<void(std::size_t)>& work) {
     int status = 0;
-    char* name = abi::__cxa_demangle(work.target_type().name(), nullptr, nullptr, &status);
-    std::string result = status == 0 ? name : "?";
+    const char* mangled = work.target_type().name();
+    char* name = abi::__cxa_demangle(mangled, nullptr, nullptr, &status);
+    std::string result = status == 0 ? name : mangled;
     std::free(name);
     return result;
 }
