@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import as_coordinates, non_finite, read_only
+from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.choices import Method, NonFinite, RowOrder, as_switch, check_option, check_progress
 from liftmesh.errors import DegenerateInputError
 from liftmesh.planar.counters import Counters
@@ -220,4 +220,4 @@ def _canonical_order(rows: Array, simplices: Rows, neighbors: Rows) -> tuple[Row
     new_name = np.empty(len(simplices) + 1, dtype=np.int32)
     new_name[by_points] = np.arange(len(simplices), dtype=np.int32)
     new_name[-1] = -1
-    return read_only(simplices[by_points]), read_only(new_name[neighbors[by_points]])
+    return simplices[by_points], new_name[neighbors[by_points]]

@@ -124,8 +124,11 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         self.npoints = len(solution["points"])
         self.nsimplex = len(self.simplices)
 
+    def _given(self) -> tuple[Rows, ...]:
+        return *self._exact, self._hull, self.duplicates, self.skipped
+
     def _protect(self) -> None:
-        for array in (*self._exact, self._rows, self._hull, self.duplicates, self.skipped):
+        for array in (self._rows, *self._given()):
             array.setflags(write=False)
 
     def _kept(self, array: Array) -> Array:

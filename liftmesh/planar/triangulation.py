@@ -98,9 +98,15 @@ class Triangulation:
         self.duplicates = duplicates
         self.skipped = skipped
         self.counters = counters
+        for array in self._given():
+            array.setflags(write=False)
+
+    def _given(self) -> tuple[Rows, ...]:
+        """Return the arrays that must stay as they are: point location relies on them."""
+        return self.simplices, self.neighbors, self._hull, self.duplicates, self.skipped
 
     def _protect(self) -> None:
-        """Make all arrays read-only: point location relies on them."""
+        """Make all arrays read-only, as those of copies are not."""
         for value in self.__dict__.values():
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)

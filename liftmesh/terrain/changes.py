@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.arrays import as_coordinates, non_finite, read_only
+from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.cloud import Cloud
 from liftmesh.color_depth import judged, with_depth
 from liftmesh.errors import InputError
@@ -100,7 +100,7 @@ def _moved(surface: Surface, vertices: Floats) -> Triangulation:
     if len(old.skipped):
         planar = planar.copy()
         planar[old.skipped] = np.nan
-    hull = read_only(_from_least(old.convex_hull[:, 0], planar))
+    hull = _from_least(old.convex_hull[:, 0], planar)
     found = Triangulation(planar, old.simplices, old.neighbors, hull, old.duplicates, old.skipped)
     row, kept = old.duplicates.T
     if not np.array_equal(planar[row], planar[kept]) or not found.verify().canonical:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import check_finite, non_finite, read_only
+from liftmesh.arrays import check_finite, non_finite
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.files import read_cloud
@@ -289,9 +289,9 @@ def _chosen(solution: dict[str, Any], choice: Choice) -> dict[str, Any]:
     vertex_of = np.arange(len(solution["points"]), dtype=np.int32)
     vertex_of[choice.kept[changed]] = choice.chosen[changed]
     return solution | {
-        "simplices": read_only(vertex_of[solution["simplices"]]),
-        "hull": read_only(vertex_of[solution["hull"]]),
-        "duplicates": read_only(np.stack([choice.left_out, choice.representatives], axis=1)),
+        "simplices": vertex_of[solution["simplices"]],
+        "hull": vertex_of[solution["hull"]],
+        "duplicates": np.stack([choice.left_out, choice.representatives], axis=1),
     }
 
 
