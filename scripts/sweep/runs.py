@@ -174,6 +174,11 @@ def _python_ended(planned: Plan, end: _End) -> bool:
     return end.code in dead or (b"Exception ignored in" in end.err and end.code in later)
 
 
+def _was_lost(end: _End) -> bool:
+    """Whether Python lost the signal before the first line, so that the command went on."""
+    return end.stage == BEFORE and end.code == 0
+
+
 def _begins(found: bytes, whole: bytes) -> bool:
     """Whether a text is the beginning of another, apart from the numbers, which differ."""
     return _without_figures(whole).startswith(_without_figures(found))
@@ -191,5 +196,5 @@ def _of_files(planned: Plan, end: _End, place: Path, known: Known) -> Iterator[s
         elif path.name in planned.job.outputs and path.read_bytes() != OLD:
             if path.read_bytes() != known.written[planned.job][path.name]:
                 yield f"{path.name} is not whole"
-            if path.stat().st_ctime > end.sent + _TICK:
+            if path.stat().st_ctime > end.sent + _TICK and not _was_lost(end):
                 yield f"{path.name} was written {path.stat().st_ctime - end.sent:.3f} s later"
