@@ -27,8 +27,9 @@ from liftmesh.cli.terminal import bytes_text
 COMMANDS = ["triangulate", "compare", "info", "paper"]
 
 
-def test_version():
-    done = process("--version")
+@pytest.mark.parametrize("after", [[], ["triangulate"]])
+def test_version(after):
+    done = process("--version", *after)
     assert (done.returncode, done.stdout) == (0, f"liftmesh {version('liftmesh')}\n")
 
 

@@ -99,7 +99,7 @@ def _run(
 def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     """Run a command; convert an exception to its exit code and one line, unless a signal came."""
     try:
-        if words == ["--version"]:  # typer takes longer to import
+        if words[:1] == ["--version"]:  # typer takes longer to import
             print(f"liftmesh {liftmesh.__version__}", flush=True)
             return exit_codes.DONE
         code = _app(words)

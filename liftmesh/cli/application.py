@@ -1,4 +1,4 @@
-"""The application: its commands, the text of ``liftmesh --help``, and ``--version``."""
+"""The application: its commands, and the text of ``liftmesh --help``."""
 
 from __future__ import annotations
 
@@ -70,20 +70,7 @@ def application(words: Sequence[str]) -> typer.Typer:
     return app
 
 
-def _show_version(requested: bool) -> None:
-    if requested:
-        from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
-
-        typer.echo(f"liftmesh {version('liftmesh')}")
-        raise typer.Exit
-
-
 def liftmesh(
-    _version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_show_version, is_eager=True, help="Show the version and exit."
-        ),
-    ] = False,
+    _version: Annotated[bool, typer.Option("--version", help="Show the version and exit.")] = False,
 ) -> None:
-    """Define the options that precede a command."""
+    """Define the options that precede a command; `liftmesh.cli` answers ``--version``."""

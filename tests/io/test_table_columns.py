@@ -196,7 +196,8 @@ def test_colours_and_normals_are_groups() -> None:
         ("x,y,z\n1,2,3\n", {"columns": "x=y,y=y"}, "takes 'y' for 'x' and for 'y'"),
         ("x,y,z\n1,2,3\n", {"columns": "x=-x"}, "only z can have one"),
         ("x,y,z\n1,2,3\n", {"columns": "x,y"}, "names 2 columns, and the table has 3"),
-        ("1 2 3\n", {"columns": "a,b,c"}, "has no column x or y"),
+        ("1 2 3\n", {"columns": "a,b,c"}, "columns to 'a', 'b', 'c', and none of these is x or y"),
+        ("x,y\n1,2\n", {"columns": "a,y"}, "columns to 'a', 'y', and none of these is x: name"),
     ],
 )
 def test_what_is_in_doubt_or_does_not_fit_is_refused(

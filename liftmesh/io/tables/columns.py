@@ -253,6 +253,11 @@ class _Choice:
 
     def _check(self, named: Sequence[str], names: Sequence[str], *, flat: bool) -> None:
         missing = [each for each in ("x", "y") if each not in names]
+        if missing and list(named) != list(self._given):
+            raise FormatError(
+                f"{self._where}: columns= renames the columns to {shown(named)}, and none of these "
+                f"is {' or '.join(missing)}: name x and y among them"
+            )
         if missing:
             raise FormatError(
                 f"{self._where}: the header {shown(self._given)} has no column "
