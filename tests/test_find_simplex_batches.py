@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from growth.counting import count
 from growth.functions import centroids, near_the_middle
-from growth.planar import PLANAR
+from growth.planar import PLANAR, THIN
 from numpy.typing import NDArray
 
 import liftmesh
 
-HARD = ("circle and centre", "polar scan", "column and apex", "facing arcs", "nested clusters")
+FANS = ("circle and centre", "polar scan", "column and apex")
+HARD = (*FANS, *THIN, "facing arcs", "nested clusters")
 WIDE = ("mixed exponents", "wide line", "tiny and far", "wide spiral", "huge by denormal")
 
 
@@ -68,6 +69,16 @@ def test_many_queries_in_a_fan_take_seconds(family: str) -> None:
     began = time.process_time()
     tri.find_simplex(asked)
     assert time.process_time() - began < 10  # going around the centre: hours
+
+
+@pytest.mark.parametrize("family", ["oblique line", "noisy cross"])
+def test_thin_triangles_take_no_longer_among_many(family: str) -> None:
+    tri = liftmesh.delaunay(PLANAR[family](400_000))
+    asked = centroids(tri)[:20_000]
+    tri.find_simplex(asked)
+    began = time.process_time()
+    tri.find_simplex(asked)
+    assert time.process_time() - began < 0.3  # cuts at rounded places: 0.6 and growing
 
 
 def test_rows_that_were_overwritten_are_not_walked_through_for_ever() -> None:

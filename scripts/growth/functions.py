@@ -294,7 +294,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     for place, counted in (
         (near_the_middle, HARD_TO_WALK),
         (around_the_last_row, FANS[:2]),
-        (centroids, HARD_TO_WALK[-3:]),
+        (centroids, HARD_TO_WALK[len(FANS) :]),
     ):
         label = f"Triangulation.find_simplex {place.__name__.replace('_', ' ')}"
         yield label, PLANAR, queries(place), counted

@@ -143,6 +143,34 @@ def cross(n: int) -> Points:
     return np.where(even, np.column_stack([along, nothing]), np.column_stack([nothing, along]))
 
 
+def oblique_line(n: int) -> Points:
+    """A line along no axis: its triangles are what rounding made, thinner than any arithmetic."""
+    along = random().random(n)
+    return np.column_stack([along, 0.1 * along])
+
+
+def line_and_two(n: int) -> Points:
+    """An oblique line and a row on either side: two fans, with triangles of rounding between."""
+    along = random().random(n - 2)
+    return np.vstack([np.column_stack([along, 0.3 * along]), [[0.9, -0.8], [0.1, 0.9]]])
+
+
+def hexagon_sides(n: int) -> Points:
+    """Rows on the sides of a hexagon: thin triangles along each, and long ones across."""
+    rng = random()
+    corners = polar(1.0, np.pi / 3 * np.arange(7))
+    side, along = rng.integers(0, 6, n), rng.random((n, 1))
+    return corners[side] * (1 - along) + corners[side + 1] * along
+
+
+def noisy_cross(n: int) -> Points:
+    """Two noisy lines that nearly cross: thin triangles along both, long ones between."""
+    rng = random()
+    along = rng.uniform(-1, 1, n)
+    slope = np.where(np.arange(n) % 2 == 0, 0.3, -0.3)
+    return np.column_stack([along, slope * along + 1e-12 * rng.standard_normal(n)])
+
+
 def wide_spiral(n: int) -> Points:
     """A spiral over all exponents: neighbours differ by orders of magnitude."""
     t = random().uniform(-700, 700, n)
@@ -171,12 +199,17 @@ PLANAR = {
         sorted_rows,
         organ_pipe,
         cross,
+        oblique_line,
+        line_and_two,
+        hexagon_sides,
+        noisy_cross,
         wide_spiral,
     ),
 }
 
 FANS = ("uniform", "circle and centre", "polar scan", "column and apex")
-HARD_TO_WALK = (*FANS, "facing arcs", "nested clusters", "parabola")
+THIN = ("oblique line", "line and two", "hexagon sides", "noisy cross")
+HARD_TO_WALK = (*FANS, *THIN, "facing arcs", "nested clusters", "parabola")
 DEAR = (
     "mixed exponents", "wide line", "huge by denormal", "powers of two", "wide spiral",
     "tiny and far", "colliding hashes",

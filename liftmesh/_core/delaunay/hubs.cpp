@@ -20,7 +20,7 @@ Hubs::Hubs(const Triangulated& mesh, Patience& patience) {
     std::sort(hubs_.begin(), hubs_.end());
 }
 
-std::int32_t Hubs::least_triangle(std::int32_t vertex) const {
+std::int32_t Hubs::first_triangle(std::int32_t vertex) const {
     const auto at = std::lower_bound(hubs_.begin(), hubs_.end(), std::pair(vertex, 0));
     return at != hubs_.end() && at->first == vertex ? at->second : -1;
 }

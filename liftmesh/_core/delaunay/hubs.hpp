@@ -1,5 +1,5 @@
 // Hubs: the vertices of so many triangles that going around one takes long. For each of them this
-// table holds the least of its triangles, which is the answer to a query at the vertex.
+// table holds the first of its triangles, which is the answer to a query at the vertex.
 //
 // All vertices together have three corners for each triangle, so that the table has at most n / 10
 // entries.
@@ -20,8 +20,8 @@ class Hubs {
 
     Hubs(const Triangulated& mesh, Patience& patience);
 
-    // The least triangle at a vertex; -1 if the vertex is no hub.
-    std::int32_t least_triangle(std::int32_t vertex) const;
+    // The first triangle at a vertex; -1 if the vertex is no hub.
+    std::int32_t first_triangle(std::int32_t vertex) const;
 
  private:
     std::vector<std::pair<std::int32_t, std::int32_t>> hubs_;  // vertex and triangle, ascending

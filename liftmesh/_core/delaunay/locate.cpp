@@ -5,6 +5,8 @@
 #include <mutex>
 
 #include "base/floating_point.hpp"
+#include "delaunay/ties.hpp"
+#include "delaunay/vertical_walks.hpp"
 #include "sorting/sample.hpp"
 
 namespace liftmesh {
@@ -19,7 +21,9 @@ constexpr std::size_t hard_together = 15;                        // queries afte
 constexpr std::size_t queries_per_round = std::size_t{1} << 22;  // bounds the memory of the order
 constexpr std::size_t piece_size = std::size_t{1} << 12;
 constexpr std::size_t walks_abreast = 48, queries_per_start = 8;
-constexpr std::size_t ahead = 4;  // queries that are fetched from memory in advance
+constexpr std::size_t triangles_per_step_of_map = 2, triangles_per_step_of_hubs = 2;
+constexpr std::size_t steps_per_query = 128;  // roughly, in the map and from there
+constexpr std::size_t ahead = 4;              // queries that are fetched from memory in advance
 
 int depth_for(std::size_t simplices) {
     return static_cast<int>(std::bit_width(simplices / simplices_per_cell + 1)) - 1;
@@ -41,7 +45,8 @@ Locator::Locator(const Triangulated& triangulated)
     : mesh_(triangulated),
       splitters_(splitters_for(triangulated)),
       start_(splitters_.cells(), -1),
-      credit_(static_cast<std::int64_t>(triangulated.count / 4)) {
+      map_(triangulated.count / triangles_per_step_of_map),
+      hubs_(triangulated.count / triangles_per_step_of_hubs) {
     const IeeeArithmetic ieee;
     constexpr std::size_t abreast = 8;
     const std::size_t starts = std::min(mesh_.count, starts_per_cell * splitters_.cells());
@@ -62,18 +67,15 @@ Locator::Locator(const Triangulated& triangulated)
     for (std::int32_t& start : start_) last = start = start < 0 ? last : start;
 }
 
-Locator::~Locator() {
-    delete index_.load();
-}
-
 // Two threads that need it at once make one each, and the first to finish keeps it: a lock held
-// during a fork would never be released in the child.
-const Locator::Index* Locator::index(Patience& patience) {
-    if (const Index* ready = index_.load()) return ready;
-    std::unique_ptr<const Index> made(new Index{{mesh_, patience}, {mesh_, patience}});
-    if (patience.ends()) return nullptr;
-    const Index* ready = nullptr;
-    return index_.compare_exchange_strong(ready, made.get()) ? made.release() : ready;
+// during a fork would never be released in the child. Null if the interrupt came first.
+template <class Part>
+const Part* Locator::Lazy<Part>::get(const Triangulated& mesh, Patience& patience) {
+    if (const Part* ready = part_.load()) return ready;
+    auto made = std::make_unique<const Part>(mesh, patience);
+    if (patience.ends(0)) return nullptr;
+    const Part* ready = nullptr;
+    return part_.compare_exchange_strong(ready, made.get()) ? made.release() : ready;
 }
 
 // Some queries of one call.
@@ -91,10 +93,21 @@ class Locator::Round {
         const auto walk = [&](std::size_t i) {
             walk_through(i * piece_size, std::min(queries_.count, (i + 1) * piece_size));
         };
-        return pool_.run(pieces, walk) && (hard_.empty() || find_hard());
+        return pool_.run(pieces, walk) && (hard_.empty() || find_hard()) &&
+               (at_hubs_.empty() || find_at_hubs());
     }
 
  private:
+    struct AtHub {
+        std::int32_t vertex;
+        std::uint32_t query;
+    };
+    // Queries that are left for later.
+    struct Postponed {
+        std::vector<Site> hard;  // a walk does not reach them soon
+        std::vector<AtHub> at_hubs;
+    };
+
     // Whether it is a short walk from most queries to the next, judged from a few pairs.
     bool are_neighbors() const {
         const std::size_t pairs = std::min(
@@ -122,8 +135,8 @@ class Locator::Round {
     // own; otherwise a cell's start helps where the way from the last query was too long.
     class Lane {
      public:
-        Lane(Round& round, std::size_t first, std::size_t last, std::vector<Site>& hard)
-            : round_(round), next_(first), last_(last), hard_(hard), walk_(round.mesh_) {
+        Lane(Round& round, std::size_t first, std::size_t last, Postponed& postponed)
+            : round_(round), next_(first), last_(last), postponed_(postponed), walk_(round.mesh_) {
             if (!round.order_ && first != last) enter(round.cell(first));
             next();
         }
@@ -149,10 +162,10 @@ class Locator::Round {
                 take();
                 const Point p = round_.queries_[query_];
                 if (!is_finite(p)) {
-                    round_.found_[query_] = Walk::outside;
+                    round_.found_[query_] = outside;
                 } else if (hard_to_come_ > 0) {
                     --hard_to_come_;
-                    hard_.push_back({p, query_});
+                    postponed_.hard.push_back({p, query_});
                 } else {
                     has_jumped_ = round_.order_ != nullptr;
                     begin();
@@ -185,12 +198,10 @@ class Locator::Round {
         }
 
         // A walk that has not begun in the cell of its query does so first.
-        bool may_go_on() { return has_jumped_ && round_.locator_.credit_-- > 0; }
+        bool may_go_on() { return has_jumped_ && round_.locator_.map_.credit-- > 0; }
 
         void settle() {
-            const std::int32_t answer = walk_.answer(nullptr);
-            if (answer == Walk::unfinished) return give_up();
-            round_.found_[query_] = answer;
+            round_.settle({round_.queries_[query_], query_}, walk_, postponed_);
             start_ = walk_.at();
             next();
         }
@@ -202,14 +213,14 @@ class Locator::Round {
                 enter(round_.cell(query_));
                 return begin();
             }
-            hard_.push_back({round_.queries_[query_], query_});
+            postponed_.hard.push_back({round_.queries_[query_], query_});
             hard_to_come_ = hard_together;
             next();
         }
 
         Round& round_;
         std::size_t next_, last_;
-        std::vector<Site>& hard_;
+        Postponed& postponed_;
         Walk walk_;
         std::uint32_t query_ = 0, cell_ = ~std::uint32_t{0};
         std::int32_t start_ = 0;
@@ -224,7 +235,7 @@ class Locator::Round {
     // Several walks go through a share of the queries each.
     void walk_through(std::size_t first, std::size_t last) {
         Patience patience(pool_.interrupt());
-        std::vector<Site> hard;
+        Postponed postponed;
         std::vector<Lane> lanes;
         // Where a walk begins at the last query's end, its first one is the longest.
         const std::size_t each = order_ ? 1 : queries_per_start;
@@ -232,55 +243,74 @@ class Locator::Round {
         lanes.reserve(count);
         for (std::size_t i = 0; i < count; ++i)
             lanes.emplace_back(*this, first + (last - first) * i / count,
-                               first + (last - first) * (i + 1) / count, hard);
+                               first + (last - first) * (i + 1) / count, postponed);
         for (bool are_busy = true; are_busy && !patience.ends(count);) {
             are_busy = false;
             for (Lane& lane : lanes) lane.look();
             for (Lane& lane : lanes) are_busy |= lane.advance();
         }
-        add(hard);
+        add(postponed);
     }
 
-    void add(const std::vector<Site>& hard) {
-        if (hard.empty()) return;
+    void add(const Postponed& postponed) {
+        if (postponed.hard.empty() && postponed.at_hubs.empty()) return;
         const std::lock_guard lock(mutex_);
-        hard_.insert(hard_.end(), hard.begin(), hard.end());
+        hard_.insert(hard_.end(), postponed.hard.begin(), postponed.hard.end());
+        at_hubs_.insert(at_hubs_.end(), postponed.at_hubs.begin(), postponed.at_hubs.end());
+    }
+
+    // Notes where a walk has ended.
+    template <class EndedWalk>
+    void settle(const Site& query, const EndedWalk& walk, Postponed& postponed) {
+        std::int32_t& found = found_[query.row];
+        found = walk.is_outside() ? outside : walk.at();
+        if (walk.is_outside() || !walk.is_in_doubt()) return;
+        std::size_t steps = 2 * Hubs::least_degree;
+        found = first_containing(mesh_, query.point, walk.at(), steps);
+        if (found == unfinished) settle_at_hub(query, walk.at(), postponed);
+    }
+
+    // Goes around a vertex of many triangles while there is credit.
+    void settle_at_hub(const Site& query, std::int32_t triangle, Postponed& postponed) {
+        const std::int64_t credit = locator_.hubs_.credit.load();
+        if (credit > 0 && !locator_.hubs_.is_made()) {
+            auto steps = static_cast<std::size_t>(credit);
+            found_[query.row] = first_containing(mesh_, query.point, triangle, steps);
+            locator_.hubs_.credit -= credit - static_cast<std::int64_t>(steps);
+            if (found_[query.row] != unfinished) return;
+        }
+        postponed.at_hubs.push_back({vertex_at(mesh_, query.point, triangle), query.row});
     }
 
     bool find_hard() {
         Patience patience(pool_.interrupt());
-        const Index* index = locator_.index(patience);
-        if (!index) return false;
+        const TrapezoidMap* map = locator_.map_.get(mesh_, patience);
+        if (!map) return false;
         const std::size_t pieces = std::min<std::size_t>(hard_.size() / 256 + 1, 8 * pool_.size());
         const auto start = [&](std::size_t i) { return hard_.data() + hard_.size() * i / pieces; };
-        return pool_.run(pieces, [&](std::size_t i) { find_hard(*index, start(i), start(i + 1)); });
+        return pool_.run(pieces, [&](std::size_t i) { find_hard(*map, start(i), start(i + 1)); });
     }
 
-    void find_hard(const Index& index, Site* first, Site* last) {
+    void find_hard(const TrapezoidMap& map, Site* first, Site* last) {
         Patience patience(pool_.interrupt());
-        Walk walk(mesh_);
-        index.edges.descend(first, last, [&](Site* from, Site* to, std::int32_t start) {
-            for (const Site* query = from; query != to && !patience.ends(); ++query) {
-                found_[query->row] = Walk::outside;
-                if (start < 0) continue;
-                walk.begin(query->point, start);
-                walk_to_end(walk, patience);
-                found_[query->row] = std::max(walk.answer(&index.hubs), Walk::outside);
-                start = walk.at();
-            }
+        Postponed postponed;
+        VerticalWalks walks(mesh_, longest_walk_, [&](const Site& query, const VerticalWalk& walk) {
+            settle(query, walk, postponed);
         });
+        map.descend(first, last, [&](const Site& query, std::uint32_t edge) {
+            found_[query.row] = outside;
+            if (edge != HullChain::none && !patience.ends(steps_per_query)) walks.add(query, edge);
+        });
+        walks.finish();
+        add(postponed);
     }
 
-    // A walk longer than the triangulation means that the arrays were modified. What is found is
-    // meaningless then, and the next walks end soon.
-    void walk_to_end(Walk& walk, Patience& patience) {
-        std::size_t steps = 0;
-        for (walk.look(); walk.step(); walk.look()) {
-            if (patience.ends()) return;
-            if (++steps <= longest_walk_) continue;
-            longest_walk_ = short_walk;
-            return;
-        }
+    bool find_at_hubs() {
+        Patience patience(pool_.interrupt());
+        const Hubs* hubs = locator_.hubs_.get(mesh_, patience);
+        if (!hubs) return false;
+        for (const AtHub& each : at_hubs_) found_[each.query] = hubs->first_triangle(each.vertex);
+        return true;
     }
 
     Locator& locator_;
@@ -291,6 +321,7 @@ class Locator::Round {
     Buffer<Query> order_;
     std::mutex mutex_;
     std::vector<Site> hard_;
+    std::vector<AtHub> at_hubs_;
     std::atomic<std::size_t> longest_walk_ = mesh_.count;
 };
 

@@ -1,11 +1,11 @@
 // Point location in a finished Delaunay triangulation, exact, for many queries at once.
 //
 // A kd tree over a sample of the vertices puts the queries into spatial order, and knows a triangle
-// in each cell; a walk leads from one query to the next. A walk that would take long, as in a fan
-// or among slivers, is left to a second index, which cuts along the edges themselves. It is made
-// once long walks have taken as many steps as a quarter of the triangles: ordinary triangulations
-// need the first index only. Answers depend on the point alone: not on the other queries, their
-// order or the threads.
+// in each cell; a walk leads from one query to the next. Ordinary triangulations need no more.
+// Where walks are long, as in a fan or among slivers, two more parts help, each made when doing
+// without it has cost about as much as making it: a trapezoidal map, by which a query takes O(log
+// n) expected steps in every triangulation, and a table of the vertices of many triangles. Answers
+// depend on the point alone: not on the other queries, their order, the parts or the threads.
 #pragma once
 
 #include <atomic>
@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "base/status.hpp"
-#include "delaunay/edge_tree.hpp"
 #include "delaunay/hubs.hpp"
 #include "delaunay/query_order.hpp"
+#include "delaunay/trapezoid_map.hpp"
 #include "delaunay/triangulated.hpp"
 #include "delaunay/walk.hpp"
 #include "parallel/thread_pool.hpp"
@@ -28,7 +28,6 @@ namespace liftmesh {
 class Locator {
  public:
     explicit Locator(const Triangulated& triangulated);
-    ~Locator();
     Locator(const Locator&) = delete;
     Locator& operator=(const Locator&) = delete;
 
@@ -40,18 +39,26 @@ class Locator {
  private:
     class Round;
 
-    // What leads to the queries that are hard to reach by walking.
-    struct Index {
-        EdgeTree edges;
-        Hubs hubs;
+    // A part that is made when it is needed.
+    template <class Part>
+    class Lazy {
+     public:
+        explicit Lazy(std::size_t price) : credit(static_cast<std::int64_t>(price)) {}
+        ~Lazy() { delete part_.load(); }
+        const Part* get(const Triangulated& mesh, Patience& patience);
+        bool is_made() const { return part_.load() != nullptr; }
+
+        std::atomic<std::int64_t> credit;  // steps that may be taken without it
+
+     private:
+        std::atomic<const Part*> part_ = nullptr;
     };
-    const Index* index(Patience& patience);
 
     Triangulated mesh_;
     Splitters splitters_;
-    std::vector<std::int32_t> start_;   // a simplex for each cell
-    std::atomic<std::int64_t> credit_;  // steps that long walks may still take
-    std::atomic<const Index*> index_ = nullptr;
+    std::vector<std::int32_t> start_;  // a simplex for each cell
+    Lazy<TrapezoidMap> map_;           // credit: of steps in long walks
+    Lazy<Hubs> hubs_;                  // credit: of triangles around vertices
 };
 
 }  // namespace liftmesh

@@ -13,7 +13,6 @@
 #include <cstdint>
 
 #include "base/pair.hpp"
-#include "delaunay/hubs.hpp"
 #include "delaunay/triangulated.hpp"
 #include "predicates/orient2d.hpp"
 
@@ -21,8 +20,6 @@ namespace liftmesh {
 
 class Walk {
  public:
-    static constexpr std::int32_t outside = -1, unfinished = -2;
-
     explicit Walk(const Triangulated& mesh) : mesh_(&mesh) {}
 
     // Starts as if it had come across the first side of a triangle, from whichever side of it the
@@ -72,13 +69,10 @@ class Walk {
     // Where the walk is, and another one can begin.
     std::int32_t at() const { return at_; }
 
-    // Once it has ended: `outside`, or the first triangle of the arrays whose closure contains the
-    // query. It depends on the query alone, also on an edge or at a vertex, where several do.
-    // `unfinished` if many meet at the vertex, and no table of hubs is given.
-    std::int32_t answer(const Hubs* hubs) const {
-        if (is_outside_) return outside;
-        return is_in_doubt_ ? least_here(hubs) : at_;
-    }
+    // Once it has ended: outside the hull, or in a triangle, on the border of which the query may
+    // be.
+    bool is_outside() const { return is_outside_; }
+    bool is_in_doubt() const { return is_in_doubt_; }
 
  private:
     static constexpr double bound = (3 + 16 * 0x1p-53) * 0x1p-53;
@@ -99,8 +93,6 @@ class Walk {
         return exact_turns();
     }
     Pair exact_turns();
-    std::int32_t least_here(const Hubs* hubs) const;
-    std::int32_t least_around(int k, const Hubs* hubs) const;
 
     const Triangulated* mesh_;
     Pair query_;

@@ -9,6 +9,7 @@
 #include "delaunay/mesh.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"
+#include "sorting/sample.hpp"
 
 namespace liftmesh {
 
@@ -17,15 +18,12 @@ namespace {
 constexpr Vertex no_vertex = ~Vertex{0};
 
 // The order of insertion. A point is in the last round with probability 1/2, in the one before with
-// 1/4, and so on, by the trailing zeros of the numbers of splitmix64, with the secret as its seed.
+// 1/4, and so on, by the trailing zeros of random numbers, with the secret as their seed.
 std::vector<Vertex> biased_random_order(std::size_t count, std::uint64_t secret) {
     std::array<std::vector<Vertex>, 65> rounds;
     for (std::size_t v = 0; v < count; ++v) {
-        std::uint64_t bits = secret + (v + 1) * 0x9e3779b97f4a7c15u;
-        bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-        bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-        bits ^= bits >> 31;
-        rounds[static_cast<std::size_t>(std::countr_zero(bits))].push_back(static_cast<Vertex>(v));
+        const int zeros = std::countr_zero(random_number(v, secret));
+        rounds[static_cast<std::size_t>(zeros)].push_back(static_cast<Vertex>(v));
     }
     std::vector<Vertex> order;
     order.reserve(count);

@@ -3,6 +3,9 @@
 #include <cmath>
 
 #include "delaunay/locate.hpp"
+#include "delaunay/ties.hpp"
+#include "delaunay/trapezoid_map.hpp"
+#include "delaunay/vertical_walk.hpp"
 #include "demand.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "hull/lower_hull.hpp"
@@ -77,6 +80,34 @@ void check_secret(Case& c, const Delaunay& found) {
     demand(same_bits(salted.result, found.result), "the facets depend on the secret");
 }
 
+// Where a vertical walk from an edge ends.
+std::int32_t location(const liftmesh::Triangulated& mesh, Point query, std::uint32_t edge) {
+    if (edge == liftmesh::HullChain::none) return liftmesh::outside;
+    liftmesh::VerticalWalk walk(mesh);
+    if (walk.begin(query, edge))
+        while (walk.step()) walk.look();
+    std::size_t steps = 3 * mesh.count;
+    return walk.is_outside() ? liftmesh::outside
+                             : liftmesh::first_containing(mesh, query, walk.at(), steps);
+}
+
+// The second index, which location takes for large triangulations only, on as many edges as there
+// are, and on a few.
+void check_trapezoids(const liftmesh::Triangulated& mesh, const std::vector<Point>& points,
+                      const std::vector<std::int32_t>& expected) {
+    Impatient interrupt;
+    liftmesh::Patience patience(interrupt);
+    std::vector<liftmesh::Site> sites;
+    for (const Point p : points) sites.push_back({p, static_cast<liftmesh::Row>(sites.size())});
+    for (const std::size_t edges : {mesh.count / 4 + 1, 4 * mesh.count}) {
+        const liftmesh::TrapezoidMap map(mesh, edges, patience);
+        map.descend(sites.data(), sites.data() + sites.size(), [&](const auto& site, auto edge) {
+            demand(location(mesh, site.point, edge) == expected[site.row],
+                   "a point is found in another triangle by trapezoids");
+        });
+    }
+}
+
 }  // namespace
 
 void check_engine(Case& c, const Delaunay& found) {
@@ -96,8 +127,9 @@ void check_engine(Case& c, const Delaunay& found) {
 
 void check_location(Case& c, const Delaunay& found, const Rows& rows) {
     if (c.is_large()) return;
-    liftmesh::Locator locator({c.input, found.result.simplices.get(), found.result.neighbors.get(),
-                               found.result.triangle_count});
+    const liftmesh::Triangulated mesh{c.input, found.result.simplices.get(),
+                                      found.result.neighbors.get(), found.result.triangle_count};
+    liftmesh::Locator locator(mesh);
     std::vector<double> queries;
     std::vector<Point> points;
     for (int i = 0; i < 32; ++i) {
@@ -111,6 +143,7 @@ void check_location(Case& c, const Delaunay& found, const Rows& rows) {
     for (std::size_t i = 0; i < points.size(); ++i)
         demand(at[i] == least_around(c, found.result, points[i]),
                "a point is found in another triangle");
+    check_trapezoids(mesh, points, at);
 }
 
 void check_lower_hull(Case& c, const Expectation& expected) {

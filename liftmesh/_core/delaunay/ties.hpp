@@ -1,0 +1,24 @@
+// Which triangle is found where several contain a query, on an edge or at a vertex: the first of
+// the arrays. It depends on the query alone, not on the triangle by which it was reached.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/point.hpp"
+#include "delaunay/triangulated.hpp"
+
+namespace liftmesh {
+
+inline constexpr std::int32_t outside = -1, unfinished = -2;
+
+// The first triangle that contains the query, as one that contains it knows; `outside` if it does
+// not, as where the arrays were modified. Each triangle around a vertex takes one of the steps;
+// `unfinished` if there are too few of them.
+std::int32_t first_containing(const Triangulated& mesh, Point query, std::int32_t triangle,
+                              std::size_t& steps);
+
+// The row of the corner of the triangle at which the query lies; `outside` if it is at none.
+std::int32_t vertex_at(const Triangulated& mesh, Point query, std::int32_t triangle);
+
+}  // namespace liftmesh
