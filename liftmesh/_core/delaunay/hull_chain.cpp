@@ -53,12 +53,12 @@ std::uint32_t some_hull_edge(const Triangulated& mesh) {
     const std::int32_t* end = mesh.neighbors + 3 * mesh.count;
     const std::int32_t* at =
         std::find_if(mesh.neighbors, end, [](std::int32_t neighbor) { return neighbor < 0; });
-    return at == end ? HullChain::none : static_cast<std::uint32_t>(at - mesh.neighbors);
+    return at == end ? no_edge : static_cast<std::uint32_t>(at - mesh.neighbors);
 }
 
 // The first edges of the upper and of the lower chain, and how many each has.
 struct Chains {
-    std::array<std::uint32_t, 2> first{HullChain::none, HullChain::none};
+    std::array<std::uint32_t, 2> first{no_edge, no_edge};
     std::array<std::size_t, 2> size{};
 };
 
@@ -80,10 +80,10 @@ Chains chains(const Triangulated& mesh, std::uint32_t start, Patience& patience)
 
 HullChain::HullChain(const Triangulated& mesh, Patience& patience) : mesh_(mesh) {
     const std::uint32_t start = some_hull_edge(mesh);
-    if (start == none) return;
+    if (start == no_edge) return;
     const Chains found = chains(mesh, start, patience);
     const bool lower = found.size[1] < found.size[0];
-    if (found.first[lower] == none) return;
+    if (found.first[lower] == no_edge) return;
     edges_.reserve(found.size[lower]);
     Around around(mesh, found.first[lower], patience);
     do edges_.push_back(around.edge());
@@ -95,7 +95,7 @@ std::uint32_t HullChain::at(Point p) const {
     const auto next = std::upper_bound(
         edges_.begin(), edges_.end(), p,
         [&](Point q, std::uint32_t edge) { return before_xy(q, segment(mesh_, edge).left); });
-    if (next == edges_.begin() || before_xy(segment(mesh_, next[-1]).right, p)) return none;
+    if (next == edges_.begin() || before_xy(segment(mesh_, next[-1]).right, p)) return no_edge;
     return next[-1];
 }
 

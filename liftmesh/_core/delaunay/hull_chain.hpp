@@ -15,9 +15,7 @@ class HullChain {
  public:
     HullChain(const Triangulated& mesh, Patience& patience);
 
-    static constexpr std::uint32_t none = ~std::uint32_t{0};
-
-    // The edge that the vertical line through a point meets; `none` left and right of the hull.
+    // The edge that the vertical line through a point meets; `no_edge` left and right of the hull.
     std::uint32_t at(Point p) const;
 
     std::size_t size() const { return edges_.size(); }

@@ -297,9 +297,11 @@ class Locator::Round {
         VerticalWalks walks(mesh_, longest_walk_, [&](const Site& query, const VerticalWalk& walk) {
             settle(query, walk, postponed);
         });
-        map.descend(first, last, [&](const Site& query, std::uint32_t edge) {
-            found_[query.row] = outside;
-            if (edge != HullChain::none && !patience.ends(steps_per_query)) walks.add(query, edge);
+        map.descend(first, last, [&](const Bundle& bundle) {
+            for (const Site* query = bundle.first; query != bundle.last; ++query)
+                found_[query->row] = outside;
+            const auto size = static_cast<std::size_t>(bundle.last - bundle.first);
+            if (bundle.edge != no_edge && !patience.ends(size * steps_per_query)) walks.add(bundle);
         });
         walks.finish();
         add(postponed);

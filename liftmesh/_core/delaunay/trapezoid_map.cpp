@@ -1,5 +1,7 @@
 #include "delaunay/trapezoid_map.hpp"
 
+#include <cmath>
+
 #include "sorting/sample.hpp"
 
 namespace liftmesh {
@@ -180,7 +182,37 @@ std::uint32_t TrapezoidMap::sampled(std::uint32_t place) const {
 
 std::uint32_t TrapezoidMap::edge_near(const Node& trapezoid) const {
     if (trapezoid.item() != none) return sampled(trapezoid.item());
-    return trapezoid.above != none ? sampled(trapezoid.above) : HullChain::none;
+    return trapezoid.above != none ? sampled(trapezoid.above) : no_edge;
+}
+
+// Roughly: the order changes the length of walks, never their end.
+void TrapezoidMap::sort_by_height(const Node& trapezoid, Site* first, Site* last) const {
+    struct Placed {
+        double share;
+        Site query;
+    };
+    if (last - first < 2) return;
+    std::vector<Placed> placed;
+    for (const Site* query = first; query != last; ++query) {
+        const double share = share_of_height(trapezoid, query->point);
+        placed.push_back({std::isnan(share) ? 0 : share, *query});
+    }
+    std::sort(placed.begin(), placed.end(),
+              [](const Placed& a, const Placed& b) { return a.share < b.share; });
+    for (const Placed& each : placed) *first++ = each.query;
+}
+
+// Where a point is between the edges of its trapezoid: 0 below, 1 above.
+double TrapezoidMap::share_of_height(const Node& trapezoid, Point p) const {
+    const double above_lower = trapezoid.item() == none ? 1 : height(trapezoid.item(), p);
+    const double below_upper = trapezoid.above == none ? 1 : -height(trapezoid.above, p);
+    return above_lower / (above_lower + below_upper);
+}
+
+// Above an edge of the sample, rounded.
+double TrapezoidMap::height(std::uint32_t place, Point p) const {
+    const Point left = ends_[2 * place], right = ends_[2 * place + 1];
+    return p.y - left.y - (right.y - left.y) * ((p.x - left.x) / (right.x - left.x));
 }
 
 }  // namespace liftmesh

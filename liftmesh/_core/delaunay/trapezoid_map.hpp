@@ -20,13 +20,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "base/site.hpp"
 #include "base/status.hpp"
 #include "delaunay/hull_chain.hpp"
 #include "delaunay/triangulated.hpp"
-#include "delaunay/vertical_walk.hpp"
+#include "delaunay/vertical_walks.hpp"
 
 namespace liftmesh {
 
@@ -35,8 +36,8 @@ class TrapezoidMap {
     TrapezoidMap(const Triangulated& mesh, Patience& patience);
     TrapezoidMap(const Triangulated& mesh, std::size_t edges, Patience& patience);
 
-    // Reorders the queries by trapezoids, and calls visit(query, edge) for each with an edge that
-    // the vertical line through it meets; HullChain::none if it meets no triangle.
+    // Reorders the queries by trapezoids, and calls visit(bundle) for some at a time, with an edge
+    // that the vertical line through each of them meets; `no_edge` if it meets no triangle.
     template <class Visit>
     void descend(Site* first, Site* last, const Visit& visit) const;
 
@@ -48,12 +49,12 @@ class TrapezoidMap {
     // A node of the history: a trapezoid, or what split it. Edges are named by their place in the
     // sample; 2 i and 2 i + 1 are the left and the right end of edge i.
     struct Node {
-        Node(Kind kind, std::uint32_t item, std::uint32_t first, std::uint32_t second,
-             std::uint32_t above = none)
+        Node(Kind kind, std::uint32_t item, std::uint32_t one, std::uint32_t other,
+             std::uint32_t over = none)
             : tag(item << 2 | static_cast<std::uint32_t>(kind)),
-              first(first),
-              second(second),
-              above(above) {}
+              first(one),
+              second(other),
+              above(over) {}
 
         Kind kind() const { return static_cast<Kind>(tag & 3); }
         std::uint32_t item() const { return tag >> 2; }
@@ -65,9 +66,14 @@ class TrapezoidMap {
     };
     class Builder;
 
+    template <class Visit>
+    void visit_trapezoid(const Node& trapezoid, Site* first, Site* last, const Visit& visit) const;
     std::size_t affordable_edges() const;
     std::uint32_t sampled(std::uint32_t place) const;
     std::uint32_t edge_near(const Node& trapezoid) const;
+    void sort_by_height(const Node& trapezoid, Site* first, Site* last) const;
+    double share_of_height(const Node& trapezoid, Point p) const;
+    double height(std::uint32_t place, Point p) const;
 
     // Whether a query is right of an end or above an edge, or on it.
     bool is_second(const Node& node, Point query) const {
@@ -100,9 +106,24 @@ void TrapezoidMap::descend(Site* first, Site* last, const Visit& visit) const {
             part = {node.first, part.first, middle};
         }
         if (part.first == part.last) continue;
-        const std::uint32_t edge = edge_near(nodes_[part.at]);
-        for (const Site* query = part.first; query != part.last; ++query)
-            visit(*query, edge == HullChain::none ? hull_.at(query->point) : edge);
+        visit_trapezoid(nodes_[part.at], part.first, part.last, visit);
+    }
+}
+
+// Few at a time, so that bundles can be worked on in turn.
+template <class Visit>
+void TrapezoidMap::visit_trapezoid(const Node& trapezoid, Site* first, Site* last,
+                                   const Visit& visit) const {
+    constexpr std::ptrdiff_t together = 64;
+    const std::uint32_t edge = edge_near(trapezoid);
+    if (edge == no_edge) {
+        for (; first != last; ++first) visit(Bundle{first, first + 1, hull_.at(first->point)});
+        return;
+    }
+    sort_by_height(trapezoid, first, last);
+    while (first != last) {
+        Site* next = first + std::min(together, last - first);
+        visit(Bundle{std::exchange(first, next), next, edge});
     }
 }
 

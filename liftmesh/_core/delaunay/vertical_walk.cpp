@@ -26,4 +26,11 @@ bool VerticalWalk::begin(Point query, std::uint32_t edge) {
     return true;
 }
 
+std::uint32_t VerticalWalk::start_for(Point query) const {
+    const std::uint32_t first = 3 * static_cast<std::uint32_t>(at_);
+    for (std::uint32_t edge = first; edge < first + 3; ++edge)
+        if (segment(*mesh_, edge).meets_vertical_line_through(query)) return edge;
+    return no_edge;
+}
+
 }  // namespace liftmesh

@@ -22,11 +22,14 @@ namespace liftmesh {
 struct Segment {
     Point left, right;
 
-    // +1 where a point between the vertical lines through its ends is above, -1 below.
-    int side(Point p) const { return orient2d(left, right, p); }
+    bool meets_vertical_line_through(Point p) const {
+        return !before_xy(p, left) & !before_xy(right, p);
+    }
 };
 
 // The edge opposite corner k of triangle t is number 3 t + k.
+inline constexpr std::uint32_t no_edge = ~std::uint32_t{0};
+
 inline Segment segment(const Triangulated& mesh, std::uint32_t edge) {
     const auto triangle = static_cast<std::int32_t>(edge / 3);
     const int k = static_cast<int>(edge % 3);
@@ -67,6 +70,9 @@ class VerticalWalk {
     bool is_outside() const { return is_outside_; }
     bool is_in_doubt() const { return is_in_doubt_; }
     std::int32_t at() const { return at_; }
+
+    // An edge of that triangle where a walk to another query can start; `no_edge` if it has none.
+    std::uint32_t start_for(Point query) const;
 
  private:
     void look(int k) {

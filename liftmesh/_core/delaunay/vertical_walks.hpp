@@ -1,4 +1,7 @@
-// Vertical walks of many queries: several take their steps in turn, so that their loads overlap.
+// Vertical walks of many queries. Those of one trapezoid come from its lower to its upper edge, and
+// each walk starts at the triangle where the one before has ended, if the vertical line through the
+// query meets it: then only the edges between the two queries are crossed. Several bundles of
+// queries take their steps in turn, so that their loads overlap.
 #pragma once
 
 #include <atomic>
@@ -13,6 +16,12 @@
 
 namespace liftmesh {
 
+// Queries that an edge is above or below.
+struct Bundle {
+    const Site *first, *last;
+    std::uint32_t edge;
+};
+
 // Calls settle(query, walk) when a walk has ended. A walk longer than `longest`, which is at first
 // the number of triangles, means that the arrays were modified. What is found is meaningless then:
 // the walk is dropped, and the next ones end soon.
@@ -22,16 +31,12 @@ class VerticalWalks {
     VerticalWalks(const Triangulated& mesh, std::atomic<std::size_t>& longest, Settle settle)
         : lanes_(abreast, Lane{VerticalWalk(mesh)}), longest_(longest), settle_(settle) {}
 
-    void add(const Site& query, std::uint32_t edge) {
+    void add(const Bundle& bundle) {
         while (busy_ == abreast) advance();
         Lane& lane = lanes_[busy_];
-        lane.query = query;
-        lane.steps = 0;
-        if (lane.walk.begin(query.point, edge)) {
-            ++busy_;
-        } else {
-            settle_(query, lane.walk);
-        }
+        lane.left = bundle;
+        lane.is_first = true;
+        if (begins(lane)) ++busy_;
     }
 
     void finish() {
@@ -43,8 +48,15 @@ class VerticalWalks {
 
     struct Lane {
         VerticalWalk walk;
-        Site query{};
+        Bundle left{};
         std::size_t steps = 0;
+        bool is_first = true;
+
+        std::uint32_t start() {
+            const bool is_near = !std::exchange(is_first, false);
+            const std::uint32_t near = is_near ? walk.start_for(left.first->point) : no_edge;
+            return near != no_edge ? near : left.edge;
+        }
     };
 
     void advance() {
@@ -55,16 +67,29 @@ class VerticalWalks {
                 std::swap(lanes_[i], lanes_[--busy_]);
             }
         }
-        for (std::size_t i = 0; i < busy_; ++i) lanes_[i].walk.look();
+        for (std::size_t i = 0; i < busy_; ++i)
+            if (lanes_[i].steps > 0) lanes_[i].walk.look();
     }
 
+    // A step, or the end of a walk and the begin of the next. False once all of a bundle are done.
     bool goes_on(Lane& lane) {
-        if (!lane.walk.step()) {
-            settle_(lane.query, lane.walk);
-            return false;
+        if (lane.walk.step()) {
+            if (++lane.steps <= longest_) return true;
+            longest_ = soon;
+        } else {
+            settle_(*lane.left.first, lane.walk);
         }
-        if (++lane.steps <= longest_) return true;
-        longest_ = soon;
+        ++lane.left.first;
+        return begins(lane);
+    }
+
+    // False if no query is left that takes a step.
+    bool begins(Lane& lane) {
+        lane.steps = 0;
+        for (Bundle& left = lane.left; left.first != left.last; ++left.first) {
+            if (lane.walk.begin(left.first->point, lane.start())) return true;
+            settle_(*left.first, lane.walk);
+        }
         return false;
     }
 

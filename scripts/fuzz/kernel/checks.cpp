@@ -1,11 +1,12 @@
 #include "checks.hpp"
 
+#include <atomic>
 #include <cmath>
 
 #include "delaunay/locate.hpp"
 #include "delaunay/ties.hpp"
 #include "delaunay/trapezoid_map.hpp"
-#include "delaunay/vertical_walk.hpp"
+#include "delaunay/vertical_walks.hpp"
 #include "demand.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "hull/lower_hull.hpp"
@@ -80,17 +81,6 @@ void check_secret(Case& c, const Delaunay& found) {
     demand(same_bits(salted.result, found.result), "the facets depend on the secret");
 }
 
-// Where a vertical walk from an edge ends.
-std::int32_t location(const liftmesh::Triangulated& mesh, Point query, std::uint32_t edge) {
-    if (edge == liftmesh::HullChain::none) return liftmesh::outside;
-    liftmesh::VerticalWalk walk(mesh);
-    if (walk.begin(query, edge))
-        while (walk.step()) walk.look();
-    std::size_t steps = 3 * mesh.count;
-    return walk.is_outside() ? liftmesh::outside
-                             : liftmesh::first_containing(mesh, query, walk.at(), steps);
-}
-
 // The second index, which location takes for large triangulations only, on as many edges as there
 // are, and on a few.
 void check_trapezoids(const liftmesh::Triangulated& mesh, const std::vector<Point>& points,
@@ -100,11 +90,19 @@ void check_trapezoids(const liftmesh::Triangulated& mesh, const std::vector<Poin
     std::vector<liftmesh::Site> sites;
     for (const Point p : points) sites.push_back({p, static_cast<liftmesh::Row>(sites.size())});
     for (const std::size_t edges : {mesh.count / 4 + 1, 4 * mesh.count}) {
-        const liftmesh::TrapezoidMap map(mesh, edges, patience);
-        map.descend(sites.data(), sites.data() + sites.size(), [&](const auto& site, auto edge) {
-            demand(location(mesh, site.point, edge) == expected[site.row],
-                   "a point is found in another triangle by trapezoids");
+        std::vector<std::int32_t> found(sites.size(), liftmesh::outside);
+        std::atomic<std::size_t> longest = mesh.count;
+        liftmesh::VerticalWalks walks(mesh, longest, [&](const auto& site, const auto& walk) {
+            std::size_t steps = 3 * mesh.count;
+            if (!walk.is_outside())
+                found[site.row] = first_containing(mesh, site.point, walk.at(), steps);
         });
+        const liftmesh::TrapezoidMap map(mesh, edges, patience);
+        map.descend(sites.data(), sites.data() + sites.size(), [&](const auto& bundle) {
+            if (bundle.edge != liftmesh::no_edge) walks.add(bundle);
+        });
+        walks.finish();
+        demand(found == expected, "a point is found in another triangle by trapezoids");
     }
 }
 
