@@ -120,3 +120,37 @@ def test_the_index_of_point_location_takes_at_most_8_bytes_a_row(last: str) -> N
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert 1 < float(done.stdout) < 8
+
+
+FIRST_CALLS = """
+import threading
+import numpy as np
+import liftmesh
+
+def peak():
+    with open("/proc/self/status") as lines:
+        return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
+
+angle = 2 * np.pi * np.arange(2_000_000) / 1_999_999
+points = np.column_stack([np.cos(angle), np.sin(angle)])
+points[-1] = 0
+triangulation = liftmesh.delaunay(points)
+triangulation.find_simplex(points[:10])
+asked = np.random.default_rng(0).uniform(-0.5, 0.5, (100, 2))  # far from the vertices
+calls = [threading.Thread(target=triangulation.find_simplex, args=(asked,)) for _ in range(16)]
+with open("/proc/self/clear_refs", "w") as file:
+    file.write("5")  # the peak counts from here
+before = peak()
+for call in calls:
+    call.start()
+for call in calls:
+    call.join()
+print((peak() - before) / len(points))
+"""
+
+
+def test_first_calls_at_once_make_one_index() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", FIRST_CALLS], capture_output=True, text=True, check=True
+    )
+    assert float(done.stdout) < 8  # one each: 50

@@ -1,8 +1,11 @@
 #include "delaunay/locate.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <memory>
 #include <mutex>
+#include <utility>
 
 #include "base/floating_point.hpp"
 #include "delaunay/ties.hpp"
@@ -21,12 +24,18 @@ constexpr std::size_t hard_together = 15;                        // queries afte
 constexpr std::size_t queries_per_round = std::size_t{1} << 22;  // bounds the memory of the order
 constexpr std::size_t piece_size = std::size_t{1} << 12;
 constexpr std::size_t walks_abreast = 48, queries_per_start = 8;
-constexpr std::size_t triangles_per_step_of_map = 2, triangles_per_step_of_hubs = 2;
+constexpr std::size_t price_of_exact_step = 6;  // in steps that rounded arithmetic decides
+constexpr std::size_t triangles_per_step_of_hubs = 2;
 constexpr std::size_t steps_per_query = 128;  // roughly, in the map and from there
 constexpr std::size_t ahead = 4;              // queries that are fetched from memory in advance
 
 int depth_for(std::size_t simplices) {
     return static_cast<int>(std::bit_width(simplices / simplices_per_cell + 1)) - 1;
+}
+
+// In steps of long walks.
+std::size_t price_of_map(const Triangulated& mesh) {
+    return 3 * std::min(mesh.count, mesh.points.rows) / 2;
 }
 
 Splitters splitters_for(const Triangulated& mesh) {
@@ -45,7 +54,7 @@ Locator::Locator(const Triangulated& triangulated)
     : mesh_(triangulated),
       splitters_(splitters_for(triangulated)),
       start_(splitters_.cells(), -1),
-      map_(triangulated.count / triangles_per_step_of_map),
+      map_(price_of_map(triangulated)),
       hubs_(triangulated.count / triangles_per_step_of_hubs) {
     const IeeeArithmetic ieee;
     constexpr std::size_t abreast = 8;
@@ -65,17 +74,6 @@ Locator::Locator(const Triangulated& triangulated)
     // An empty cell starts where its predecessor does: in kd order they are neighbours.
     std::int32_t last = 0;
     for (std::int32_t& start : start_) last = start = start < 0 ? last : start;
-}
-
-// Two threads that need it at once make one each, and the first to finish keeps it: a lock held
-// during a fork would never be released in the child. Null if the interrupt came first.
-template <class Part>
-const Part* Locator::Lazy<Part>::get(const Triangulated& mesh, Patience& patience) {
-    if (const Part* ready = part_.load()) return ready;
-    auto made = std::make_unique<const Part>(mesh, patience);
-    if (patience.ends(0)) return nullptr;
-    const Part* ready = nullptr;
-    return part_.compare_exchange_strong(ready, made.get()) ? made.release() : ready;
 }
 
 // Some queries of one call.
@@ -198,7 +196,13 @@ class Locator::Round {
         }
 
         // A walk that has not begun in the cell of its query does so first.
-        bool may_go_on() { return has_jumped_ && round_.locator_.map_.credit-- > 0; }
+        bool may_go_on() {
+            if (!has_jumped_ || round_.locator_.map_.credit() == 0) return false;
+            const std::size_t exact =
+                walk_.exact_steps() - std::exchange(paid_, walk_.exact_steps());
+            round_.locator_.map_.pay(1 + exact * price_of_exact_step);
+            return true;
+        }
 
         void settle() {
             round_.settle({round_.queries_[query_], query_}, walk_, postponed_);
@@ -224,7 +228,7 @@ class Locator::Round {
         Walk walk_;
         std::uint32_t query_ = 0, cell_ = ~std::uint32_t{0};
         std::int32_t start_ = 0;
-        std::size_t steps_ = 0, hard_to_come_ = 0;
+        std::size_t steps_ = 0, hard_to_come_ = 0, paid_ = 0;
         bool has_jumped_ = false, is_walking_ = false;
     };
 
@@ -272,11 +276,10 @@ class Locator::Round {
 
     // Goes around a vertex of many triangles while there is credit.
     void settle_at_hub(const Site& query, std::int32_t triangle, Postponed& postponed) {
-        const std::int64_t credit = locator_.hubs_.credit.load();
-        if (credit > 0 && !locator_.hubs_.is_made()) {
-            auto steps = static_cast<std::size_t>(credit);
-            found_[query.row] = first_containing(mesh_, query.point, triangle, steps);
-            locator_.hubs_.credit -= credit - static_cast<std::int64_t>(steps);
+        if (const std::size_t credit = locator_.hubs_.credit()) {
+            std::size_t left = credit;
+            found_[query.row] = first_containing(mesh_, query.point, triangle, left);
+            locator_.hubs_.pay(credit - left);
             if (found_[query.row] != unfinished) return;
         }
         postponed.at_hubs.push_back({vertex_at(mesh_, query.point, triangle), query.row});
@@ -284,7 +287,10 @@ class Locator::Round {
 
     bool find_hard() {
         Patience patience(pool_.interrupt());
-        const TrapezoidMap* map = locator_.map_.get(mesh_, patience);
+        const auto make = [&] {
+            return std::make_unique<const TrapezoidMap>(mesh_, patience);
+        };
+        const TrapezoidMap* map = locator_.map_.get(make, patience);
         if (!map) return false;
         const std::size_t pieces = std::min<std::size_t>(hard_.size() / 256 + 1, 8 * pool_.size());
         const auto start = [&](std::size_t i) { return hard_.data() + hard_.size() * i / pieces; };
@@ -309,7 +315,8 @@ class Locator::Round {
 
     bool find_at_hubs() {
         Patience patience(pool_.interrupt());
-        const Hubs* hubs = locator_.hubs_.get(mesh_, patience);
+        const auto make = [&] { return std::make_unique<const Hubs>(mesh_, patience); };
+        const Hubs* hubs = locator_.hubs_.get(make, patience);
         if (!hubs) return false;
         for (const AtHub& each : at_hubs_) found_[each.query] = hubs->first_triangle(each.vertex);
         return true;

@@ -8,14 +8,13 @@
 // depend on the point alone: not on the other queries, their order, the parts or the threads.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "base/status.hpp"
 #include "delaunay/hubs.hpp"
+#include "delaunay/made_on_demand.hpp"
 #include "delaunay/query_order.hpp"
 #include "delaunay/trapezoid_map.hpp"
 #include "delaunay/triangulated.hpp"
@@ -39,26 +38,11 @@ class Locator {
  private:
     class Round;
 
-    // A part that is made when it is needed.
-    template <class Part>
-    class Lazy {
-     public:
-        explicit Lazy(std::size_t price) : credit(static_cast<std::int64_t>(price)) {}
-        ~Lazy() { delete part_.load(); }
-        const Part* get(const Triangulated& mesh, Patience& patience);
-        bool is_made() const { return part_.load() != nullptr; }
-
-        std::atomic<std::int64_t> credit;  // steps that may be taken without it
-
-     private:
-        std::atomic<const Part*> part_ = nullptr;
-    };
-
     Triangulated mesh_;
     Splitters splitters_;
     std::vector<std::int32_t> start_;  // a simplex for each cell
-    Lazy<TrapezoidMap> map_;           // credit: of steps in long walks
-    Lazy<Hubs> hubs_;                  // credit: of triangles around vertices
+    MadeOnDemand<TrapezoidMap> map_;  // paid for by steps of long walks
+    MadeOnDemand<Hubs> hubs_;         // paid for by steps around vertices
 };
 
 }  // namespace liftmesh

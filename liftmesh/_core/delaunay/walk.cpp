@@ -4,6 +4,7 @@ namespace liftmesh {
 
 // Rarely needed, and so kept out of the loops of steps.
 [[gnu::cold, gnu::noinline]] Pair Walk::exact_turns() {
+    ++exact_steps_;
     const Point tail = mesh_->corner(at_, wrapped(k_ + 2)),
                 head = mesh_->corner(at_, wrapped(k_ + 1));
     const Point apex = mesh_->corner(at_, k_), query = point(query_);

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "base/pair.hpp"
@@ -74,6 +75,9 @@ class Walk {
     bool is_outside() const { return is_outside_; }
     bool is_in_doubt() const { return is_in_doubt_; }
 
+    // How many steps of all its walks needed exact arithmetic, which takes several times as long.
+    std::size_t exact_steps() const { return exact_steps_; }
+
  private:
     static constexpr double bound = (3 + 16 * 0x1p-53) * 0x1p-53;
     static constexpr std::int32_t nowhere = -2;  // no neighbour: that is the side opposite corner 0
@@ -102,6 +106,7 @@ class Walk {
     std::int32_t apex_;  // its row
     bool is_in_doubt_;   // whether the query may be on the border of this triangle, or beyond
     bool is_outside_;
+    std::size_t exact_steps_ = 0;
 };
 
 }  // namespace liftmesh

@@ -13,8 +13,8 @@ namespace liftmesh {
 
 namespace {
 
-std::atomic<unsigned> busy = 0;   // threads of all pools of the process
-std::atomic<unsigned> forks = 0;  // between the first process and this one
+std::atomic<unsigned> busy = 0;  // threads of all pools of the process
+std::atomic<unsigned> forks = 0;
 
 // Of its parent's threads the child of a fork has only the one that forked.
 [[maybe_unused]] const int fork_handler = pthread_atfork(nullptr, nullptr, [] {
@@ -32,6 +32,10 @@ unsigned claim(Threads threads) {
 }
 
 }  // namespace
+
+unsigned forks_so_far() {
+    return forks;
+}
 
 ThreadPool::ThreadPool(Threads threads, Interrupt& interrupt)
     : interrupt_(interrupt), size_(claim(threads)), forks_(forks) {

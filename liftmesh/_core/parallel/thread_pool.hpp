@@ -35,6 +35,9 @@ struct Threads {
     }
 };
 
+// How many forks lie between the first process and this one.
+unsigned forks_so_far();
+
 class ThreadPool {
  public:
     ThreadPool(Threads threads, Interrupt& interrupt);
