@@ -7,6 +7,8 @@
 #include <nanobind/stl/string_view.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -247,7 +249,9 @@ class PyLocator {
         const liftmesh::Triangulated triangulated{read(points_), simplices_.data(),
                                                   neighbors_.data(), simplices_.shape(0)};
         const nb::gil_scoped_release unlocked;
-        return liftmesh::Locator(triangulated);
+        std::random_device random;
+        const std::uint64_t secret = std::uint64_t{random()} << 32 | random();
+        return liftmesh::Locator(triangulated, secret);
     }
 
     PlanarRows points_;

@@ -335,8 +335,8 @@ class Triangulation:
         The points are put into spatial order, unless they are in one, and located by visibility
         walks with exact orientations, on as many threads as `delaunay` uses by default. Where walks
         are long, as in fans and among slivers, a trapezoidal map of a random sample of the edges
-        shortens them, so that on every triangulation a point takes O(log m) steps in expectation.
-        The index takes at most 8 bytes for each row.
+        shortens them, so that a point takes O(log m) steps in expectation on every triangulation of
+        m rows. The index takes at most 8 bytes for each row.
 
         Examples
         --------

@@ -48,7 +48,8 @@ void add_located(const Input& input, const double* coordinates, const Delaunay& 
         asked.push_back(0.5 * coordinates[i - 2] + 0.5 * coordinates[i]);
     std::vector<std::int32_t> at(asked.size() / 2);
     liftmesh::Locator locator({input, found.result.simplices.get(), found.result.neighbors.get(),
-                               found.result.triangle_count});
+                               found.result.triangle_count},
+                              1);
     native::Never never;
     demand(locator.find({asked.data(), at.size()}, at.data(), {}, never), "an interrupted search");
     digest.add(at.data(), at.size() * sizeof(std::int32_t));

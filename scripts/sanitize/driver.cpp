@@ -132,7 +132,8 @@ void located(const Cloud& cloud, const Delaunay& found) {
         asked.insert(asked.end(), {p.x, p.y, 1e-3 * p.x, 1e-3 * p.y});
     const std::size_t count = asked.size() / 2;
     liftmesh::Locator locator({cloud.input(), found.result.simplices.get(),
-                               found.result.neighbors.get(), found.result.triangle_count});
+                               found.result.neighbors.get(), found.result.triangle_count},
+                              count);
     const auto answers = [&](unsigned threads, std::size_t patience) {
         std::vector<std::int32_t> at(count);
         Watched interrupt(patience);

@@ -50,10 +50,11 @@ Splitters splitters_for(const Triangulated& mesh) {
 
 }  // namespace
 
-Locator::Locator(const Triangulated& triangulated)
+Locator::Locator(const Triangulated& triangulated, std::uint64_t secret)
     : mesh_(triangulated),
       splitters_(splitters_for(triangulated)),
       start_(splitters_.cells(), -1),
+      secret_(secret),
       map_(price_of_map(triangulated)),
       hubs_(triangulated.count / triangles_per_step_of_hubs) {
     const IeeeArithmetic ieee;
@@ -288,7 +289,7 @@ class Locator::Round {
     bool find_hard() {
         Patience patience(pool_.interrupt());
         const auto make = [&] {
-            return std::make_unique<const TrapezoidMap>(mesh_, patience);
+            return std::make_unique<const TrapezoidMap>(mesh_, locator_.secret_, patience);
         };
         const TrapezoidMap* map = locator_.map_.get(make, patience);
         if (!map) return false;

@@ -26,7 +26,8 @@ namespace liftmesh {
 
 class Locator {
  public:
-    explicit Locator(const Triangulated& triangulated);
+    // The secret is that of the trapezoidal map. Answers do not depend on it.
+    Locator(const Triangulated& triangulated, std::uint64_t secret);
     Locator(const Locator&) = delete;
     Locator& operator=(const Locator&) = delete;
 
@@ -41,6 +42,7 @@ class Locator {
     Triangulated mesh_;
     Splitters splitters_;
     std::vector<std::int32_t> start_;  // a simplex for each cell
+    std::uint64_t secret_;
     MadeOnDemand<TrapezoidMap> map_;  // paid for by steps of long walks
     MadeOnDemand<Hubs> hubs_;         // paid for by steps around vertices
 };

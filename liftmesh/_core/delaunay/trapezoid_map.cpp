@@ -146,11 +146,12 @@ class TrapezoidMap::Builder {
     std::vector<Part> parts_;  // the rest of the edge, the next part last
 };
 
-TrapezoidMap::TrapezoidMap(const Triangulated& mesh, Patience& patience)
-    : TrapezoidMap(mesh, 0, patience) {}
+TrapezoidMap::TrapezoidMap(const Triangulated& mesh, std::uint64_t secret, Patience& patience)
+    : TrapezoidMap(mesh, 0, secret, patience) {}
 
-TrapezoidMap::TrapezoidMap(const Triangulated& mesh, std::size_t edges, Patience& patience)
-    : mesh_(mesh), hull_(mesh, patience) {
+TrapezoidMap::TrapezoidMap(const Triangulated& mesh, std::size_t edges, std::uint64_t secret,
+                           Patience& patience)
+    : mesh_(mesh), secret_(secret), hull_(mesh, patience) {
     ends_.resize(2 * (edges > 0 ? edges : affordable_edges()));
     for (std::uint32_t i = 0; i < ends_.size() / 2; ++i) {
         const Segment edge = segment(mesh_, sampled(i));
@@ -175,7 +176,7 @@ std::size_t TrapezoidMap::affordable_edges() const {
 
 // An edge may be drawn twice.
 std::uint32_t TrapezoidMap::sampled(std::uint32_t place) const {
-    const std::uint64_t bits = random_number(place, 0);
+    const std::uint64_t bits = random_number(place, secret_);
     const std::uint64_t triangle = ((bits >> 32) * mesh_.count) >> 32;
     return static_cast<std::uint32_t>(3 * triangle + (bits & 0xffffffff) % 3);
 }

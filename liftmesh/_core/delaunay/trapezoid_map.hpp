@@ -33,8 +33,11 @@ namespace liftmesh {
 
 class TrapezoidMap {
  public:
-    TrapezoidMap(const Triangulated& mesh, Patience& patience);
-    TrapezoidMap(const Triangulated& mesh, std::size_t edges, Patience& patience);
+    // The secret is the seed of the sample. Whoever knows the sample can make a triangulation for
+    // which it is a bad one.
+    TrapezoidMap(const Triangulated& mesh, std::uint64_t secret, Patience& patience);
+    TrapezoidMap(const Triangulated& mesh, std::size_t edges, std::uint64_t secret,
+                 Patience& patience);
 
     // Reorders the queries by trapezoids, and calls visit(bundle) for some at a time, with an edge
     // that the vertical line through each of them meets; `no_edge` if it meets no triangle.
@@ -82,6 +85,7 @@ class TrapezoidMap {
     }
 
     const Triangulated& mesh_;
+    std::uint64_t secret_;
     HullChain hull_;
     std::vector<Point> ends_;
     std::vector<Node> nodes_;

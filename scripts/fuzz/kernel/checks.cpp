@@ -83,7 +83,7 @@ void check_secret(Case& c, const Delaunay& found) {
 
 // The second index, which location takes for large triangulations only, on as many edges as there
 // are, and on a few.
-void check_trapezoids(const liftmesh::Triangulated& mesh, const std::vector<Point>& points,
+void check_trapezoids(Case& c, const liftmesh::Triangulated& mesh, const std::vector<Point>& points,
                       const std::vector<std::int32_t>& expected) {
     Impatient interrupt;
     liftmesh::Patience patience(interrupt);
@@ -97,7 +97,7 @@ void check_trapezoids(const liftmesh::Triangulated& mesh, const std::vector<Poin
             if (!walk.is_outside())
                 found[site.row] = first_containing(mesh, site.point, walk.at(), steps);
         });
-        const liftmesh::TrapezoidMap map(mesh, edges, patience);
+        const liftmesh::TrapezoidMap map(mesh, edges, c.dice.below(1u << 31), patience);
         map.descend(sites.data(), sites.data() + sites.size(), [&](const auto& bundle) {
             if (bundle.edge != liftmesh::no_edge) walks.add(bundle);
         });
@@ -127,7 +127,7 @@ void check_location(Case& c, const Delaunay& found, const Rows& rows) {
     if (c.is_large()) return;
     const liftmesh::Triangulated mesh{c.input, found.result.simplices.get(),
                                       found.result.neighbors.get(), found.result.triangle_count};
-    liftmesh::Locator locator(mesh);
+    liftmesh::Locator locator(mesh, c.dice.below(1u << 31));
     std::vector<double> queries;
     std::vector<Point> points;
     for (int i = 0; i < 32; ++i) {
@@ -141,7 +141,7 @@ void check_location(Case& c, const Delaunay& found, const Rows& rows) {
     for (std::size_t i = 0; i < points.size(); ++i)
         demand(at[i] == least_around(c, found.result, points[i]),
                "a point is found in another triangle");
-    check_trapezoids(mesh, points, at);
+    check_trapezoids(c, mesh, points, at);
 }
 
 void check_lower_hull(Case& c, const Expectation& expected) {
