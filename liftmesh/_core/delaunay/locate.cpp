@@ -293,7 +293,9 @@ class Locator::Round {
         };
         const TrapezoidMap* map = locator_.map_.get(make, patience);
         if (!map) return false;
-        const std::size_t pieces = std::min<std::size_t>(hard_.size() / 256 + 1, 8 * pool_.size());
+        // Few pieces, so that many queries of a trapezoid are in the same.
+        const std::size_t most = pool_.size() == 1 ? 1 : 2 * pool_.size();
+        const std::size_t pieces = std::min(hard_.size() / 256 + 1, most);
         const auto start = [&](std::size_t i) { return hard_.data() + hard_.size() * i / pieces; };
         return pool_.run(pieces, [&](std::size_t i) { find_hard(*map, start(i), start(i + 1)); });
     }
