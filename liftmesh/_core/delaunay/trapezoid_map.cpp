@@ -181,18 +181,16 @@ std::uint32_t TrapezoidMap::sampled(std::uint32_t place) const {
     return static_cast<std::uint32_t>(3 * triangle + (bits & 0xffffffff) % 3);
 }
 
-std::uint32_t TrapezoidMap::edge_near(const Node& trapezoid) const {
-    if (trapezoid.item() != none) return sampled(trapezoid.item());
-    return trapezoid.above != none ? sampled(trapezoid.above) : no_edge;
+std::uint32_t TrapezoidMap::edge_of(std::uint32_t item) const {
+    return item == none ? no_edge : sampled(item);
 }
 
-// Roughly: the order changes the length of walks, never their end.
-void TrapezoidMap::sort_by_height(const Node& trapezoid, Site* first, Site* last) const {
+// Returns the begin of the upper half. Rough: it changes the length of walks, never their end.
+Site* TrapezoidMap::sort_by_height(const Node& trapezoid, Site* first, Site* last) const {
     struct Placed {
         double share;
         Site query;
     };
-    if (last - first < 2) return;
     std::vector<Placed> placed;
     for (const Site* query = first; query != last; ++query) {
         const double share = share_of_height(trapezoid, query->point);
@@ -200,7 +198,12 @@ void TrapezoidMap::sort_by_height(const Node& trapezoid, Site* first, Site* last
     }
     std::sort(placed.begin(), placed.end(),
               [](const Placed& a, const Placed& b) { return a.share < b.share; });
-    for (const Placed& each : placed) *first++ = each.query;
+    Site* middle = first;
+    for (const Placed& each : placed) {
+        *first++ = each.query;
+        if (each.share < 0.5) middle = first;
+    }
+    return middle;
 }
 
 // Where a point is between the edges of its trapezoid: 0 below, 1 above.

@@ -73,8 +73,10 @@ class TrapezoidMap {
     void visit_trapezoid(const Node& trapezoid, Site* first, Site* last, const Visit& visit) const;
     std::size_t affordable_edges() const;
     std::uint32_t sampled(std::uint32_t place) const;
-    std::uint32_t edge_near(const Node& trapezoid) const;
-    void sort_by_height(const Node& trapezoid, Site* first, Site* last) const;
+    template <class Visit>
+    static void visit_bundles(Site* first, Site* last, std::uint32_t edge, const Visit& visit);
+    std::uint32_t edge_of(std::uint32_t item) const;
+    Site* sort_by_height(const Node& trapezoid, Site* first, Site* last) const;
     double share_of_height(const Node& trapezoid, Point p) const;
     double height(std::uint32_t place, Point p) const;
 
@@ -114,17 +116,25 @@ void TrapezoidMap::descend(Site* first, Site* last, const Visit& visit) const {
     }
 }
 
-// Few at a time, so that bundles can be worked on in turn.
+// The lower half from the lower edge up, the upper half from the upper edge down.
 template <class Visit>
 void TrapezoidMap::visit_trapezoid(const Node& trapezoid, Site* first, Site* last,
                                    const Visit& visit) const {
-    constexpr std::ptrdiff_t together = 64;
-    const std::uint32_t edge = edge_near(trapezoid);
-    if (edge == no_edge) {
+    const std::uint32_t lower = edge_of(trapezoid.item()), upper = edge_of(trapezoid.above);
+    if (lower == no_edge && upper == no_edge) {
         for (; first != last; ++first) visit(Bundle{first, first + 1, hull_.at(first->point)});
         return;
     }
-    sort_by_height(trapezoid, first, last);
+    Site* middle = sort_by_height(trapezoid, first, last);
+    std::reverse(middle, last);
+    visit_bundles(first, middle, lower != no_edge ? lower : upper, visit);
+    visit_bundles(middle, last, upper != no_edge ? upper : lower, visit);
+}
+
+// Few queries each, so that bundles can be worked on in turn.
+template <class Visit>
+void TrapezoidMap::visit_bundles(Site* first, Site* last, std::uint32_t edge, const Visit& visit) {
+    constexpr std::ptrdiff_t together = 64;
     while (first != last) {
         Site* next = first + std::min(together, last - first);
         visit(Bundle{std::exchange(first, next), next, edge});

@@ -1,5 +1,5 @@
-// Vertical walks of many queries. Those of one trapezoid come from its lower to its upper edge, and
-// each walk starts at the triangle where the one before has ended, if the vertical line through the
+// Vertical walks of many queries. Those of half a trapezoid come from its edge inwards, and each
+// walk starts at the triangle where the one before has ended, if the vertical line through the
 // query meets it: then only the edges between the two queries are crossed. Several bundles of
 // queries take their steps in turn, so that their loads overlap.
 #pragma once
