@@ -1,7 +1,6 @@
 #include "verify/boundary.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "base/buffer.hpp"
@@ -16,20 +15,21 @@ class BoundaryCheck {
     BoundaryCheck(const MeshView& mesh, const std::vector<HalfEdge>& boundary, ThreadPool& pool)
         : mesh_(mesh), boundary_(boundary), pool_(pool), next_(allocate<Row>(mesh.rows)) {}
 
-    bool run(Flaws& flaws) {
-        link(flaws);
-        if (flaws.any(Flaw::non_manifold_vertices) || boundary_.empty()) return true;
-        Flaws turns;
-        std::size_t windings = 0;
-        if (!check_turns(turns, windings)) return false;
-        if (windings == 1 && !turns.any()) return true;
+    bool run(Boundary& found) {
+        link(found.flaws);
+        if (found.flaws.any(Flaw::non_manifold_vertices) || boundary_.empty()) return true;
+        Turns turns;
+        if (!check_turns(turns)) return false;
+        found.uncovered = turns.uncovered;
+        if (turns.minima == 1 && !turns.flaws.any()) return true;
         const std::vector<Row> loops = find_loops();
         if (loops.size() > 1) {
-            for (const Row start : loops) flaws.add(Flaw::boundary_loops, {start, 0});
+            for (const Row start : loops) found.flaws.add(Flaw::boundary_loops, {start, 0});
             return true;
         }
-        flaws.add(turns);
-        if (!turns.any()) flaws.add(Flaw::boundary_winding, {loops.front(), windings});
+        found.flaws.add(turns.flaws);
+        if (!turns.flaws.any())
+            found.flaws.add(Flaw::boundary_winding, {loops.front(), turns.minima});
         return true;
     }
 
@@ -44,22 +44,30 @@ class BoundaryCheck {
         for (const Row row : repeated) flaws.add(Flaw::non_manifold_vertices, {row, 0});
     }
 
+    struct Turns {
+        Flaws flaws;
+        std::size_t minima = 0, uncovered = 0;
+    };
+
     // A closed curve that only turns left has one local minimum, a row that precedes both its
     // neighbours by x, then y, in each winding. So one minimum in all means one curve that winds
-    // around once.
-    bool check_turns(Flaws& flaws, std::size_t& windings) const {
-        std::vector<Flaws> found(blocks(boundary_.size()));
-        std::vector<std::size_t> minima(found.size());
+    // around once. At a vertex of such a curve the inside covers the direction upwards only if the
+    // curve ascends before and after it.
+    bool check_turns(Turns& turns) const {
+        std::vector<Turns> found(blocks(boundary_.size()));
         const bool done = pool_.run(found.size(), [&](std::size_t task) {
             const std::size_t last = std::min(boundary_.size(), (task + 1) * block);
             for (std::size_t i = task * block; i < last; ++i) {
                 __builtin_prefetch(&next_[boundary_[std::min(i + 2 * ahead, last - 1)].head]);
                 prefetch(boundary_[std::min(i + ahead, last - 1)]);
-                minima[task] += check_turn(boundary_[i], found[task]);
+                check_turn(boundary_[i], found[task]);
             }
         });
-        for (const Flaws& part : found) flaws.add(part);
-        windings = std::accumulate(minima.begin(), minima.end(), std::size_t{0});
+        for (const Turns& part : found) {
+            turns.flaws.add(part.flaws);
+            turns.minima += part.minima;
+            turns.uncovered += part.uncovered;
+        }
         return done;
     }
 
@@ -68,15 +76,16 @@ class BoundaryCheck {
             __builtin_prefetch(&mesh_.points[row]);
     }
 
-    // Checks the turn of the boundary at the head of an edge. Whether the head is a local minimum.
-    bool check_turn(const HalfEdge& edge, Flaws& flaws) const {
+    // Checks the turn of the boundary at the head of an edge.
+    void check_turn(const HalfEdge& edge, Turns& turns) const {
         const Row after = next_[edge.head];
         const Point a = mesh_.points[edge.tail], b = mesh_.points[edge.head];
         const Point c = mesh_.points[after];
         const int sign = orient2d(a, b, c);
         if (sign < 0 || (sign == 0 && !continues(a, b, c)))
-            flaws.add(Flaw::not_convex, {edge.head, std::uint64_t{edge.tail} << 32 | after});
-        return before_xy(b, a) && before_xy(b, c);
+            turns.flaws.add(Flaw::not_convex, {edge.head, std::uint64_t{edge.tail} << 32 | after});
+        turns.minima += before_xy(b, a) & before_xy(b, c);
+        turns.uncovered += !(before_xy(a, b) & before_xy(b, c));
     }
 
     // Whether collinear a, b, c advance in one direction, rather than stop or turn back.
@@ -106,9 +115,9 @@ class BoundaryCheck {
 
 }  // namespace
 
-bool check_boundary(const MeshView& mesh, const std::vector<HalfEdge>& boundary, ThreadPool& pool,
-                    Flaws& flaws) {
-    return BoundaryCheck(mesh, boundary, pool).run(flaws);
+bool check_boundary(const MeshView& mesh, const std::vector<HalfEdge>& edges, ThreadPool& pool,
+                    Boundary& boundary) {
+    return BoundaryCheck(mesh, edges, pool).run(boundary);
 }
 
 }  // namespace liftmesh

@@ -1,6 +1,7 @@
 // Whether the boundary of the triangles is one closed convex curve that winds around once.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "parallel/thread_pool.hpp"
@@ -9,8 +10,13 @@
 
 namespace liftmesh {
 
-// Adds what is wrong to `flaws`. False if the interrupt came first.
-bool check_boundary(const MeshView& mesh, const std::vector<HalfEdge>& boundary, ThreadPool& pool,
-                    Flaws& flaws);
+struct Boundary {
+    Flaws flaws;
+    std::size_t uncovered = 0;  // vertices at which no triangle covers the direction upwards
+};
+
+// Checks half-edges without a twin. False if the interrupt came first.
+bool check_boundary(const MeshView& mesh, const std::vector<HalfEdge>& edges, ThreadPool& pool,
+                    Boundary& boundary);
 
 }  // namespace liftmesh

@@ -5,8 +5,6 @@
 // where a, b, c is ascending, if it has such a corner.
 #pragma once
 
-#include <cmath>
-
 #include "base/point.hpp"
 
 namespace liftmesh {
@@ -20,15 +18,6 @@ inline int covering_corner(Point a, Point b, Point c) {
     };
     constexpr int corner[] = {no_corner, no_corner, no_corner, 1, no_corner, 0, 2, no_corner};
     return corner[before(a, b) | before(b, c) << 1 | before(c, a) << 2];
-}
-
-// Whether there is such a corner. The differences are those of `orient2d`, and tell which abscissa
-// is less even if they are rounded.
-inline bool covers_upwards(Point a, Point b, Point c) {
-    const double ac = a.x - c.x, bc = b.x - c.x;
-    if (!(std::fabs(ac * bc * (ac - bc)) > 0))  // perhaps a tie, or an overflow
-        return covering_corner(a, b, c) != no_corner;
-    return int{ac < bc} + int{bc < 0} + int{ac > 0} == 2;
 }
 
 }  // namespace liftmesh

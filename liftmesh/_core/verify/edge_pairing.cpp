@@ -1,34 +1,48 @@
 // Two half-edges with the same ends and opposite directions are an edge between two triangles. In
 // lists that keep neighbouring triangles close, as most programs write them, nearly every half-edge
-// finds its twin while that is still in a small table (`PairingTable`). A hash partition by the
-// ends brings together what is left over: O(n log n) for any order.
+// finds its twin while that is still in a small table (`PairingTable`), and the bounds of two
+// cotangents decide nearly every edge (`TriangleBatch`). What is left over is mostly boundary, and
+// alone in its slot (`Slots`); a hash partition by the ends brings together the rest: O(n log n)
+// for any order.
 
 #include "verify/edge_pairing.hpp"
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 #include <utility>
 
+#include "base/buffer.hpp"
 #include "base/input.hpp"
 #include "predicates/orient2d.hpp"
-#include "predicates/perturbation.hpp"
-#include "verify/cover.hpp"
 #include "verify/edge_groups.hpp"
 #include "verify/hash_partition.hpp"
 #include "verify/pairing_table.hpp"
+#include "verify/slots.hpp"
+#include "verify/triangle_batch.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// Checks triangles and edges for one task, and collects what it finds.
+// Whether the perturbation would flip an edge between a, b, c and the apex d beyond it, all four on
+// one circle. The lexicographically largest is lifted most, so above the plane of the other three:
+// the edge stays unless it ends there.
+bool is_flipped_on_circle(Point tail, Point head, Point apex, Point beyond) {
+    const Point end = before_xy(tail, head) ? head : tail;
+    const Point opposite = before_xy(apex, beyond) ? beyond : apex;
+    return before_xy(opposite, end);
+}
+
+// Checks edges for one task, and collects what it finds.
 class Checker {
  public:
     explicit Checker(const MeshView& mesh) : mesh_(mesh) {}
 
-    // Whether the corners are finite; otherwise the half-edges are not paired.
-    bool check_triangle(std::size_t triangle) {
+    // Adds what is wrong with a triangle that does not surely turn counter-clockwise. Whether its
+    // half-edges are to be paired: not if a corner is not finite.
+    bool check_triangle(std::size_t triangle, int& turn) {
         const std::size_t first = 3 * triangle;
         const Point a = mesh_.point(first), b = mesh_.point(first + 1);
         const Point c = mesh_.point(first + 2);
@@ -38,37 +52,45 @@ class Checker {
                     triangles.add(Flaw::non_finite, {mesh_.callers_place(place), 0});
             return false;
         }
-        if (const int turn = orient2d(a, b, c); turn <= 0) {
+        turn = orient2d(a, b, c);
+        if (turn <= 0) {
             turned.push_back(static_cast<std::uint32_t>(triangle));
             triangles.add(turn < 0 ? Flaw::clockwise : Flaw::degenerate,
                           {mesh_.callers_place(first) / 3, 0});
         }
-        covering += covers_upwards(a, b, c);
         return true;
     }
 
-    // Adds an edge by the places of its two half-edges, the first in a triangle that was just read.
-    // Edges are checked in batches, apart from the pairing that finds them, so that their data can
-    // be prefetched.
-    void add_edge(std::size_t triangle, std::uint32_t one, std::uint32_t other) {
+    // Adds the edge if the apex of one triangle lies inside the circumcircle of the other. Edges of
+    // clockwise and degenerate triangles are skipped.
+    void check_edge(std::uint32_t one, std::uint32_t other) {
+        const std::size_t first = one - one % 3;
+        const Point a = mesh_.point(first), b = mesh_.point(first + 1);
+        const Point c = mesh_.point(first + 2), d = mesh_.point(other);
+        const InCircleFilter filter = incircle_filter(a, b, c, d);
+        const double error = filter.error + mesh_.guard.margin();
+        if (-filter.det > error) return;
+        const int sign = filter.det > error ? 1 : incircle_exact(a, b, c, d, mesh_.guard);
+        if (sign < 0 || (sign == 0 && !is_flipped_on_circle(one, d))) return;
+        if (!is_counter_clockwise(first) || !is_counter_clockwise(other - other % 3)) return;
+        flippable.push_back({one, other, sign > 0});
+    }
+
+    // The same, soon: edges whose data are far apart are checked in batches, to prefetch them.
+    void add_edge(std::uint32_t one, std::uint32_t other) {
+        __builtin_prefetch(&mesh_.simplices[one]);
         __builtin_prefetch(&mesh_.simplices[other]);
-        batch_[batch_size_++] = {static_cast<std::uint32_t>(3 * triangle), one, other};
+        batch_[batch_size_++] = {one, other};
         if (batch_size_ == batch_.size()) check_batch();
     }
 
-    // The same where neither triangle was.
-    void add_distant_edge(std::uint32_t one, std::uint32_t other) {
-        __builtin_prefetch(&mesh_.simplices[one]);
-        distant_ = true;
-        add_edge(one / 3, one, other);
-    }
-
     void check_batch() {
-        if (distant_)
-            for (std::size_t i = 0; i < batch_size_; ++i) prefetch(batch_[i].first, 3);
-        for (std::size_t i = 0; i < batch_size_; ++i) prefetch(batch_[i].other, 1);
-        for (std::size_t i = 0; i < batch_size_; ++i) check_edge(batch_[i]);
-        interior_edges += std::exchange(batch_size_, 0);
+        for (std::size_t i = 0; i < batch_size_; ++i) {
+            prefetch(batch_[i].one - batch_[i].one % 3, 3);
+            prefetch(batch_[i].other, 1);
+        }
+        for (std::size_t i = 0; i < batch_size_; ++i) check_edge(batch_[i].one, batch_[i].other);
+        batch_size_ = 0;
     }
 
     std::size_t interior_edges = 0, covering = 0;
@@ -79,7 +101,7 @@ class Checker {
 
  private:
     struct Edge {
-        std::uint32_t first, one, other;  // the triangle of `one` begins at `first`
+        std::uint32_t one, other;
     };
 
     void prefetch(std::size_t place, std::size_t count) const {
@@ -87,19 +109,10 @@ class Checker {
             __builtin_prefetch(&mesh_.points[mesh_.corner(place)]);
     }
 
-    // Adds the edge if the apex of one triangle lies inside the circumcircle of the other. Edges of
-    // clockwise and degenerate triangles are skipped.
-    void check_edge(Edge edge) {
-        const auto [first, one, other] = edge;
-        const Point a = mesh_.point(first), b = mesh_.point(first + 1);
-        const Point c = mesh_.point(first + 2), d = mesh_.point(other);
-        const InCircleFilter filter = incircle_filter(a, b, c, d);
-        const double error = filter.error + mesh_.guard.margin();
-        if (-filter.det > error) return;
-        const int sign = filter.det > error ? 1 : incircle_exact(a, b, c, d, mesh_.guard);
-        if (sign < 0 || (sign == 0 && perturbed_sign(a, b, c, d) <= 0)) return;
-        if (!is_counter_clockwise(first) || !is_counter_clockwise(other - other % 3)) return;
-        flippable.push_back({one, other, sign > 0});
+    bool is_flipped_on_circle(std::uint32_t place, Point beyond) const {
+        const HalfEdge edge = mesh_.half_edge(place / 3, static_cast<int>(place % 3));
+        return liftmesh::is_flipped_on_circle(mesh_.points[edge.tail], mesh_.points[edge.head],
+                                              mesh_.point(place), beyond);
     }
 
     bool is_counter_clockwise(std::size_t first) const {
@@ -109,44 +122,87 @@ class Checker {
     const MeshView& mesh_;
     std::array<Edge, 64> batch_{};
     std::size_t batch_size_ = 0;
-    bool distant_ = false;
 };
 
-// Reads the triangles of one task in order. Corners are prefetched.
+// Reads the triangles of one task in order, a batch at a time: first their corners, which are
+// prefetched, then measures them, then pairs their half-edges.
 class Reader {
  public:
-    Reader(const MeshView& mesh, Checker& checker) : mesh_(mesh), checker_(checker) {}
+    Reader(const MeshView& mesh, Checker& checker, std::size_t first, std::size_t last)
+        : mesh_(mesh),
+          checker_(checker),
+          first_(first),
+          last_(last),
+          table_(3 * first),
+          cotangents_(allocate<double>(3 * (last - first))) {}
 
-    void run(std::size_t first, std::size_t last) {
-        constexpr std::size_t ahead = 32;
-        for (std::size_t t = first; t < last; ++t) {
-            const std::size_t later = 3 * std::min(t + ahead, last - 1);
-            for (std::size_t place = later; place < later + 3; ++place)
-                __builtin_prefetch(&mesh_.points[mesh_.corner(place)]);
-            read(t);
+    void run() {
+        for (std::size_t t = first_; t < last_; t += TriangleBatch::size) {
+            read_corners(t);
+            checker_.covering += batch_.measure(mesh_.guard);
+            doubtful_ = 0;
+            for (std::size_t i = 0; i < std::min(TriangleBatch::size, last_ - t); ++i)
+                pair_triangle(t + i, i);
+            for (std::size_t i = 0; i < doubtful_; ++i)
+                checker_.check_edge(edges_[i].one, edges_[i].other);
         }
-        checker_.check_batch();
         table_.for_each([&](const HalfEdge& edge) { checker_.unpaired.push_back(edge); });
     }
 
  private:
-    void read(std::size_t triangle) {
-        if (!checker_.check_triangle(triangle)) return;
-        for (int k = 0; k < 3; ++k) {
-            const HalfEdge edge = mesh_.half_edge(triangle, k);
-            if (edge.tail == edge.head) {  // its own opposite: the table would pair two of them
-                checker_.unpaired.push_back(edge);
-                continue;
-            }
-            std::uint32_t twin = 0;
-            const auto evict = [&](const HalfEdge& oldest) { checker_.unpaired.push_back(oldest); };
-            if (table_.pair(edge, twin, evict)) checker_.add_edge(triangle, edge.place, twin);
+    struct Edge {
+        std::uint32_t one, other;
+    };
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+    void read_corners(std::size_t t) {
+        if (t + TriangleBatch::size > last_) batch_ = {};
+        const std::size_t count = std::min(TriangleBatch::size, last_ - t);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t later = 3 * std::min(t + i + TriangleBatch::size, last_ - 1);
+            for (std::size_t place = later; place < later + 3; ++place)
+                __builtin_prefetch(&mesh_.points[mesh_.corner(place)]);
+            const std::size_t place = 3 * (t + i);
+            batch_.set(i, mesh_.point(place), mesh_.point(place + 1), mesh_.point(place + 2));
         }
+    }
+
+    void pair_triangle(std::size_t triangle, std::size_t i) {
+        double* const cotangents = &cotangents_[3 * (triangle - first_)];
+        for (std::size_t k = 0; k < 3; ++k) cotangents[k] = batch_.cotangent(i, k);
+        if (!batch_.is_certain(i)) {
+            int turn = 0;
+            const bool is_finite = checker_.check_triangle(triangle, turn);
+            std::fill_n(cotangents, 3, turn > 0 ? -infinity : infinity);
+            if (!is_finite) return;
+        }
+        for (int k = 0; k < 3; ++k) pair(mesh_.half_edge(triangle, k), cotangents[k]);
+    }
+
+    // Of a triangle that is not counter-clockwise no edge is tested: its bounds are infinity.
+    void pair(const HalfEdge& edge, double cotangent) {
+        if (edge.tail == edge.head)
+            [[unlikely]] {  // its own opposite: the table would pair two of them
+            checker_.unpaired.push_back(edge);
+            return;
+        }
+        std::uint32_t twin = 0;
+        const auto evict = [&](const HalfEdge& oldest) { checker_.unpaired.push_back(oldest); };
+        const bool paired = table_.pair(edge, twin, evict);
+        const double sum = cotangent + cotangents_[twin - 3 * first_];
+        checker_.interior_edges += paired;
+        edges_[doubtful_] = {edge.place, twin};
+        doubtful_ += paired & !(sum > 0);
     }
 
     const MeshView& mesh_;
     Checker& checker_;
+    std::size_t first_, last_;
+    TriangleBatch batch_;
     PairingTable table_;
+    Buffer<double> cotangents_;  // a lower bound for each corner that was read
+    std::array<Edge, 3 * TriangleBatch::size + 1> edges_;
+    std::size_t doubtful_ = 0;
 };
 
 // Half-edges with the same ends: [first, middle) run in one direction, [middle, last) in the other.
@@ -154,11 +210,8 @@ class Reader {
 template <class It>
 void pair_opposite(It first, It middle, It last, Checker& checker) {
     const auto pairs = std::min(middle - first, last - middle);
-    if (std::max(middle - first, last - middle) > 1) {
-        checker.interior_edges += static_cast<std::size_t>(pairs);
-    } else if (pairs == 1) {
-        checker.add_distant_edge(first->place, middle->place);
-    }
+    checker.interior_edges += static_cast<std::size_t>(pairs);
+    if (pairs == 1 && last - first == 2) checker.add_edge(first->place, middle->place);
     checker.unpaired.insert(checker.unpaired.end(), first + pairs, middle);
     checker.unpaired.insert(checker.unpaired.end(), middle + pairs, last);
 }
@@ -183,8 +236,40 @@ bool run_tasks(const MeshView& mesh, std::size_t tasks, ThreadPool& pool, EdgePa
     return done;
 }
 
+// Moves half-edges that surely have no twin to the boundary.
+bool set_apart_alone(ThreadPool& pool, std::vector<std::vector<HalfEdge>>& unpaired,
+                     std::vector<HalfEdge>& boundary) {
+    std::size_t count = 0;
+    for (const auto& share : unpaired) count += share.size();
+    Slots slots(count);
+    std::vector<std::vector<HalfEdge>> alone(unpaired.size());
+    const auto for_each = [&](std::size_t i, auto visit) {
+        const auto hash_of = [&](std::size_t at) { return EdgeHash()(unpaired[i][at]); };
+        slots.for_each(0, unpaired[i].size(), hash_of, visit);
+    };
+    const bool added = pool.run(unpaired.size(), [&](std::size_t i) {
+        for_each(i, [&](auto, std::uint64_t hash) { slots.add(hash); });
+    });
+    if (!added) return false;
+    const bool moved = pool.run(unpaired.size(), [&](std::size_t i) {
+        std::size_t kept = 0;
+        for_each(i, [&](std::size_t at, std::uint64_t hash) {
+            const HalfEdge edge = unpaired[i][at];
+            if (slots.is_shared(hash)) {
+                unpaired[i][kept++] = edge;
+            } else {
+                alone[i].push_back(edge);
+            }
+        });
+        unpaired[i].resize(kept);
+    });
+    for (const auto& edges : alone) boundary.insert(boundary.end(), edges.begin(), edges.end());
+    return moved;
+}
+
 bool pair_by_hash(const MeshView& mesh, ThreadPool& pool,
                   std::vector<std::vector<HalfEdge>>& unpaired, EdgePairing& pairing) {
+    if (!set_apart_alone(pool, unpaired, pairing.boundary)) return false;
     const HashPartition<HalfEdge, EdgeHash> parts(unpaired, pool);
     if (!parts.complete()) return false;
     const auto pair_part = [&](std::size_t part, Checker& checker) {
@@ -207,7 +292,7 @@ bool pair_edges(const MeshView& mesh, ThreadPool& pool, EdgePairing& pairing) {
     std::vector<std::vector<HalfEdge>> unpaired;
     const auto read = [&](std::size_t task, Checker& checker) {
         const std::size_t first = task * block, last = std::min(mesh.count, first + block);
-        Reader(mesh, checker).run(first, last);
+        Reader(mesh, checker, first, last).run();
         pool.interrupt().advance(3 * (last - first));
     };
     return run_tasks(mesh, blocks(mesh.count), pool, pairing, unpaired, read) &&

@@ -1,12 +1,10 @@
 // Half-edges that wait for their twin while triangles are read in an order that keeps neighbours
-// close: a small set-associative table. A full set evicts its oldest entry, which the caller then
+// close: a small table of sets of two. A third evicts the older of them, which the caller then
 // pairs in another way.
 //
 // Whether the twin is present is unpredictable, so `pair` has no branch that depends on it.
 #pragma once
 
-#include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,22 +16,27 @@ namespace liftmesh {
 
 class PairingTable {
  public:
-    PairingTable() : sets_(std::size_t{1} << set_bits) {}
+    // No place is less than `first`.
+    explicit PairingTable(std::size_t first = 0)
+        : first_(static_cast<std::uint32_t>(first)), sets_(std::size_t{1} << set_bits) {}
 
     // Whether the twin of this half-edge is in the table. If so, its place is stored in `twin` and
     // it is removed; if not, this one is added, and evict(other) is called if that displaces
-    // another.
+    // another. Then `twin` is any place that came before, or the first.
     template <class Evict>
     bool pair(const HalfEdge& edge, std::uint32_t& twin, Evict evict) {
         Set& set = sets_[EdgeHash()(edge) >> (64 - set_bits)];
-        const unsigned opposite = ways_with(set, ends(edge.head, edge.tail));
-        const unsigned free = ways_with(set, empty);
-        const bool paired = opposite != 0;
-        int way = std::countr_zero((paired ? opposite : free) | 1u << (ways - 1));
-        if ((opposite | free) == 0) evict(entry(set, way = oldest(set)));
-        twin = set.place[way];
-        set.ends[way] = paired ? empty : ends(edge.tail, edge.head);
-        set.place[way] = edge.place;
+        const std::uint64_t opposite = ends(edge.head, edge.tail);
+        const bool in_0 = set.ends[0] == opposite, in_1 = set.ends[1] == opposite;
+        const bool paired = in_0 | in_1;
+        const std::size_t way = in_1 | (!in_0 & (set.age[1] < set.age[0]));
+        const std::uint64_t all_if_paired = std::uint64_t{0} - paired;  // `empty`, or no bit
+        const std::uint64_t displaced = set.ends[way] | all_if_paired;
+        twin = set.age[way] + first_;
+        if (displaced != empty) [[unlikely]]
+            evict(half_edge(displaced, twin));
+        set.ends[way] = ends(edge.tail, edge.head) | all_if_paired;
+        set.age[way] = (edge.place - first_) & ~static_cast<std::uint32_t>(all_if_paired);
         return paired;
     }
 
@@ -41,37 +44,27 @@ class PairingTable {
     template <class Visit>
     void for_each(Visit visit) const {
         for (const Set& set : sets_)
-            for (int way = 0; way < ways; ++way)
-                if (set.ends[way] != empty) visit(entry(set, way));
+            for (const int way : {0, 1})
+                if (set.ends[way] != empty) visit(half_edge(set.ends[way], set.age[way] + first_));
     }
 
  private:
-    static constexpr int set_bits = 11, ways = 4;
+    static constexpr int set_bits = 11;
     static constexpr std::uint64_t empty = ~std::uint64_t{0};
 
+    // The places, counted from the first, ascend with time; that of an empty entry is 0.
     struct Set {
-        std::uint64_t ends[ways] = {empty, empty, empty, empty};
-        std::uint32_t place[ways] = {};
+        std::uint64_t ends[2] = {empty, empty};
+        std::uint32_t age[2] = {};
     };
 
     static std::uint64_t ends(Row tail, Row head) { return std::uint64_t{tail} << 32 | head; }
 
-    static unsigned ways_with(const Set& set, std::uint64_t value) {
-        unsigned found = 0;
-        for (int way = 0; way < ways; ++way) found |= unsigned{set.ends[way] == value} << way;
-        return found;
+    static HalfEdge half_edge(std::uint64_t ends, std::uint32_t place) {
+        return {static_cast<Row>(ends >> 32), static_cast<Row>(ends), place};
     }
 
-    // Half-edges arrive in ascending order of place.
-    static int oldest(const Set& set) {
-        return static_cast<int>(std::min_element(set.place, set.place + ways) - set.place);
-    }
-
-    static HalfEdge entry(const Set& set, int way) {
-        return {static_cast<Row>(set.ends[way] >> 32), static_cast<Row>(set.ends[way]),
-                set.place[way]};
-    }
-
+    std::uint32_t first_;
     std::vector<Set> sets_;
 };
 

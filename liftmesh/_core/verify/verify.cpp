@@ -61,10 +61,10 @@ struct Skipped {
 // What pairing the edges finds under the current names of the corners.
 struct Findings {
     EdgePairing pairing;
-    Flaws boundary;
+    Boundary boundary;
 
     bool are_consistent() const {
-        return !pairing.triangles.any() && !pairing.boundary.empty() && !boundary.any();
+        return !pairing.triangles.any() && !pairing.boundary.empty() && !boundary.flaws.any();
     }
 };
 
@@ -77,8 +77,7 @@ class Verification {
           pool_(pool),
           points_(allocate<Point>(input.rows)),
           corners_(allocate<std::int32_t>(3 * count)),
-          mesh_{points_.get(), input.rows, corners_.get(), count, Guard::anywhere()},
-          is_corner_(input.rows) {}
+          mesh_{points_.get(), input.rows, corners_.get(), count, Guard::anywhere()} {}
 
     Verdict run(bool skip_non_finite) {
         if (!read_points()) return interrupted();
@@ -99,6 +98,7 @@ class Verification {
     bool check() {
         if (!read_corners()) return false;
         if (verdict_.flaws.any(Flaw::invalid_index)) return true;
+        if (mesh_.rows > mesh_.count + 2 && !mark_corners()) return false;
         if (has_too_many_corners() && !merge_positions()) return false;
         if (!gather_triangles()) return false;
         Findings found;
@@ -106,10 +106,10 @@ class Verification {
         if (verdict_.flaws.any(Flaw::non_finite)) return true;
         if (!check_edges(found)) return false;
         add_flippable(found.pairing.flippable);
-        verdict_.flaws.add(found.boundary);
+        verdict_.flaws.add(found.boundary.flaws);
         verdict_.interior_edges = found.pairing.interior_edges;
         verdict_.boundary_edges = found.pairing.boundary.size();
-        return count_vertices();
+        return count_vertices(found);
     }
 
     bool check_triangles(Findings& found) {
@@ -133,7 +133,8 @@ class Verification {
             if (verdict_.merged > 0 && !(pair_edges(found) && check_boundary(found))) return false;
         }
         return found.are_consistent() ||
-               separate_repeated(mesh_, is_corner_, pool_, found.pairing, verdict_.flaws);
+               (mark_corners() &&
+                separate_repeated(mesh_, is_corner_, pool_, found.pairing, verdict_.flaws));
     }
 
     bool pair_edges(Findings& found) {
@@ -209,18 +210,28 @@ class Verification {
     bool read_corners() {
         std::vector<Flaws> found(blocks(mesh_.count));
         const auto read = [&](std::size_t first, std::size_t last, std::size_t task) {
+            bool is_wrong = false;
             for (std::size_t place = 3 * first; place < 3 * last; ++place) {
                 corners_[place] = simplices_[place];
-                if (const Row row = mesh_.corner(place); row < mesh_.rows) {
-                    mark(is_corner_[row]);
-                } else {
-                    found[task].add(Flaw::invalid_index, {place, 0});
-                }
+                is_wrong |= mesh_.corner(place) >= mesh_.rows;
             }
+            for (std::size_t place = 3 * first; is_wrong && place < 3 * last; ++place)
+                if (mesh_.corner(place) >= mesh_.rows)
+                    found[task].add(Flaw::invalid_index, {place, 0});
         };
         const bool done = in_blocks(mesh_.count, read);
         for (const Flaws& part : found) verdict_.flaws.add(part);
         return done;
+    }
+
+    // Which rows are corners. A consistent mesh without duplicates needs no such marks.
+    bool mark_corners() {
+        if (!is_corner_.empty()) return true;
+        is_corner_.resize(mesh_.rows);
+        return in_blocks(mesh_.count, [&](std::size_t first, std::size_t last, auto) {
+            for (std::size_t place = 3 * first; place < 3 * last; ++place)
+                mark(is_corner_[mesh_.corner(place)]);
+        });
     }
 
     // Safe for several threads. Most bytes are set already, and are only read.
@@ -232,6 +243,7 @@ class Verification {
     // Connected triangles without a hole have at most two vertices more than there are triangles.
     // Under the given names these have more.
     bool has_too_many_corners() const {
+        if (is_corner_.empty()) return false;
         const auto corners = std::count(is_corner_.begin(), is_corner_.end(), 1);
         return static_cast<std::size_t>(corners) > mesh_.count + 2;
     }
@@ -289,7 +301,7 @@ class Verification {
     bool merge_positions() {
         merged_ = true;
         std::vector<Row> lowest;
-        if (!find_lowest(mesh_, pool_, lowest)) return false;
+        if (!mark_corners() || !find_lowest(mesh_, pool_, lowest)) return false;
         Marks kept(mesh_.rows);
         for (std::size_t row = 0; row < mesh_.rows; ++row)
             if (is_corner_[row]) verdict_.merged += std::exchange(kept[lowest[row]], 1);
@@ -301,7 +313,17 @@ class Verification {
         });
     }
 
-    bool count_vertices() {
+    // Where no two triangles overlap, one of those at each inner vertex covers the direction
+    // upwards
+    // (`cover.hpp`), and the boundary knows at which of its vertices one does: if that many
+    // vertices are all rows, none is missing.
+    bool count_vertices(const Findings& found) {
+        const std::size_t covered = found.pairing.covering + found.boundary.uncovered;
+        if (found.are_consistent() && covered + verdict_.skipped == mesh_.rows) {
+            verdict_.vertices = covered;
+            return true;
+        }
+        if (!mark_corners()) return false;
         for (const std::uint8_t corner : is_corner_) verdict_.vertices += corner;
         return verdict_.vertices + verdict_.merged + verdict_.skipped == mesh_.rows ||
                find_missing(mesh_, is_corner_, pool_, verdict_.flaws);
