@@ -20,7 +20,7 @@ namespace liftmesh {
 namespace {
 
 // The half-edges of the triangles of that many points fit the pairing table.
-constexpr std::size_t cell_population = 1024;
+constexpr std::size_t cell_population = 256;
 constexpr int deepest = 13;
 constexpr std::size_t sample_per_cell = 8;
 
