@@ -36,12 +36,15 @@ class BoundaryCheck {
  private:
     void link(Flaws& flaws) {
         std::fill_n(next_.get(), mesh_.rows, none);
-        std::vector<Row> repeated;
+        std::size_t repeated = 0;
         for (const HalfEdge& edge : boundary_)
-            if (std::exchange(next_[edge.tail], edge.head) != none) repeated.push_back(edge.tail);
-        std::sort(repeated.begin(), repeated.end());
-        repeated.erase(std::unique(repeated.begin(), repeated.end()), repeated.end());
-        for (const Row row : repeated) flaws.add(Flaw::non_manifold_vertices, {row, 0});
+            repeated += std::exchange(next_[edge.tail], edge.head) != none;
+        if (repeated == 0) return;
+        std::vector<std::uint8_t> visits(mesh_.rows);  // 2 stands for more
+        for (const HalfEdge& edge : boundary_)
+            visits[edge.tail] = static_cast<std::uint8_t>(visits[edge.tail] == 0 ? 1 : 2);
+        for (std::size_t row = 0; row < mesh_.rows; ++row)
+            if (visits[row] == 2) flaws.add(Flaw::non_manifold_vertices, {row, 0});
     }
 
     struct Turns {

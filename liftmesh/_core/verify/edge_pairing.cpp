@@ -239,32 +239,11 @@ bool run_tasks(const MeshView& mesh, std::size_t tasks, ThreadPool& pool, EdgePa
 // Moves half-edges that surely have no twin to the boundary.
 bool set_apart_alone(ThreadPool& pool, std::vector<std::vector<HalfEdge>>& unpaired,
                      std::vector<HalfEdge>& boundary) {
-    std::size_t count = 0;
-    for (const auto& share : unpaired) count += share.size();
-    Slots slots(count);
     std::vector<std::vector<HalfEdge>> alone(unpaired.size());
-    const auto for_each = [&](std::size_t i, auto visit) {
-        const auto hash_of = [&](std::size_t at) { return EdgeHash()(unpaired[i][at]); };
-        slots.for_each(0, unpaired[i].size(), hash_of, visit);
-    };
-    const bool added = pool.run(unpaired.size(), [&](std::size_t i) {
-        for_each(i, [&](auto, std::uint64_t hash) { slots.add(hash); });
-    });
-    if (!added) return false;
-    const bool moved = pool.run(unpaired.size(), [&](std::size_t i) {
-        std::size_t kept = 0;
-        for_each(i, [&](std::size_t at, std::uint64_t hash) {
-            const HalfEdge edge = unpaired[i][at];
-            if (slots.is_shared(hash)) {
-                unpaired[i][kept++] = edge;
-            } else {
-                alone[i].push_back(edge);
-            }
-        });
-        unpaired[i].resize(kept);
-    });
+    const auto add = [&](std::size_t i, const HalfEdge& edge) { alone[i].push_back(edge); };
+    const bool done = keep_shared(unpaired, pool, EdgeHash(), add);
     for (const auto& edges : alone) boundary.insert(boundary.end(), edges.begin(), edges.end());
-    return moved;
+    return done;
 }
 
 bool pair_by_hash(const MeshView& mesh, ThreadPool& pool,

@@ -55,6 +55,7 @@ class Suspects {
     std::size_t collect(std::size_t first, std::size_t last, std::vector<HalfEdge>& edges) const {
         std::size_t sum = 0;
         for (std::size_t t = first; t < last; ++t) {
+            prefetch(std::min(t + ahead, last - 1));
             if ((mark(3 * t) | mark(3 * t + 1) | mark(3 * t + 2)) == 0) continue;
             const int at = covering(t);
             sum += at != no_corner && mark(3 * t + at);
@@ -69,6 +70,7 @@ class Suspects {
     // Marks a row as `covered`, or as `several` if it was. Safe for several threads.
     void cover(std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
+            prefetch(std::min(t + ahead, last - 1));
             const int at = covering(t);
             if (at == no_corner) continue;
             const std::atomic_ref<std::uint8_t> shared(marks_[mesh_.corner(3 * t + at)]);
@@ -86,6 +88,12 @@ class Suspects {
 
  private:
     static constexpr std::uint8_t suspect = 1, covered = 2, several = 4;
+    static constexpr std::size_t ahead = 32;  // triangles
+
+    void prefetch(std::size_t triangle) const {
+        for (std::size_t place = 3 * triangle; place < 3 * triangle + 3; ++place)
+            __builtin_prefetch(&mesh_.points[mesh_.corner(place)]);
+    }
 
     std::uint8_t mark(std::size_t place) const { return marks_[mesh_.corner(place)]; }
 
@@ -151,6 +159,18 @@ bool find_suspects(const MeshView& mesh, const Marks& corners, ThreadPool& pool,
     return collect(mesh, pool, suspects, edges, sum);
 }
 
+// Removes the repeated edges from those that would be flipped.
+void keep_undoubted(const MeshView& mesh, const std::vector<Repeated>& found,
+                    std::vector<FlippableEdge>& flippable) {
+    std::vector<std::uint64_t> ends;
+    for (const Repeated& each : found) ends.insert(ends.end(), each.ends.begin(), each.ends.end());
+    std::sort(ends.begin(), ends.end());
+    std::erase_if(flippable, [&](const FlippableEdge& edge) {
+        const HalfEdge one = mesh.half_edge(edge.one / 3, static_cast<int>(edge.one % 3));
+        return std::binary_search(ends.begin(), ends.end(), ends_of(one));
+    });
+}
+
 }  // namespace
 
 bool separate_repeated(const MeshView& mesh, const Marks& corners, ThreadPool& pool,
@@ -167,16 +187,8 @@ bool separate_repeated(const MeshView& mesh, const Marks& corners, ThreadPool& p
             });
         });
     });
-    std::vector<std::uint64_t> ends;
-    for (const Repeated& each : found) {
-        ends.insert(ends.end(), each.ends.begin(), each.ends.end());
-        flaws.add(each.flaws);
-    }
-    std::sort(ends.begin(), ends.end());
-    std::erase_if(pairing.flippable, [&](const FlippableEdge& edge) {
-        const HalfEdge one = mesh.half_edge(edge.one / 3, static_cast<int>(edge.one % 3));
-        return std::binary_search(ends.begin(), ends.end(), ends_of(one));
-    });
+    for (const Repeated& each : found) flaws.add(each.flaws);
+    if (!pairing.flippable.empty()) keep_undoubted(mesh, found, pairing.flippable);
     return done;
 }
 

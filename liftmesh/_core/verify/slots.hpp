@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "parallel/thread_pool.hpp"
+
 namespace liftmesh {
 
 class Slots {
@@ -52,5 +54,33 @@ class Slots {
     int bits_;
     std::vector<std::uint64_t> words_;
 };
+
+// Keeps the items, in several shares, that may have an equal; calls alone(share, item) for the
+// others. False if the interrupt came first.
+template <class Item, class HashOf, class Alone>
+bool keep_shared(std::vector<std::vector<Item>>& shares, ThreadPool& pool, HashOf hash_of,
+                 Alone alone) {
+    std::size_t count = 0;
+    for (const auto& share : shares) count += share.size();
+    Slots slots(count);
+    const auto for_each = [&](std::vector<Item>& share, auto visit) {
+        slots.for_each(0, share.size(), [&](std::size_t i) { return hash_of(share[i]); }, visit);
+    };
+    const bool added = pool.run(shares.size(), [&](std::size_t task) {
+        for_each(shares[task], [&](auto, std::uint64_t hash) { slots.add(hash); });
+    });
+    return added && pool.run(shares.size(), [&](std::size_t task) {
+        std::vector<Item>& share = shares[task];
+        std::size_t kept = 0;
+        for_each(share, [&](std::size_t i, std::uint64_t hash) {
+            if (slots.is_shared(hash)) {
+                share[kept++] = share[i];
+            } else {
+                alone(task, share[i]);
+            }
+        });
+        share.erase(share.begin() + static_cast<std::ptrdiff_t>(kept), share.end());
+    });
+}
 
 }  // namespace liftmesh
