@@ -124,6 +124,21 @@ def test_lattices_of_every_width(corners: int) -> None:
     assert_signs(np.ldexp(points, rng.integers(-1074, 960, (6000, 1, 1))))
 
 
+@pytest.mark.parametrize("corners", [3, 4], ids=["orient2d", "incircle"])
+def test_coordinates_that_just_fit_a_word(corners: int) -> None:
+    """Reflected points, some moved by an ulp: coordinates that span 53 to 69 bits together."""
+    rng = np.random.default_rng(6)
+    x = rng.uniform(0.5, 1, 6000)
+    y = np.ldexp(rng.uniform(0.5, 1, 6000), -rng.integers(0, 17, 6000))
+    circle = np.array([(x, y), (y, x), (-x, y), (y, -x), (-y, x), (x, -y), (-x, -y), (-y, -x)])
+    line = np.array([(x, y), (-x, -y), (2 * x, 2 * y), (-4 * x, -4 * y)])
+    some = np.moveaxis(circle if corners == 4 else line, 2, 0)
+    chosen = rng.permuted(np.tile(np.arange(some.shape[1]), (6000, 1)), axis=1)[:, :corners]
+    points = np.take_along_axis(some, chosen[:, :, None], axis=1)
+    points[::2, -1] += np.spacing(points[::2, -1])
+    assert_signs(np.ldexp(points, rng.integers(-1000, 1020, (6000, 1, 1))))
+
+
 @settings(max_examples=500)
 @given(POINT, POINT, POINT)
 def test_orientation_of_any_doubles(a, b, c) -> None:

@@ -1,47 +1,22 @@
 #include "predicates/incircle.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 #include "predicates/exact_sum.hpp"
+#include "predicates/fixed_point.hpp"
 #include "predicates/lattice.hpp"
 #include "predicates/perturbation.hpp"
-#include "predicates/volume.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// Differences below 2^30 in magnitude keep the whole determinant below 2^127.
-int sign_in_128_bits(const std::int64_t (&dx)[3], const std::int64_t (&dy)[3]) {
-    Int128 det = 0;
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        det += static_cast<Int128>(dx[i] * dx[i] + dy[i] * dy[i]) * (dx[j] * dy[k] - dx[k] * dy[j]);
-    }
-    return (det > 0) - (det < 0);
-}
-
-bool is_small(std::int64_t value) {
-    return -(1 << 30) < value && value < (1 << 30);
-}
-
-// From differences of at most 62 bits.
-int sign_of_side(const PlanarLattice<4>& lattice) {
-    std::array<Wide<1>, 3> dx, dy;
-    std::int64_t sx[3], sy[3];
-    for (int i = 0; i < 3; ++i) {
-        dx[i] = lattice.x<1>(i) - lattice.x<1>(3);
-        dy[i] = lattice.y<1>(i) - lattice.y<1>(3);
-        sx[i] = static_cast<std::int64_t>(dx[i].limb[0]);
-        sy[i] = static_cast<std::int64_t>(dy[i].limb[0]);
-    }
-    if (std::all_of(sx, sx + 3, is_small) && std::all_of(sy, sy + 3, is_small))
-        return sign_in_128_bits(sx, sy);
-    std::array<Wide<2>, 3> dz;
-    for (int i = 0; i < 3; ++i) dz[i] = dx[i] * dx[i] + dy[i] * dy[i];
-    return sign_of_volume(dx, dy, dz);
+// By the distances and heights of edge_incircle.hpp.
+int sign_of_side(const FixedPoint<4>& points) {
+    const Step base = points.step(0, 1), to_c = points.step(0, 2), to_d = points.step(0, 3);
+    return sign_of_difference(dot(to_c, points.step(1, 2)), cross(base, to_d),
+                              dot(to_d, points.step(1, 3)), cross(base, to_c));
 }
 
 // The determinant with the rows (x, y, x^2 + y^2, 1), expanded along the third column: the square
@@ -77,6 +52,7 @@ bool is_rectangle(Point a, Point b, Point c, Point d) {
     const auto corner = [](Point p, Point q, Point r, Point s) {
         return (p.x == q.x) & (r.x == s.x) & (q.y == r.y) & (s.y == p.y);
     };
+    if ((a.x != b.x) & (a.x != c.x) & (a.x != d.x)) return false;
     return corner(a, b, c, d) || corner(b, c, d, a) || corner(a, b, d, c) || corner(b, d, c, a) ||
            corner(a, c, b, d) || corner(c, b, d, a);
 }
@@ -97,14 +73,18 @@ int sign_by_scaled_filter(Point a, Point b, Point c, Point d) {
     return (filter.det > error) - (-filter.det > error);
 }
 
+// Out of line: on rasters most exact calls are for rectangles, and need none of its stack.
+[[gnu::noinline]] int sign_by_integers(Point a, Point b, Point c, Point d, Guard guard) {
+    if (!guard.vouches())
+        if (const int sign = sign_by_scaled_filter(a, b, c, d); sign != 0) return sign;
+    if (const FixedPoint<4> points({a, b, c, d}); points.fits()) return sign_of_side(points);
+    return sign_of_wide_side(PlanarLattice<4>({a, b, c, d}));
+}
+
 }  // namespace
 
 int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
-    if (is_rectangle(a, b, c, d)) return 0;
-    if (!guard.vouches())
-        if (const int sign = sign_by_scaled_filter(a, b, c, d); sign != 0) return sign;
-    const PlanarLattice<4> lattice({a, b, c, d});
-    return lattice.fits<1>() ? sign_of_side(lattice) : sign_of_wide_side(lattice);
+    return is_rectangle(a, b, c, d) ? 0 : sign_by_integers(a, b, c, d, guard);
 }
 
 int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard) {

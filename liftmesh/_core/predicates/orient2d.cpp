@@ -4,21 +4,16 @@
 #include <cmath>
 
 #include "predicates/exact_sum.hpp"
+#include "predicates/fixed_point.hpp"
 #include "predicates/lattice.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// From differences of at most 62 bits.
-int sign_of_turn(const PlanarLattice<3>& lattice) {
-    const Wide<1> cx = lattice.x<1>(2);
-    const Wide<1> cy = lattice.y<1>(2);
-    const Wide<1> ax = lattice.x<1>(0) - cx;
-    const Wide<1> ay = lattice.y<1>(0) - cy;
-    const Wide<1> bx = lattice.x<1>(1) - cx;
-    const Wide<1> by = lattice.y<1>(1) - cy;
-    return (ax * by - ay * bx).sign();
+int sign_of_turn(const FixedPoint<3>& points) {
+    const Int128 turn = cross(points.step(0, 1), points.step(0, 2));
+    return (turn > 0) - (turn < 0);
 }
 
 int sign_of_wide_turn(const PlanarLattice<3>& lattice) {
@@ -66,13 +61,17 @@ int sign_of_scaled(Point a, Point b, Point c) {
     return u > v ? 1 : -1;
 }
 
+// Out of line: most exact calls are for points on axis-parallel lines, and need none of its stack.
+[[gnu::noinline]] int sign_by_integers(Point a, Point b, Point c) {
+    if (const FixedPoint<3> points({a, b, c}); points.fits()) return sign_of_turn(points);
+    if (const int sign = sign_of_scaled(a, b, c)) return sign;
+    return sign_of_wide_turn(PlanarLattice<3>({a, b, c}));
+}
+
 }  // namespace
 
 int orient2d_exact(Point a, Point b, Point c) {
-    if (are_plainly_collinear(a, b, c)) return 0;
-    if (const int sign = sign_of_scaled(a, b, c)) return sign;
-    const PlanarLattice<3> lattice({a, b, c});
-    return lattice.fits<1>() ? sign_of_turn(lattice) : sign_of_wide_turn(lattice);
+    return are_plainly_collinear(a, b, c) ? 0 : sign_by_integers(a, b, c);
 }
 
 }  // namespace liftmesh

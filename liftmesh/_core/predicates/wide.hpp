@@ -99,6 +99,23 @@ Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
     }
 }
 
+// The sign of a b - c d, from the products of magnitudes.
+inline int sign_of_difference(Int128 a, Int128 b, Int128 c, Int128 d) {
+    const auto product = [](Int128 p, Int128 q) {
+        const auto size = [](Int128 value) {
+            const auto bits = static_cast<Uint128>(value < 0 ? -value : value);
+            return Wide<2>{static_cast<std::uint64_t>(bits),
+                           static_cast<std::uint64_t>(bits >> 64)};
+        };
+        return unsigned_product(size(p), size(q));
+    };
+    const bool first_is_negative = (a < 0) != (b < 0), second_is_negative = (c < 0) != (d < 0);
+    const Wide<4> first = product(a, b), second = product(c, d);
+    const int sign =
+        first_is_negative == second_is_negative ? (first - second).sign() : (first + second).sign();
+    return first_is_negative ? -sign : sign;
+}
+
 // value * 2^shift, which must fit.
 template <int N>
 Wide<N> shifted(std::int64_t value, int shift) {
