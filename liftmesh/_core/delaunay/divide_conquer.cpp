@@ -72,13 +72,6 @@ class Engine {
         const Index* start = &order_.cell_starts[(h - (Index{1} << level_of(h))) * span];
         return {start[0], start[span / 2], start[span]};
     }
-    Bounds box_of(Index h) const {
-        const Index span = Index{1} << (order_.splitters.depth() - level_of(h));
-        const Bounds* first = &order_.boxes[(h - (Index{1} << level_of(h))) * span];
-        Bounds box = first[0];
-        for (Index i = 1; i < span; ++i) box.add(first[i]);
-        return box;
-    }
     // A node with a child of fewer than two points is treated as one cell.
     bool is_cell(Index h) const {
         if (level_of(h) == order_.splitters.depth()) return true;
@@ -124,32 +117,27 @@ class Engine {
 
     Boxed join_node(Index h, const Boxed& left, const Boxed& right) {
         const Extent at = extent(h);
-        Bounds box = left.box;
-        box.add(right.box);
-        return {join(certainty(box), left.part, right.part, order_.splitters.axis(h),
-                     at.last - at.first, at.middle),
-                box};
+        return join(left, right, order_.splitters.axis(h), at.last - at.first, at.middle);
     }
 
     Boxed cell(Index h, Extent at) {
         const Index count = at.last - at.first;
         interrupt_.advance(work::triangulating * count);
-        const Bounds box = box_of(h);
-        return {build(certainty(box), at.first, count, meeting_of(h)), box};
+        return build(at.first, count, meeting_of(h));
     }
 
-    Part build(const Certainty& certainty, Index first, Index count, Meeting meeting) {
-        if (count <= most_in_a_leaf) return leaf(certainty, first, count, meeting);
+    Boxed build(Index first, Index count, Meeting meeting) {
+        if (count <= most_in_a_leaf) return leaf(first, count, meeting);
         if (is_to_end(count)) return {};
-        return halved(certainty, first, count);
+        return halved(first, count);
     }
 
-    Part halved(const Certainty& certainty, Index first, Index count) {
+    Boxed halved(Index first, Index count) {
         const MedianSplit half = median_split(&sites_[first], count);
         const Index rest = count - half.middle, middle = first + half.middle;
-        const Part left = build(certainty, first, half.middle, {half.axis, false});
-        const Part right = build(certainty, middle, rest, {half.axis, true});
-        return join(certainty, left, right, half.axis, count, middle);
+        const Boxed left = build(first, half.middle, {half.axis, false});
+        const Boxed right = build(middle, rest, {half.axis, true});
+        return join(left, right, half.axis, count, middle);
     }
 
     Certainty certainty(const Bounds& box) const {
@@ -158,18 +146,21 @@ class Engine {
 
     // The triangles are written where the sites were. `memcpy` reads these before: to a compiler,
     // objects of other types are never in the same place.
-    Part leaf(const Certainty& certainty, Index first, Index count, Meeting meeting) {
+    Boxed leaf(Index first, Index count, Meeting meeting) {
         Site sites[most_in_a_leaf];
         std::memcpy(sites, &sites_[first], count * sizeof(Site));
-        if (count == 2) return place(segment_leaf, sites, first, meeting);
+        Bounds box(pair(sites[0].point));
+        for (Index i = 1; i < count; ++i) box.add(pair(sites[i].point));
+        if (count == 2) return {place(segment_leaf, sites, first, meeting), box};
         if (count == 4) {
-            const unsigned signs = signs_of_four(sites, certainty, seam_.guard);
-            return signs == no_leaf ? halved(certainty, first, count)
-                                    : place(quadrilateral_leaves[signs], sites, first, meeting);
+            const unsigned signs = signs_of_four(sites, certainty(box), seam_.guard);
+            if (signs == no_leaf) return halved(first, count);
+            return {place(quadrilateral_leaves[signs], sites, first, meeting), box};
         }
         const int turn = orient2d(sites[0].point, sites[1].point, sites[2].point);
-        return turn == 0 ? place(chain_leaves[middle_of_three(sites)], sites, first, meeting)
-                         : place(triangle_leaves[turn > 0], sites, first, meeting);
+        return {turn == 0 ? place(chain_leaves[middle_of_three(sites)], sites, first, meeting)
+                          : place(triangle_leaves[turn > 0], sites, first, meeting),
+                box};
     }
 
     template <unsigned count>
@@ -204,10 +195,11 @@ class Engine {
         return count >= worth_asking && interrupt_.requested();
     }
 
-    Part join(const Certainty& certainty, Part left, Part right, Axis axis, Index count,
-              Index middle) {
+    Boxed join(const Boxed& left, const Boxed& right, Axis axis, Index count, Index middle) {
         if (is_to_end(count)) return {};
-        return merge(seam_, certainty, left, right, axis, slot(middle - 1));
+        Bounds box = left.box;
+        box.add(right.box);
+        return {merge(seam_, certainty(box), left.part, right.part, axis, slot(middle - 1)), box};
     }
 
     static Vertex vertex(Index position) { return static_cast<Vertex>(position); }
