@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "parallel/blocks.hpp"
+#include "sorting/bounds.hpp"
 #include "sorting/counting_sort.hpp"
 #include "sorting/sample.hpp"
 
@@ -185,7 +186,6 @@ class SpatialSort {
         const std::size_t cells = order_.splitters.cells();
         runs_.resize(std::min<std::size_t>(cells, 64));
         distinct_.resize(cells);
-        order_.boxes.resize(cells);
         return pool_.run(runs_.size(), [&](std::size_t run) {
             const std::size_t end = cells * (run + 1) / runs_.size();
             for (std::size_t c = cells * run / runs_.size(); c < end; ++c) {
@@ -207,7 +207,6 @@ class SpatialSort {
             numbers &= p == p;
             box.add(p);
         }
-        order_.boxes[cell] = box;
         if (count == 0) return 0;
         const bool are_numbers = (numbers[0] & numbers[1]) != 0;
         run.is_inside &= are_numbers && order_.splitters.region(cell).contains(box);
@@ -244,8 +243,6 @@ class SpatialSort {
     }
 
     bool move_to_scale() {
-        for (Bounds& box : order_.boxes)
-            box = {pair(order_.scale(point(box.low))), pair(order_.scale(point(box.high)))};
         return for_each_in_blocks(order_.count, pool_.interrupt(), [&](std::size_t i) {
             order_.sites[i].point = order_.scale(order_.sites[i].point);
         });
@@ -328,7 +325,6 @@ void sort_by_row(Order& order) {
               [](const Site& a, const Site& b) { return a.row < b.row; });
     order.splitters = Splitters({}, 0);
     order.cell_starts = {0, order.count};
-    order.boxes.clear();
 }
 
 }  // namespace liftmesh

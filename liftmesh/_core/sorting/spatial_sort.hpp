@@ -10,7 +10,6 @@
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
 #include "predicates/scale.hpp"
-#include "sorting/bounds.hpp"
 #include "sorting/deduplicate.hpp"
 #include "sorting/splitters.hpp"
 
@@ -24,7 +23,6 @@ struct Order {
     std::size_t count = 0;  // of the sites
     Splitters splitters = Splitters({}, 0);
     std::vector<std::size_t> cell_starts;  // and the end of the last
-    std::vector<Bounds> boxes;             // of the points of each cell
     std::vector<Duplicate> duplicates;     // by ascending row
     std::vector<Row> skipped;              // non-finite rows, ascending
     Scale scale{Range{}};                  // from the caller's rows to the points
