@@ -4,9 +4,14 @@
 // where the source rounds twice; `contracts` detects it.
 #pragma once
 
-#include <cfenv>
 #include <cfloat>
 #include <limits>
+
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#else
+#include <cfenv>
+#endif
 
 #ifdef __FAST_MATH__
 #error "liftmesh is exact only in IEEE arithmetic: build it without -ffast-math and -Ofast"
@@ -16,18 +21,39 @@ static_assert(FLT_EVAL_METHOD == 0 && std::numeric_limits<double>::is_iec559,
 
 namespace liftmesh {
 
+#ifdef __SSE2__
+// One register, in a few cycles. <cfenv> also reads and writes the state of x87, which nothing here
+// uses, and takes a fifth of the time in which ten points are triangulated.
+class FloatingPointState {
+ public:
+    FloatingPointState() : saved_(_mm_getcsr()) {}
+    void set_default() const { _mm_setcsr(0x1f80); }  // all exceptions masked
+    void restore() const { _mm_setcsr(saved_); }
+
+ private:
+    unsigned saved_;
+};
+#else
+class FloatingPointState {
+ public:
+    FloatingPointState() { std::fegetenv(&saved_); }
+    void set_default() const { std::fesetenv(FE_DFL_ENV); }
+    void restore() const { std::fesetenv(&saved_); }
+
+ private:
+    std::fenv_t saved_;
+};
+#endif
+
 class IeeeArithmetic {
  public:
-    IeeeArithmetic() {
-        std::fegetenv(&saved_);
-        std::fesetenv(FE_DFL_ENV);
-    }
-    ~IeeeArithmetic() { std::fesetenv(&saved_); }
+    IeeeArithmetic() { caller_.set_default(); }
+    ~IeeeArithmetic() { caller_.restore(); }
     IeeeArithmetic(const IeeeArithmetic&) = delete;
     IeeeArithmetic& operator=(const IeeeArithmetic&) = delete;
 
  private:
-    std::fenv_t saved_;
+    FloatingPointState caller_;
 };
 
 // Whether this translation unit was compiled with contraction: the exact product is
