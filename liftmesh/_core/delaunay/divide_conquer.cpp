@@ -42,8 +42,8 @@ class Engine {
 
     // Returns a ghost of the whole triangulation.
     TriangleId run() {
-        const int shared =
-            pool_.size() == 1 ? 0 : static_cast<int>(std::bit_width(8 * pool_.size()));
+        if (pool_.size() == 1) return node(1).part.lower;
+        const int shared = static_cast<int>(std::bit_width(8 * pool_.size()));
         parts_.resize(std::size_t{2} << shared);
         joins_.resize(static_cast<std::size_t>(shared));
         share_out(1, shared);
