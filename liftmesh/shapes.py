@@ -117,7 +117,7 @@ def of_one_array(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def called(*args: P.args, **options: P.kwargs) -> R:
-        if len(args) in (2, 3) and all(map(_is_column, args)):
+        if 1 < len(args) < 4 and all(map(_is_column, args)):
             axes = ", ".join(_AXES[: len(args)])
             raise UnsupportedTypeError(
                 f"{function.__name__} takes one array with a row per point, not {len(args)} "

@@ -158,9 +158,10 @@ def solve(
     rows = as_coordinates(points)
     planar = rows if rows.shape[1] == 2 else rows[:, :2]
     planar = planar.copy() if is_copied else planar
-    run = (planar, nonfinite == "skip", *as_threads(threads, len(rows)), progress)
+    count, shared = as_threads(threads, len(rows))
+    run = planar, nonfinite == "skip", count, shared, progress
     counters = None
-    if method in _WRAPPING:
+    if method is not _AUTO and method in _WRAPPING:
         outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
         counters = Counters.from_kernel(counts)
     else:

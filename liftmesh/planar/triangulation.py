@@ -99,7 +99,8 @@ class Triangulation:
         self.skipped = skipped
         self.counters = counters
         for array in self._given():
-            array.setflags(write=False)
+            if array.flags.writeable:  # the kernel's are not, and asking takes a third of the time
+                array.setflags(write=False)
 
     def _given(self) -> tuple[Rows, ...]:
         """Return the arrays that must stay as they are: point location relies on them."""
