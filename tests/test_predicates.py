@@ -126,7 +126,7 @@ def test_lattices_of_every_width(corners: int) -> None:
 
 @pytest.mark.parametrize("corners", [3, 4], ids=["orient2d", "incircle"])
 def test_coordinates_that_just_fit_a_word(corners: int) -> None:
-    """Reflected points, some moved by an ulp: coordinates that span 53 to 69 bits together."""
+    """Reflections, some moved by an ulp along an axis: coordinates that span 53 to 69 bits."""
     rng = np.random.default_rng(6)
     x = rng.uniform(0.5, 1, 6000)
     y = np.ldexp(rng.uniform(0.5, 1, 6000), -rng.integers(0, 17, 6000))
@@ -135,7 +135,7 @@ def test_coordinates_that_just_fit_a_word(corners: int) -> None:
     some = np.moveaxis(circle if corners == 4 else line, 2, 0)
     chosen = rng.permuted(np.tile(np.arange(some.shape[1]), (6000, 1)), axis=1)[:, :corners]
     points = np.take_along_axis(some, chosen[:, :, None], axis=1)
-    points[::2, -1] += np.spacing(points[::2, -1])
+    points[:, -1] += rng.integers(0, 2, (6000, 2)) * np.spacing(points[:, -1])
     assert_signs(np.ldexp(points, rng.integers(-1000, 1020, (6000, 1, 1))))
 
 
