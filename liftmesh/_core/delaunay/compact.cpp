@@ -10,87 +10,109 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "delaunay/ghosts.hpp"
 #include "delaunay/mesh.hpp"
+#include "parallel/blocks.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// The ghosts along the hull, counter-clockwise from the lexicographically least point.
-std::vector<TriangleId> ghosts_of(const Mesh& mesh, TriangleId any) {
-    std::vector<TriangleId> ghosts{any};
-    std::size_t least = 0;
-    for (TriangleId g = mesh.successor(any); g != any; g = mesh.successor(g)) {
-        if (before_xy(mesh.point(mesh.tail(g)), mesh.point(mesh.tail(ghosts[least]))))
-            least = ghosts.size();
-        ghosts.push_back(g);
-    }
-    std::rotate(ghosts.begin(), ghosts.begin() + static_cast<std::ptrdiff_t>(least), ghosts.end());
-    return ghosts;
-}
+constexpr std::size_t block = std::size_t{1} << 16;
 
 class Compaction {
  public:
-    Compaction(Construction& from, const std::vector<TriangleId>& ghosts, ThreadPool& pool)
+    Compaction(Construction& from, const Mesh& mesh, const Ghosts& ghosts, ThreadPool& pool)
         : pool_(pool),
-          ghosts_(ghosts),
+          mesh_(mesh),
+          stretches_(ghosts.stretches()),
           rows_(from.rows.get()),
           vertices_(from.vertices.get()),
           twins_(from.twins.get()),
-          slots_(2 * from.count - 2),
-          kept_(slots_ - ghosts.size()),
-          end_(triangle_in(kept_)) {}
+          moving_(ghosts.count()),
+          kept_(2 * from.count - 2 - moving_),
+          end_(triangle_in(kept_)),
+          gaps_before_(stretches_.size()),
+          gaps_(allocate<TriangleId>(moving_)),
+          new_place_(allocate<TriangleId>(moving_)) {}
+
+    // Without triangles every hull edge has another for a twin.
+    bool write_hull(std::int32_t* hull) {
+        return for_each_stretch([this, hull](const Stretch& stretch, std::size_t& gaps) {
+            std::int32_t* row = hull + stretch.place;
+            for (const TriangleId g : stretch.ghosts) {
+                *row++ = static_cast<std::int32_t>(rows_[mesh_.tail(g)]);
+                if (kept_ > 0) twins_[mesh_.twin(mesh_.hull_edge(g))] = none;
+                gaps += g < end_;
+            }
+        });
+    }
 
     bool run() {
-        find_new_places();
-        return for_each(ghosts_.size(),
-                        [this](auto i) { twins_[twins_[ghosts_[i] + 2]] = none; }) &&
-               for_each(new_place_.size(), [this](auto i) { move(i); }) &&
-               for_each(new_place_.size(), [this](auto i) { relink(i); }) && finish();
+        start_from_sums(gaps_before_);
+        return find_gaps() && fill_gaps() && relink() && finish();
     }
 
  private:
     static constexpr Edge none = ~Edge{0};
 
+    // Calls visit(stretch, its number in gaps_before_).
     template <class Visit>
-    bool in_blocks(std::size_t count, Visit visit) {
-        constexpr std::size_t block = std::size_t{1} << 16;
-        return pool_.run((count + block - 1) / block, [&](std::size_t i) {
-            visit(i * block, std::min(count, (i + 1) * block));
-        });
+    bool for_each_stretch(Visit visit) {
+        return pool_.run(stretches_.size(),
+                         [this, &visit](std::size_t i) { visit(stretches_[i], gaps_before_[i]); });
     }
 
-    template <class Visit>
-    bool for_each(std::size_t count, Visit visit) {
-        return in_blocks(count, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) visit(i);
+    bool find_gaps() {
+        return for_each_stretch([this](const Stretch& stretch, std::size_t gap) {
+            for (const TriangleId g : stretch.ghosts)
+                if (g < end_) gaps_[gap++] = g;
         });
     }
 
     // As many triangles stand among the last slots as ghosts before them.
-    void find_new_places() {
-        new_place_.assign(slots_ - kept_, none);
-        auto gap = ghosts_.begin();
-        for (std::size_t i = 0; i < new_place_.size(); ++i) {
-            if (vertices_[triangle_in(kept_ + i) + 2] == ghost) continue;
-            while (*gap >= end_) ++gap;
-            new_place_[i] = *gap++;
-        }
+    bool fill_gaps() {
+        std::vector<std::size_t> before(blocks(moving_, block));
+        if (before.size() > 1 && !count_triangles(before)) return false;
+        return in_blocks(moving_, block, pool_, [&](std::size_t i, std::size_t last, auto at) {
+            const TriangleId* gap = &gaps_[before[at]];
+            for (; i < last; ++i) new_place_[i] = is_triangle(i) ? moved(i, *gap++) : none;
+        });
     }
 
-    void move(std::size_t i) {
-        if (new_place_[i] == none) return;
-        const TriangleId from = triangle_in(kept_ + i), to = new_place_[i];
+    bool count_triangles(std::vector<std::size_t>& before) {
+        const auto count = [&](std::size_t i, std::size_t last, std::size_t at) {
+            for (; i < last; ++i) before[at] += is_triangle(i);
+        };
+        const bool done = in_blocks(moving_, block, pool_, count);
+        start_from_sums(before);
+        return done;
+    }
+
+    bool is_triangle(std::size_t i) const {
+        return mesh_.vertex(triangle_in(kept_ + i), 2) != ghost;
+    }
+
+    TriangleId moved(std::size_t i, TriangleId to) {
+        const TriangleId from = triangle_in(kept_ + i);
         std::copy_n(&vertices_[from], words_per_triangle, &vertices_[to]);
         std::copy_n(&twins_[from], words_per_triangle, &twins_[to]);
+        return to;
     }
 
-    void relink(std::size_t i) {
-        if (new_place_[i] == none) return;
-        for (Edge e = new_place_[i]; e < new_place_[i] + 3; ++e) {
+    bool relink() {
+        return in_blocks(moving_, block, pool_, [this](std::size_t i, std::size_t last, auto) {
+            for (; i < last; ++i)
+                if (new_place_[i] != none) relink(new_place_[i]);
+        });
+    }
+
+    void relink(TriangleId t) {
+        for (Edge e = t; e < t + 3; ++e) {
             const Edge f = twins_[e];
             if (f < end_) {
                 twins_[f] = e;
@@ -102,36 +124,45 @@ class Compaction {
 
     // Adding and subtracting keeps `none`, which becomes -1.
     bool finish() {
-        return in_blocks(end_, [&](std::size_t first, std::size_t last) {
+        return in_blocks(end_, block, pool_, [this](std::size_t first, std::size_t last, auto) {
             for (Vertex* v = vertices_ + first; v != vertices_ + last; ++v) *v = rows_[*v];
             for (Edge* e = twins_ + first; e != twins_ + last; ++e) *e = (*e + 3) / 3 - 1;
             pool_.interrupt().advance(work::compacting * (last - first) / 6);
         });
     }
 
+    // From counts to the sums of those before.
+    static void start_from_sums(std::vector<std::size_t>& counts) {
+        std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), std::size_t{0});
+    }
+
     ThreadPool& pool_;
-    const std::vector<TriangleId>& ghosts_;
+    const Mesh& mesh_;
+    const std::vector<Stretch>& stretches_;
     const Row* rows_;
     Vertex* vertices_;
     Edge* twins_;
-    std::size_t slots_, kept_;
+    std::size_t moving_, kept_;
     Edge end_;
-    std::vector<TriangleId> new_place_;  // of each of the last slots; none for ghosts
+    std::vector<std::size_t> gaps_before_;  // each stretch
+    Buffer<TriangleId> gaps_;               // the ghosts that are not among the last slots
+    Buffer<TriangleId> new_place_;          // of each of the last slots; none for ghosts
 };
 
 }  // namespace
 
 Status compact(Construction from, ThreadPool& pool, Result& result) {
-    const Mesh mesh(from.points.get(), from.vertices.get(), from.twins.get());
-    const std::vector<TriangleId> ghosts = ghosts_of(mesh, from.some_ghost);
+    Mesh mesh(from.points.get(), from.vertices.get(), from.twins.get());
     const std::size_t slots = 2 * from.count - 2;
-    result.triangle_count = slots - ghosts.size();
-    result.hull_count = ghosts.size();
-    result.hull = allocate<std::int32_t>(ghosts.size());
-    std::transform(ghosts.begin(), ghosts.end(), result.hull.get(), [&](TriangleId g) {
-        return static_cast<std::int32_t>(from.rows[mesh.tail(g)]);
-    });
-    if (result.triangle_count > 0 && !Compaction(from, ghosts, pool).run())
+    Ghosts ghosts;
+    if (!ghosts.find(mesh, slots, from.some_ghost, pool)) return Status::interrupted;
+    from.points.reset();
+    result.triangle_count = slots - ghosts.count();
+    result.hull_count = ghosts.count();
+    result.hull = allocate<std::int32_t>(ghosts.count());
+    Compaction compaction(from, mesh, ghosts, pool);
+    if (!compaction.write_hull(result.hull.get()) ||
+        (result.triangle_count > 0 && !compaction.run()))
         return Status::interrupted;
     const std::size_t words = words_per_triangle * result.triangle_count;
     result.simplices = shrunk<std::int32_t>(std::move(from.vertices), from.vertex_room, words);

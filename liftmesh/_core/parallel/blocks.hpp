@@ -1,10 +1,11 @@
-// A long loop that can be interrupted between blocks.
+// Long loops in blocks: between these they can be interrupted, or each is a task for any thread.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 
 #include "base/status.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace liftmesh {
 
@@ -18,6 +19,23 @@ bool for_each_in_blocks(std::size_t count, Interrupt& interrupt, Visit visit) {
         for (std::size_t i = start; i < end; ++i) visit(i);
     }
     return true;
+}
+
+inline std::size_t blocks(std::size_t count, std::size_t length) {
+    return (count + length - 1) / length;
+}
+
+// Calls work(first, last, block) for the blocks of so many items, each on any thread. False if the
+// interrupt came first.
+template <class Work>
+bool in_blocks(std::size_t count, std::size_t length, ThreadPool& pool, Work work) {
+    if (count <= length) {
+        if (count > 0) work(std::size_t{0}, count, std::size_t{0});
+        return !pool.interrupt().requested();
+    }
+    return pool.run(blocks(count, length), [&, count, length](std::size_t at) {
+        work(at * length, std::min(count, (at + 1) * length), at);
+    });
 }
 
 }  // namespace liftmesh

@@ -25,6 +25,8 @@ NAMES = {
     "SpatialSort::scatter": "points to their cells",
     "SpatialSort::settle_cells": "check of cells, duplicates",
     "Engine::run": "subtrees: halving, leaves, merges",
+    "Ghosts::find": "walks along the hull",
+    "Compaction::write_hull": "rows of the hull",
     "Compaction::finish": "vertices to rows, edges to triangles",
 }
 MERGES = "merges into {} part{}"
