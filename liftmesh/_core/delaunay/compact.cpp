@@ -165,7 +165,7 @@ Status compact(Construction from, ThreadPool& pool, Result& result) {
         (result.triangle_count > 0 && !compaction.run()))
         return Status::interrupted;
     const std::size_t words = words_per_triangle * result.triangle_count;
-    result.simplices = shrunk<std::int32_t>(std::move(from.vertices), from.vertex_room, words);
+    result.simplices = shrunk<std::int32_t>(std::move(from.vertices), triangle_in(slots), words);
     result.neighbors = shrunk<std::int32_t>(std::move(from.twins), triangle_in(slots), words);
     return result.triangle_count == 0 ? Status::collinear : Status::ok;
 }

@@ -225,7 +225,6 @@ Status divide_and_conquer(Order& order, ThreadPool& pool, Construction& result) 
     result.points = allocate<Point>(order.count);
     result.rows = allocate<Row>(order.count);
     static_assert(sizeof(Site) == sizeof(Vertex[2 * words_per_triangle]));
-    result.vertex_room = 2 * words_per_triangle * order.room;
     result.vertices = reuse<Vertex>(std::move(order.sites));
     result.twins = allocate<Edge>(words_per_triangle * (2 * order.count - 2));
     result.some_ghost = Engine(order, pool, result).run();

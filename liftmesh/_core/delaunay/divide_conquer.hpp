@@ -16,7 +16,6 @@ struct Construction {
     Buffer<Row> rows;
     Buffer<Vertex> vertices;  // of 2 * count - 2 triangles, ghosts included
     Buffer<Edge> twins;
-    std::size_t vertex_room = 0;
     std::size_t count = 0;
     TriangleId some_ghost = 0;
 };

@@ -29,28 +29,23 @@ class Sort {
           shift_(std::max(splitters.depth() - key_bits(queries.count), 0)),
           keys_(splitters.cells() >> shift_),
           cells_(allocate<std::uint32_t>(queries.count)),
-          sorted_(allocate<Query>(queries.count)) {
-        const std::size_t most = pool.size() == 1 ? 1 : 2 * pool.size();
-        next_.resize(std::clamp<std::size_t>(queries.count / share_size, 1, most));
-    }
+          sorted_(allocate<Query>(queries.count)) {}
 
     Buffer<Query> run() {
-        if (!pool_.run(next_.size(), [&](std::size_t i) { count(i); })) return nullptr;
-        find_places(next_, keys_);
-        const bool done =
-            pool_.run(next_.size(), [&](std::size_t i) { move(i); }) && (shift_ == 0 || refine());
+        const std::size_t most = pool_.size() == 1 ? 1 : 2 * pool_.size();
+        const std::size_t shares = std::clamp<std::size_t>(queries_.count / share_size, 1, most);
+        CountingSort sort(queries_.count, shares, keys_, pool_);
+        const bool done = sort.count([this](const Share& share, auto* population) {
+            count(share, population);
+        }) && sort.move([this](const Share& share, auto* next) { move(share, next); }) &&
+                          (shift_ == 0 || refine());
         return done ? std::move(sorted_) : nullptr;
     }
 
  private:
-    std::size_t start(std::size_t share) const { return queries_.count * share / next_.size(); }
-
-    void count(std::size_t share) {
-        std::vector<std::uint32_t>& population = next_[share];
-        population.assign(keys_, 0);
-        const std::size_t end = start(share + 1);
-        for (std::size_t i = start(share); i < end; i += abreast) {
-            const std::size_t some = std::min(abreast, end - i);
+    void count(const Share& share, std::uint32_t* population) {
+        for (std::size_t i = share.first; i < share.last; i += abreast) {
+            const std::size_t some = std::min(abreast, share.last - i);
             Abreast<abreast> points{};
             for (std::size_t k = 0; k < some; ++k) {
                 const Point p = queries_[i + k];
@@ -64,9 +59,8 @@ class Sort {
         }
     }
 
-    void move(std::size_t share) {
-        std::vector<std::uint32_t>& next = next_[share];
-        for (std::size_t i = start(share); i < start(share + 1); ++i)
+    void move(const Share& share, std::uint32_t* next) {
+        for (std::size_t i = share.first; i < share.last; ++i)
             sorted_[next[cells_[i] >> shift_]++] = {cells_[i], static_cast<std::uint32_t>(i)};
     }
 
@@ -85,7 +79,6 @@ class Sort {
     std::size_t keys_;
     Buffer<std::uint32_t> cells_;
     Buffer<Query> sorted_;
-    std::vector<std::vector<std::uint32_t>> next_;  // of each share and key: see find_places
 };
 
 }  // namespace

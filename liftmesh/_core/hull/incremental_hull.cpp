@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "delaunay/mesh.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"
 #include "sorting/sample.hpp"
@@ -65,9 +66,7 @@ class LowerHullBuilder {
         std::vector<Edge> firsts = first_edges();
         const auto follower = [&](Edge e) { return vertices_[next(e)]; };
         const auto least = [&](Edge e) { return vertices_[e]; };
-        if (!counting_sort(firsts, p_.size(), interrupt_, follower) ||
-            !counting_sort(firsts, p_.size(), interrupt_, least))
-            return Status::interrupted;
+        if (!sort_by(follower, firsts) || !sort_by(least, firsts)) return Status::interrupted;
         std::vector<std::uint32_t> name(waiting_.size(), Facet::none);
         for (std::uint32_t i = 0; i < firsts.size(); ++i) name[slot_of(firsts[i])] = i;
         facets.reserve(firsts.size());
@@ -97,6 +96,20 @@ class LowerHullBuilder {
     Edge twin(Edge e) const { return twins_[e]; }
     bool is_ghost(TriangleId t) const { return corners(t)[2] == ghost; }
     bool is_live(TriangleId t) const { return corners(t)[0] != ghost; }
+
+    template <class Key>
+    bool sort_by(Key key, std::vector<Edge>& edges) const {
+        std::vector<Edge> sorted(edges.size());
+        ThisThread alone{interrupt_};
+        CountingSort sort(edges.size(), 1, p_.size(), alone);
+        const auto visit_edges = [&](auto, auto visit) {
+            for_each_in_blocks(edges.size(), interrupt_, [&](std::size_t i) { visit(edges[i]); });
+        };
+        const bool done =
+            sort.sort(visit_edges, key, [&](std::size_t place, Edge e) { sorted[place] = e; });
+        edges.swap(sorted);
+        return done;
+    }
 
     // Of each facet, the edge opposite its least vertex.
     std::vector<Edge> first_edges() const {

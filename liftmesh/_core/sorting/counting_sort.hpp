@@ -1,45 +1,93 @@
-// Stable sorts by small integers, in linear time on every input. With several threads each counts
-// the keys of a share of the items; then it is known where the items of each key and share go.
+// A stable sort by small integers, in linear time on every input. The items come in shares, one
+// after the other, each a task for any thread. A first pass counts the keys of each share; then it
+// is known where the items of each key and share go, and a second pass stores them there. The
+// shares of a key stand in order, so the result is the same for any number of them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "base/status.hpp"
-#include "parallel/blocks.hpp"
 
 namespace liftmesh {
 
-// Sorts by key(item), which is less than `keys`. False if the interrupt came first.
-template <class Key>
-bool counting_sort(std::vector<std::uint32_t>& items, std::size_t keys, Interrupt& interrupt,
-                   Key key) {
-    std::vector<std::uint32_t> place(keys + 1), sorted(items.size());
-    const auto count = [&](std::size_t i) { ++place[key(items[i]) + 1]; };
-    if (!for_each_in_blocks(items.size(), interrupt, count)) return false;
-    std::partial_sum(place.begin(), place.end(), place.begin());
-    const auto move = [&](std::size_t i) { sorted[place[key(items[i])]++] = items[i]; };
-    if (!for_each_in_blocks(items.size(), interrupt, move)) return false;
-    items.swap(sorted);
-    return true;
-}
+// In place of a thread pool, for a sort within a task.
+struct ThisThread {
+    Interrupt& interrupt;
 
-// Turns the number of items of each share and key into the place of the first of them: the shares
-// of a key stand in order, so the sort is stable for any number of shares. Returns where each key
-// starts, and the end of the last.
-inline std::vector<std::size_t> find_places(std::vector<std::vector<std::uint32_t>>& shares,
-                                            std::size_t keys) {
-    std::vector<std::size_t> starts(keys + 1);
-    std::uint32_t next = 0;
-    for (std::size_t key = 0; key < keys; ++key) {
-        starts[key] = next;
-        for (std::vector<std::uint32_t>& share : shares) next += std::exchange(share[key], next);
+    template <class Work>
+    bool run(std::size_t tasks, Work work) {
+        for (std::size_t task = 0; task < tasks; ++task) work(task);
+        return !interrupt.requested();
     }
-    starts[keys] = next;
-    return starts;
-}
+};
+
+// A share of the items, and its number.
+struct Share {
+    std::size_t first, last, number;
+};
+
+template <class Pool>
+class CountingSort {
+ public:
+    CountingSort(std::size_t items, std::size_t shares, std::size_t keys, Pool& pool)
+        : items_(items), keys_(keys), pool_(pool), next_(shares) {}
+
+    // Calls work(share, population), which adds 1 to population[key] for each item of the share.
+    // False if the interrupt came first.
+    template <class Work>
+    bool count(Work work) {
+        const bool done = pool_.run(next_.size(), [this, &work](std::size_t i) {
+            next_[i].assign(keys_, 0);
+            work(share(i), next_[i].data());
+        });
+        if (done) find_places();
+        return done;
+    }
+
+    // Hands over where each key starts, and the end of the last.
+    std::vector<std::size_t> starts() && { return std::move(starts_); }
+
+    // Calls work(share, next), which stores each item of the share, in order, at next[key]++.
+    template <class Work>
+    bool move(Work work) {
+        return pool_.run(next_.size(),
+                         [this, &work](std::size_t i) { work(share(i), next_[i].data()); });
+    }
+
+    // Both passes: visit_items(share, visit) visits the items of a share, and store(place, item)
+    // stores one.
+    template <class VisitItems, class Key, class Store>
+    bool sort(VisitItems visit_items, Key key, Store store) {
+        return count([&](const Share& share, std::uint32_t* population) {
+                   visit_items(share, [&](const auto& item) { ++population[key(item)]; });
+               }) &&
+               move([&](const Share& share, std::uint32_t* next) {
+                   visit_items(share, [&](const auto& item) { store(next[key(item)]++, item); });
+               });
+    }
+
+ private:
+    Share share(std::size_t i) const {
+        return {items_ * i / next_.size(), items_ * (i + 1) / next_.size(), i};
+    }
+
+    void find_places() {
+        starts_.resize(keys_ + 1);
+        std::uint32_t place = 0;
+        for (std::size_t key = 0; key < keys_; ++key) {
+            starts_[key] = place;
+            for (std::vector<std::uint32_t>& next : next_) place += std::exchange(next[key], place);
+        }
+        starts_[keys_] = place;
+    }
+
+    std::size_t items_, keys_;
+    Pool& pool_;
+    std::vector<std::vector<std::uint32_t>> next_;  // of each share and key
+    std::vector<std::size_t> starts_;
+};
 
 }  // namespace liftmesh

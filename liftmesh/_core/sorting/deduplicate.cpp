@@ -4,9 +4,11 @@
 #include <bit>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "base/point_hash.hpp"
+#include "sorting/counting_sort.hpp"
 
 namespace liftmesh {
 
@@ -74,6 +76,20 @@ std::size_t by_sorting(Site* sites, std::size_t count, std::vector<Duplicate>& d
     return kept;
 }
 
+// Each is stored at the place of its row, and the places are read in order.
+constexpr Row stretch = 4096;
+
+void sort_stretch(std::span<Duplicate> pairs) {
+    if (pairs.empty()) return;
+    Row kept[stretch];
+    std::fill_n(kept, stretch, nothing);
+    for (const Duplicate& pair : pairs) kept[pair.row % stretch] = pair.kept;
+    const Row first = pairs.front().row / stretch * stretch;
+    auto next = pairs.begin();
+    for (Row i = 0; i < stretch; ++i)
+        if (kept[i] != nothing) *next++ = {first + i, kept[i]};
+}
+
 }  // namespace
 
 // The table serves one cell; its entries index the sites already kept.
@@ -94,6 +110,25 @@ std::size_t deduplicate(Site* sites, std::size_t count, std::vector<Duplicate>& 
         }
     }
     return kept;
+}
+
+// A counting sort distributes them to stretches of rows, and a table of each puts them in order.
+bool unite(const std::vector<std::vector<Duplicate>>& found, std::size_t rows, ThreadPool& pool,
+           std::vector<Duplicate>& sorted) {
+    std::size_t count = 0;
+    for (const auto& some : found) count += some.size();
+    sorted.resize(count);
+    CountingSort sort(found.size(), found.size(), rows / stretch + 1, pool);
+    const bool done = sort.sort(
+        [&](const Share& share, auto visit) {
+            for (const Duplicate& pair : found[share.number]) visit(pair);
+        },
+        [](const Duplicate& pair) { return pair.row / stretch; },
+        [&](std::size_t place, const Duplicate& pair) { sorted[place] = pair; });
+    const std::vector<std::size_t> starts = std::move(sort).starts();
+    return done && pool.run(starts.size() - 1, [&](std::size_t i) {
+        sort_stretch(std::span(sorted).subspan(starts[i], starts[i + 1] - starts[i]));
+    });
 }
 
 }  // namespace liftmesh

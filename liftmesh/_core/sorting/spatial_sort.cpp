@@ -14,6 +14,8 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
+#include <numeric>
 #include <utility>
 
 #include "parallel/blocks.hpp"
@@ -31,12 +33,6 @@ constexpr std::size_t sample_per_cell = 4;
 constexpr std::size_t abreast = 8;
 constexpr std::uint16_t no_cell = 0xffff;
 
-// A share of the rows.
-struct Share {
-    std::size_t first, last;
-    std::vector<Row> skipped;
-};
-
 // A run of cells, and what is found in them.
 struct Run {
     Range range;
@@ -49,16 +45,17 @@ enum class Outcome : std::uint8_t { sorted, changed, non_finite, interrupted };
 class SpatialSort {
  public:
     SpatialSort(const Input& input, ThreadPool& pool, Order& order)
-        : input_(input), pool_(pool), order_(order) {
+        : input_(input), pool_(pool), order_(order), skipped_(shares()) {
         order.splitters = learn_splitters();
     }
 
     Outcome run(bool skip_non_finite) {
-        divide();
-        if (!find_cells()) return Outcome::interrupted;
+        CountingSort by_cell(input_.rows, skipped_.size(), order_.splitters.cells(), pool_);
+        if (!find_cells(by_cell)) return Outcome::interrupted;
         if (!order_.skipped.empty() && !skip_non_finite) return Outcome::non_finite;
-        place_cells();
-        if (!scatter() || !settle_cells()) return Outcome::interrupted;
+        order_.cell_starts = std::move(by_cell).starts();
+        order_.count = order_.cell_starts.back();
+        if (!scatter(by_cell) || !settle_cells()) return Outcome::interrupted;
         if (!are_inside()) return Outcome::changed;
         return finish() ? Outcome::sorted : Outcome::interrupted;
     }
@@ -79,22 +76,20 @@ class SpatialSort {
         return Splitters(std::move(sample), std::clamp(found - 1, 0, depth), pool_);
     }
 
-    void divide() {
+    std::size_t shares() const {
         constexpr std::size_t worth_sharing = std::size_t{1} << 15;
         const std::size_t most = pool_.size() == 1 ? 1 : 4 * pool_.size();
-        const std::size_t count = std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
-        for (std::size_t i = 0; i < count; ++i)
-            shares_.push_back({input_.rows * i / count, input_.rows * (i + 1) / count, {}});
-        next_.resize(count);
+        return std::clamp<std::size_t>(input_.rows / worth_sharing, 1, most);
     }
 
-    bool find_cells() {
+    bool find_cells(CountingSort<ThreadPool>& by_cell) {
         cell_of_ = allocate<std::uint16_t>(input_.rows);
-        if (!pool_.run(shares_.size(), [&](std::size_t i) { find_cells(shares_[i], next_[i]); }))
-            return false;
-        for (const Share& share : shares_)
-            order_.skipped.insert(order_.skipped.end(), share.skipped.begin(), share.skipped.end());
-        return true;
+        const bool done = by_cell.count([this](const Share& share, std::uint32_t* population) {
+            find_cells(share, population);
+        });
+        for (const std::vector<Row>& rows : skipped_)
+            order_.skipped.insert(order_.skipped.end(), rows.begin(), rows.end());
+        return done;
     }
 
     // Calls work(read), where read(row) is a point.
@@ -108,22 +103,21 @@ class SpatialSort {
         }
     }
 
-    void find_cells(Share& share, std::vector<std::uint32_t>& population) {
-        population.assign(order_.splitters.cells(), 0);
+    void find_cells(const Share& share, std::uint32_t* population) {
         pool_.interrupt().advance(work::sorting / 2 * (share.last - share.first));
         const std::size_t groups = (share.last - share.first) / abreast;
         with_reader([&](auto read) {
             for_each_in_blocks(groups, pool_.interrupt(), [&](std::size_t group) {
-                find_cells_of<abreast>(share, population.data(), share.first + group * abreast,
-                                       read);
+                find_cells_of<abreast>(share, population, share.first + group * abreast, read);
             });
             for (std::size_t row = share.first + groups * abreast; row < share.last; ++row)
-                find_cells_of<1>(share, population.data(), row, read);
+                find_cells_of<1>(share, population, row, read);
         });
     }
 
     template <std::size_t count, class Read>
-    void find_cells_of(Share& share, std::uint32_t* population, std::size_t first, Read read) {
+    void find_cells_of(const Share& share, std::uint32_t* population, std::size_t first,
+                       Read read) {
         Abreast<count> points;
         for (std::size_t i = 0; i < count; ++i) {
             const Pair p = read(first + i);
@@ -136,21 +130,16 @@ class SpatialSort {
                 ++population[cells[i]];
                 cell_of_[first + i] = static_cast<std::uint16_t>(cells[i]);
             } else {
-                share.skipped.push_back(static_cast<Row>(first + i));
+                skipped_[share.number].push_back(static_cast<Row>(first + i));
                 cell_of_[first + i] = no_cell;
             }
         }
     }
 
-    void place_cells() {
-        order_.cell_starts = find_places(next_, order_.splitters.cells());
-        order_.room = order_.count = order_.cell_starts.back();
-    }
-
-    bool scatter() {
+    bool scatter(CountingSort<ThreadPool>& by_cell) {
         order_.sites = allocate<Site>(order_.count);
-        const bool done = touch_sites() && pool_.run(shares_.size(), [&](std::size_t i) {
-            with_reader([&](auto read) { scatter(shares_[i], next_[i].data(), read); });
+        const bool done = touch_sites() && by_cell.move([this](const Share& share, auto* next) {
+            with_reader([&](auto read) { scatter(share, next, read); });
         });
         cell_of_.reset();
         return done;
@@ -186,17 +175,23 @@ class SpatialSort {
         const std::size_t cells = order_.splitters.cells();
         runs_.resize(std::min<std::size_t>(cells, 64));
         distinct_.resize(cells);
-        return pool_.run(runs_.size(), [&](std::size_t run) {
+        return for_each_cell(pool_, [this](std::size_t cell, Run& run) { settle(cell, run); });
+    }
+
+    // Calls visit(cell, its run), on any thread of the pool.
+    template <class Pool, class Visit>
+    bool for_each_cell(Pool& pool, Visit visit) {
+        const std::size_t cells = order_.splitters.cells();
+        return pool.run(runs_.size(), [&](std::size_t run) {
             const std::size_t end = cells * (run + 1) / runs_.size();
-            for (std::size_t c = cells * run / runs_.size(); c < end; ++c) {
+            for (std::size_t cell = cells * run / runs_.size(); cell < end; ++cell) {
                 if (pool_.interrupt().requested()) return;
-                distinct_[c] = settle(c, runs_[run]);
+                visit(cell, runs_[run]);
             }
         });
     }
 
-    // Returns how many of the cell's points are distinct.
-    std::size_t settle(std::size_t cell, Run& run) {
+    void settle(std::size_t cell, Run& run) {
         const std::size_t start = order_.cell_starts[cell];
         const std::size_t count = order_.cell_starts[cell + 1] - start;
         Site* sites = &order_.sites[start];
@@ -207,12 +202,12 @@ class SpatialSort {
             numbers &= p == p;
             box.add(p);
         }
-        if (count == 0) return 0;
+        if (count == 0) return;
         const bool are_numbers = (numbers[0] & numbers[1]) != 0;
         run.is_inside &= are_numbers && order_.splitters.region(cell).contains(box);
-        if (!run.is_inside) return count;
+        if (!run.is_inside) return;
         add_range(box, sites, count, run.range);
-        return deduplicate(sites, count, run.duplicates);
+        distinct_[cell] = deduplicate(sites, count, run.duplicates);
     }
 
     // Where all coordinates have one sign, the extreme magnitudes are at the sides of the box.
@@ -229,60 +224,55 @@ class SpatialSort {
                            [](const Run& run) { return run.is_inside; });
     }
 
-    // Unites what the runs found; the gaps that duplicates leave are closed.
+    // Unites what the runs found.
     bool finish() {
         Range range;
-        for (const Run& run : runs_) {
+        std::vector<std::vector<Duplicate>> duplicates;
+        for (Run& run : runs_) {
             range.add(run.range);
-            order_.duplicates.insert(order_.duplicates.end(), run.duplicates.begin(),
-                                     run.duplicates.end());
+            if (!run.duplicates.empty()) duplicates.push_back(std::move(run.duplicates));
         }
         order_.scale = Scale(range);
-        if (!order_.duplicates.empty() && !(close_up(distinct_) && sort_duplicates())) return false;
+        if (!duplicates.empty() &&
+            !(close_up() && unite(duplicates, input_.rows, pool_, order_.duplicates)))
+            return false;
         return !order_.scale.moves || move_to_scale();
     }
 
     bool move_to_scale() {
-        return for_each_in_blocks(order_.count, pool_.interrupt(), [&](std::size_t i) {
-            order_.sites[i].point = order_.scale(order_.sites[i].point);
-        });
-    }
-
-    bool close_up(const std::vector<std::size_t>& distinct) {
-        Site* sites = order_.sites.get();
-        std::size_t kept = 0;
-        for (std::size_t cell = 0; cell < distinct.size(); ++cell) {
-            if (pool_.interrupt().requested()) return false;
-            const std::size_t start = std::exchange(order_.cell_starts[cell], kept);
-            if (kept != start) std::copy_n(sites + start, distinct[cell], sites + kept);
-            kept += distinct[cell];
-        }
-        order_.cell_starts.back() = order_.count = kept;
-        return true;
-    }
-
-    // By row: each pair is stored at the place of its row, and the places are read in order.
-    bool sort_duplicates() {
-        constexpr Row none = ~Row{0};
-        std::vector<Row> kept(input_.rows, none);
-        const auto place = [&](std::size_t i) {
-            kept[order_.duplicates[i].row] = order_.duplicates[i].kept;
+        const auto move = [this](std::size_t i, std::size_t last, auto) {
+            for (; i < last; ++i) order_.sites[i].point = order_.scale(order_.sites[i].point);
         };
-        if (!for_each_in_blocks(order_.duplicates.size(), pool_.interrupt(), place)) return false;
-        order_.duplicates.clear();
-        return for_each_in_blocks(kept.size(), pool_.interrupt(), [&](std::size_t row) {
-            if (kept[row] != none) order_.duplicates.push_back({static_cast<Row>(row), kept[row]});
-        });
+        return in_blocks(order_.count, std::size_t{1} << 14, pool_, move);
+    }
+
+    // Closes the gaps that duplicates leave. Two threads copy to other memory no sooner than one
+    // moves the cells where they lie.
+    bool close_up() {
+        std::vector<std::size_t> starts(order_.cell_starts.size());
+        std::partial_sum(distinct_.begin(), distinct_.end(), starts.begin() + 1);
+        Buffer<Site> other = pool_.size() > 2 ? allocate<Site>(starts.back()) : nullptr;
+        Site* sites = other ? other.get() : order_.sites.get();
+        const auto copy = [&](std::size_t cell, const Run&) {
+            std::memmove(sites + starts[cell], &order_.sites[order_.cell_starts[cell]],
+                         distinct_[cell] * sizeof(Site));
+        };
+        ThisThread alone{pool_.interrupt()};
+        const bool done = other ? for_each_cell(pool_, copy) : for_each_cell(alone, copy);
+        order_.sites = other ? std::move(other)
+                             : shrunk<Site>(std::move(order_.sites), order_.count, starts.back());
+        order_.count = starts.back();
+        order_.cell_starts = std::move(starts);
+        return done;
     }
 
     const Input& input_;
     ThreadPool& pool_;
     Order& order_;
-    std::vector<Share> shares_;
-    std::vector<Run> runs_;
-    std::vector<std::size_t> distinct_;             // points of each cell
-    std::vector<std::vector<std::uint32_t>> next_;  // of each share and cell: see find_places
+    std::vector<std::vector<Row>> skipped_;  // of each share of the rows
     Buffer<std::uint16_t> cell_of_;
+    std::vector<Run> runs_;
+    std::vector<std::size_t> distinct_;  // points of each cell
 };
 
 // Sorts the copies of rows that were changed between the passes: nobody else can change these.

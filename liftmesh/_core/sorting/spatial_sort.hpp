@@ -19,8 +19,7 @@ namespace liftmesh {
 // their rows; the engine refines a cell when it reaches it.
 struct Order {
     Buffer<Site> sites;
-    std::size_t room = 0;   // of the buffer
-    std::size_t count = 0;  // of the sites
+    std::size_t count = 0;
     Splitters splitters = Splitters({}, 0);
     std::vector<std::size_t> cell_starts;  // and the end of the last
     std::vector<Duplicate> duplicates;     // by ascending row

@@ -54,19 +54,17 @@ class Gathering {
     bool run(Gathered& gathered) {
         if (!find_cells()) return false;
         const std::size_t shares = std::min(blocks(mesh_.count), 4 * std::size_t{pool_.size()});
-        // Where the next triangle of each cell is stored.
-        std::vector<std::vector<std::uint32_t>> next(shares);
-        const bool counted = for_each_share(shares, [&](std::size_t i, auto first, auto last) {
-            next[i].assign(splitters_.cells(), 0);
-            for (std::size_t t = first; t < last; ++t) ++next[i][cells_[t] = cell_of(t)];
+        CountingSort sort(mesh_.count, shares, splitters_.cells(), pool_);
+        const bool counted = sort.count([this](const Share& share, std::uint32_t* population) {
+            for (std::size_t t = share.first; t < share.last; ++t)
+                ++population[cells_[t] = cell_of(t)];
         });
         if (!counted) return false;
-        find_places(next, splitters_.cells());
         gathered.simplices = allocate<std::int32_t>(3 * mesh_.count);
         gathered.order = allocate<std::uint32_t>(mesh_.count);
-        return for_each_share(shares, [&](std::size_t i, auto first, auto last) {
-            for (std::size_t t = first; t < last; ++t) {
-                const std::size_t to = next[i][cells_[t]]++;
+        return sort.move([&](const Share& share, std::uint32_t* next) {
+            for (std::size_t t = share.first; t < share.last; ++t) {
+                const std::size_t to = next[cells_[t]]++;
                 std::copy_n(mesh_.simplices + 3 * t, 3, &gathered.simplices[3 * to]);
                 gathered.order[to] = static_cast<std::uint32_t>(t);
             }
@@ -106,14 +104,6 @@ class Gathering {
     std::uint16_t cell_of(std::size_t triangle) const {
         const auto cell = [&](std::size_t place) { return row_cells_[mesh_.corner(place)]; };
         return std::max({cell(3 * triangle), cell(3 * triangle + 1), cell(3 * triangle + 2)});
-    }
-
-    // Calls work(share, first triangle, end).
-    template <class Work>
-    bool for_each_share(std::size_t shares, Work work) {
-        return pool_.run(shares, [&](std::size_t i) {
-            work(i, mesh_.count * i / shares, mesh_.count * (i + 1) / shares);
-        });
     }
 
     const MeshView& mesh_;

@@ -21,21 +21,20 @@ template <class Item, class Hash>
 class HashPartition {
  public:
     // The items come in several shares. Incomplete if the interrupt came first.
-    HashPartition(const std::vector<std::vector<Item>>& shares, ThreadPool& pool) {
+    HashPartition(const std::vector<std::vector<Item>>& shares, ThreadPool& pool)
+        : interrupt_(pool.interrupt()) {
         std::size_t count = 0;
         for (const auto& share : shares) count += share.size();
         bits_ = std::min(static_cast<int>(std::bit_width(count / population)), most_bits);
-        std::vector<std::vector<std::uint32_t>> next(shares.size());
-        complete_ = pool.run(shares.size(), [&](std::size_t i) {
-            next[i].assign(std::size_t{1} << bits_, 0);
-            for (const Item& item : shares[i]) ++next[i][digit(item, 0, bits_)];
-        });
-        if (!complete_) return;
-        starts_ = find_places(next, std::size_t{1} << bits_);
         items_ = allocate<Item>(count);
-        complete_ = pool.run(shares.size(), [&](std::size_t i) {
-            for (const Item& item : shares[i]) items_[next[i][digit(item, 0, bits_)]++] = item;
-        });
+        CountingSort sort(shares.size(), shares.size(), std::size_t{1} << bits_, pool);
+        complete_ = sort.sort(
+            [&](const Share& share, auto visit) {
+                for (const Item& item : shares[share.number]) visit(item);
+            },
+            [this](const Item& item) { return digit(item, 0, bits_); },
+            [this](std::size_t place, const Item& item) { items_[place] = item; });
+        starts_ = std::move(sort).starts();
     }
 
     bool complete() const { return complete_; }
@@ -47,16 +46,20 @@ class HashPartition {
         const std::span<const Item> items(items_.get() + starts_[part],
                                           items_.get() + starts_[part + 1]);
         const int bits = std::min(static_cast<int>(std::bit_width(items.size())), most_bits);
-        std::vector<std::uint32_t> end(std::size_t{1} << bits);
-        for (const Item& item : items) ++end[digit(item, bits_, bits)];
-        std::uint32_t at = 0;
-        for (std::uint32_t& count : end) at += std::exchange(count, at);
         std::vector<Item> sorted(items.size());
-        for (const Item& item : items) sorted[end[digit(item, bits_, bits)]++] = item;
-        std::size_t first = 0;
-        for (const std::uint32_t last : end)
-            if (const std::size_t from = std::exchange(first, last); from != last)
-                visit(std::span(sorted).subspan(from, last - from));
+        ThisThread alone{interrupt_};
+        CountingSort sort(items.size(), 1, std::size_t{1} << bits, alone);
+        const bool done = sort.sort(
+            [items](auto, auto add) {
+                for (const Item& item : items) add(item);
+            },
+            [this, bits](const Item& item) { return digit(item, bits_, bits); },
+            [&](std::size_t place, const Item& item) { sorted[place] = item; });
+        if (!done) return;
+        const std::vector<std::size_t> starts = std::move(sort).starts();
+        for (std::size_t i = 0; i + 1 < starts.size(); ++i)
+            if (starts[i] != starts[i + 1])
+                visit(std::span(sorted).subspan(starts[i], starts[i + 1] - starts[i]));
     }
 
  private:
@@ -68,6 +71,7 @@ class HashPartition {
         return bits == 0 ? 0 : Hash()(item) << after >> (64 - bits);
     }
 
+    Interrupt& interrupt_;
     Buffer<Item> items_;
     std::vector<std::size_t> starts_;
     int bits_ = 0;
