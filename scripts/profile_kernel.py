@@ -3,6 +3,7 @@
     python scripts/profile_kernel.py                        100,000 uniform points, one thread
     python scripts/profile_kernel.py --distribution lattice --n 20000
     python scripts/profile_kernel.py --stages               which stages many threads can share
+    python scripts/profile_kernel.py --stages --distribution uniform circle half-duplicates
 
 A small driver, built with the kernel's sources, runs under valgrind's callgrind. It counts
 instructions exactly and simulates a simple branch predictor, so mispredictions compare with each
@@ -11,7 +12,8 @@ and towards the source file that it was written in.
 
 With `--stages`, each task of a run with 1, 2 and 16 threads is counted (a million points, unless
 `--n` says otherwise), and how long the stages are on so many threads follows by the model of
-`benchmark/stages/table.py`.
+`benchmark/stages/table.py`. With several distributions, these tables are followed by one that
+compares them on 16 threads.
 """
 
 from __future__ import annotations
@@ -27,8 +29,8 @@ from pathlib import Path
 import numpy as np
 from benchmark.profile.callgrind import Cost, Place, profile
 from benchmark.stages.counting import steps_of
-from benchmark.stages.table import MANY, stages, table, verdict
-from distributions import DISTRIBUTIONS
+from benchmark.stages.table import MANY, Stage, comparison, stages, table, verdict
+from distributions import DISTRIBUTIONS, Distribution, Points
 from native.build import KERNEL, NATIVE, Program, built
 from rich.console import Console
 from rich.markup import escape
@@ -50,37 +52,65 @@ PROGRAM = Program(
 HEADINGS = ("instructions\na point", "share", "mispredicted\na point")
 
 
+def half_duplicates(n: int, rng: np.random.Generator) -> Points:
+    """Generate uniform points of which half are repeated once, in random order."""
+    points = DISTRIBUTIONS["uniform"](n - n // 2, rng)
+    return rng.permutation(np.concatenate([points, points[: n // 2]]))
+
+
+INPUTS: dict[str, Distribution] = {**DISTRIBUTIONS, "half-duplicates": half_duplicates}
+
+
 def main() -> None:
-    """Count what one run of the kernel takes, and print tables."""
+    """Count what runs of the kernel take, and print tables."""
     options = read_options()
-    console = Console() if os.isatty(1) else Console(width=120)
     rows = options.n or (1_000_000 if options.stages else 100_000)
-    points = DISTRIBUTIONS[options.distribution](rows, np.random.default_rng(SEED))
+    points = {
+        name: INPUTS[name](rows, np.random.default_rng(SEED)) for name in options.distribution
+    }
+    if options.stages:
+        print_stages(points)
+        return
+    console = Console() if os.isatty(1) else Console(width=120)
+    for name, some in points.items():
+        print_profile(name, some, console, options.top)
+
+
+def print_profile(kind: str, points: Points, console: Console, top: int) -> None:
+    """Print what one run takes, by function and by source."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         points.tofile(folder / "points")
-        if options.stages:
-            print_stages(folder)
-            return
         with console.status("building"):
             program = built(PROGRAM)
         found = profile([str(program), str(folder / "points"), "1"], folder)
-    title = f"{len(points):,} points, {options.distribution}, one thread"
+    title = f"{len(points):,} points, {kind}, one thread"
     for name, costs in (("Functions", by_function(found)), ("Sources", by_source(found))):
-        console.print(table_of(costs, f"{name}: {title}", len(points), options.top))
+        console.print(table_of(costs, f"{name}: {title}", len(points), top))
 
 
-def print_stages(folder: Path) -> None:
+def print_stages(points: dict[str, Points]) -> None:
     """Print the stages as Markdown: millions of instructions, one after the other."""
-    runs = {n: stages(steps_of(folder / "points", n, folder), n) for n in (1, 2, MANY)}
-    print("\n".join(table(runs)), verdict(runs[MANY]), sep="\n\n")
+    found = {name: stages_of(some) for name, some in points.items()}
+    for name, runs in found.items():
+        print(f"**{name}**", "\n".join(table(runs)), verdict(runs[MANY]), sep="\n\n", end="\n\n")
+    if len(found) > 1:
+        print("\n".join(comparison({name: runs[MANY] for name, runs in found.items()})))
+
+
+def stages_of(points: Points) -> dict[int, list[Stage]]:
+    """Count the stages of runs with few and with many threads."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        points.tofile(folder / "points")
+        return {n: stages(steps_of(folder / "points", n, folder), n) for n in (1, 2, MANY)}
 
 
 def read_options() -> Namespace:
     """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("--distribution", choices=DISTRIBUTIONS, default="uniform", metavar="D")
+    add("--distribution", choices=INPUTS, nargs="+", default=["uniform"], metavar="D")
     add("--n", type=int, metavar="ROWS")
     add("--stages", action="store_true", help="the stages of a run on many threads")
     add("--top", type=int, default=15, help="number of functions and of sources to list")

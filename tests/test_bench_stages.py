@@ -6,7 +6,17 @@ import re
 import subprocess
 
 from benchmark.stages.counting import PROGRAM, Step, steps
-from benchmark.stages.table import MANY, NAMES, Stage, makespan, stages, table, verdict
+from benchmark.stages.table import (
+    MANY,
+    NAMES,
+    Stage,
+    comparison,
+    makespan,
+    name_of,
+    stages,
+    table,
+    verdict,
+)
 from native.build import KERNEL
 
 ALONE = "desc: Trigger: Client Request: alone"
@@ -73,6 +83,31 @@ def test_what_only_few_threads_can_share_is_told() -> None:
     assert '"last", is 60.0 %' in told
     assert "all of them together 80.0 %" in told
     assert "4.0 times" in told
+
+
+def test_inputs_are_compared_by_the_shares_of_their_stages() -> None:
+    cells = Stage("cells", 32, 320, 80)
+    found = {
+        "one": [cells, Stage("alone", 0, 20, 20)],
+        "other": [cells, Stage("last", 1, 120, 120)],
+    }
+    rows = [row.strip("| ").split(" | ") for row in comparison(found)]
+    assert rows[0][1:] == ["one", "other"]
+    assert rows[2:5] == [
+        ["cells", "80.0 %", "40.0 %"],
+        ["alone", "20.0 %", "0.0 %"],
+        ["last", "0.0 %", "60.0 %"],
+    ]
+    assert [row[1:] for row in rows[6:]] == [
+        ["20.0 %", "60.0 %"],
+        ["20.0 %", "60.0 %"],
+        ["3.4", "2.2"],
+    ]
+
+
+def test_a_name_that_stays_mangled_is_known() -> None:
+    work = "ZN8liftmesh12CountingSortINS_10ThreadPoolEE5countIZNS2_4sortIZNS_5uniteERKSt6vector"
+    assert name_of(Step(0, work, [1]), merging=False) == NAMES["unite"]
 
 
 def test_the_named_functions_are_those_that_share_out_work() -> None:

@@ -24,6 +24,9 @@ NAMES = {
     "SpatialSort::touch_sites": "pages of the points",
     "SpatialSort::scatter": "points to their cells",
     "SpatialSort::settle_cells": "check of cells, duplicates",
+    "SpatialSort::close_up": "cells without duplicates",
+    "unite": "duplicates by row",
+    "SpatialSort::move_to_scale": "points to the scale of the predicates",
     "Engine::run": "subtrees: halving, leaves, merges",
     "Ghosts::find": "walks along the hull",
     "Compaction::write_hull": "rows of the hull",
@@ -32,6 +35,7 @@ NAMES = {
 MERGES = "merges into {} part{}"
 REST = "all else on one thread"
 SHOWN = 0.001  # of the whole, for a stage on one thread to have a row
+SHOWN_BESIDE = 0.01  # for any stage, where inputs are compared
 
 
 @dataclass
@@ -63,13 +67,18 @@ def name_of(step: Step, merging: bool) -> str:
     if not step.tasks:
         return "the end"
     for function, name in NAMES.items():
-        if f"{function}(" in step.work:
+        if f"{function}(" in step.work or mangled(function) in step.work:
             if merging and function == "Engine::run":
                 return MERGES.format(len(step.tasks), "s" * (len(step.tasks) > 1))
             return name
     if "Compaction" in step.work:
         return "ghosts give way"
     raise ValueError(f"no name is known for the work of {step.work}")
+
+
+def mangled(function: str) -> str:
+    """Return how a name stands in a mangled one, for those that cannot be demangled."""
+    return "".join(f"{len(part)}{part}" for part in function.split("::"))
 
 
 def makespan(tasks: list[int], threads: int) -> int:
@@ -97,6 +106,26 @@ def table(runs: dict[int, list[Stage]]) -> Iterator[str]:
     yield f"| **whole** | | {' | '.join(totals)} | |"
 
 
+def comparison(runs: dict[str, list[Stage]]) -> Iterator[str]:
+    """Write the stages of several inputs on so many threads side by side, with their shares."""
+    names = list(dict.fromkeys(stage.name for found in runs.values() for stage in found))
+    lengths = [lengths_of(found, names) for found in runs.values()]
+    wholes = [total(found) for found in runs.values()]
+    yield f"| stage, {MANY} threads | {' | '.join(runs)} |"
+    yield f"| --- |{' ---: |' * len(runs)}"
+    for name in names:
+        shares = [own.get(name, 0) / whole for own, whole in zip(lengths, wholes, strict=True)]
+        if max(shares) >= SHOWN_BESIDE:
+            yield f"| {name} | {' | '.join(map(percent, shares))} |"
+    for heading, cells in (
+        ("**whole**", map(millions, wholes)),
+        ("longest stage of fewer tasks than threads", map(percent, map(longest, runs.values()))),
+        ("all of these", map(percent, map(serial, runs.values()))),
+        ("times as fast as one thread", (f"{speedup(found):.1f}" for found in runs.values())),
+    ):
+        yield f"| {heading} | {' | '.join(cells)} |"
+
+
 def lengths_of(found: list[Stage], names: list[str]) -> dict[str, int]:
     """Return the length of each stage; those without a row of their own are one."""
     lengths = {REST: 0}
@@ -122,15 +151,31 @@ def total(found: list[Stage]) -> int:
     return sum(stage.length for stage in found)
 
 
+def unshared(found: list[Stage]) -> list[Stage]:
+    """Return the stages that have too few tasks for the threads."""
+    return [stage for stage in found if stage.tasks < MANY]
+
+
+def longest(found: list[Stage]) -> float:
+    """Return the share of the longest stage that has too few tasks."""
+    return max(stage.length for stage in unshared(found)) / total(found)
+
+
+def serial(found: list[Stage]) -> float:
+    """Return the share of all stages that have too few tasks."""
+    return total(unshared(found)) / total(found)
+
+
+def speedup(found: list[Stage]) -> float:
+    return sum(stage.instructions for stage in found) / total(found)
+
+
 def verdict(found: list[Stage]) -> str:
     """Say which stage that has too few tasks for the threads is the longest, and what all are."""
-    whole = total(found)
-    serial = [stage for stage in found if stage.tasks < MANY]
-    longest = max(serial, key=lambda stage: stage.length)
-    work = sum(stage.instructions for stage in found)
+    name = max(unshared(found), key=lambda stage: stage.length).name
     return (
-        f'The longest stage that {MANY} threads cannot share, "{longest.name}", is '
-        f"{percent(longest.length / whole)} of the whole, and all of them together "
-        f"{percent(total(serial) / whole)}. {MANY} threads are {work / whole:.1f} times as fast as "
+        f'The longest stage that {MANY} threads cannot share, "{name}", is '
+        f"{percent(longest(found))} of the whole, and all of them together "
+        f"{percent(serial(found))}. {MANY} threads are {speedup(found):.1f} times as fast as "
         "one by this model."
     )
