@@ -19,6 +19,10 @@ constexpr Axis other(Axis axis) {
     return axis == Axis::x ? Axis::y : Axis::x;
 }
 
+constexpr double along(Axis axis, Point p) {
+    return axis == Axis::x ? p.x : p.y;
+}
+
 // Bitwise operators avoid branches, which would be unpredictable.
 inline bool before_xy(Point a, Point b) {
     return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y));

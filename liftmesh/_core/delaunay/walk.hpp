@@ -79,7 +79,6 @@ class Walk {
     std::size_t exact_steps() const { return exact_steps_; }
 
  private:
-    static constexpr double bound = (3 + 16 * 0x1p-53) * 0x1p-53;
     static constexpr std::int32_t nowhere = -2;  // no neighbour: that is the side opposite corner 0
 
     static int wrapped(int k) { return k - 3 * (k >= 3); }
@@ -90,7 +89,8 @@ class Walk {
         const Pair left = Pair{tail_[0], apex[0]} * Pair{apex[1], head_[1]};
         const Pair right = Pair{tail_[1], apex[1]} * Pair{apex[0], head_[0]};
         const Pair turns = left - right;
-        const Pair error = bound * (magnitudes(left) + magnitudes(right)) + Pair{1e-300, 1e-300};
+        const Pair error =
+            orient2d_bound * (magnitudes(left) + magnitudes(right)) + orient2d_underflow;
         const PairBits sure = magnitudes(turns) > error;
         if ((sure[0] & sure[1]) != 0) [[likely]]
             return turns;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "base/point.hpp"
 
 namespace liftmesh::paper {
@@ -47,7 +48,7 @@ class OpenEdges {
         return static_cast<std::uint64_t>(tail) << 32 | head;
     }
     std::size_t home(std::uint64_t key) const {
-        return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15u) >> shift_);
+        return static_cast<std::size_t>(hash(key) >> shift_);
     }
     std::size_t next(std::size_t at) const { return (at + 1) & (entries_.size() - 1); }
 

@@ -12,15 +12,15 @@
 
 namespace liftmesh {
 
+inline constexpr double orient2d_bound = (3 + 16 * 0x1p-53) * 0x1p-53, orient2d_underflow = 1e-300;
+
 int orient2d_exact(Point a, Point b, Point c);
 
 inline int orient2d(Point a, Point b, Point c) {
-    constexpr double e = 0x1p-53;
-    constexpr double bound = (3 + 16 * e) * e;
     const double left = (a.x - c.x) * (b.y - c.y);
     const double right = (a.y - c.y) * (b.x - c.x);
     const double det = left - right;
-    const double error = bound * (std::fabs(left) + std::fabs(right)) + 1e-300;
+    const double error = orient2d_bound * (std::fabs(left) + std::fabs(right)) + orient2d_underflow;
     // No branch depends on the sign, which callers may find hard to predict.
     if (std::fabs(det) > error) return (det > 0) - (det < 0);
     return orient2d_exact(a, b, c);

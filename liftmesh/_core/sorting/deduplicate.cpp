@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "base/point_hash.hpp"
+#include "base/hash.hpp"
 #include "sorting/counting_sort.hpp"
 
 namespace liftmesh {

@@ -10,11 +10,6 @@ namespace {
 
 constexpr std::size_t few = 8;
 
-template <Axis axis>
-double along(Point p) {
-    return axis == Axis::x ? p.x : p.y;
-}
-
 Bounds bounds_of(const Site* sites, std::size_t count) {
     Bounds bounds(pair(sites[0].point));
     for (std::size_t i = 1; i < count; ++i) bounds.add(pair(sites[i].point));
@@ -71,14 +66,14 @@ std::size_t partition(Site* sites, std::size_t count, GoesFirst goes_first) {
 // side.
 template <Axis axis>
 std::size_t split_many(Site* sites, std::size_t count, Point near_middle) {
-    const double pivot = along<axis>(near_middle);
+    const double pivot = along(axis, near_middle);
     const auto is_balanced = [count](std::size_t middle) {
         return std::min(middle, count - middle) >= count / 8 + 1;
     };
     std::size_t middle =
-        partition(sites, count, [pivot](Point p) { return along<axis>(p) < pivot; });
+        partition(sites, count, [pivot](Point p) { return along(axis, p) < pivot; });
     if (is_balanced(middle)) return middle;
-    middle = partition(sites, count, [pivot](Point p) { return along<axis>(p) <= pivot; });
+    middle = partition(sites, count, [pivot](Point p) { return along(axis, p) <= pivot; });
     if (is_balanced(middle)) return middle;
     std::nth_element(sites, sites + count / 2, sites + count,
                      [](const Site& a, const Site& b) { return before(axis, a.point, b.point); });

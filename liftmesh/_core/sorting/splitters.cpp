@@ -15,10 +15,6 @@ struct Span {
     Point *first, *last;
 };
 
-double along(Axis axis, Point p) {
-    return axis == Axis::x ? p.x : p.y;
-}
-
 // The points below the value come before the middle.
 struct Division {
     Axis axis;

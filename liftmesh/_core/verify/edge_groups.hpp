@@ -6,6 +6,7 @@
 #include <span>
 #include <tuple>
 
+#include "base/hash.hpp"
 #include "verify/mesh_view.hpp"
 
 namespace liftmesh {
@@ -17,9 +18,7 @@ inline std::uint64_t ends_of(const HalfEdge& edge) {
 }
 
 struct EdgeHash {
-    std::uint64_t operator()(const HalfEdge& edge) const {
-        return ends_of(edge) * 0x9e3779b97f4a7c15u;
-    }
+    std::uint64_t operator()(const HalfEdge& edge) const { return hash(ends_of(edge)); }
 };
 
 // Calls visit(first, middle, last) for the half-edges with the same ends: [first, middle) run in

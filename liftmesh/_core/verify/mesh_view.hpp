@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/point.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/incircle.hpp"
 
 namespace liftmesh {
@@ -49,7 +50,7 @@ struct MeshView {
 inline constexpr std::size_t block = std::size_t{1} << 15;
 
 inline std::size_t blocks(std::size_t count) {
-    return (count + block - 1) / block;
+    return blocks(count, block);
 }
 
 }  // namespace liftmesh

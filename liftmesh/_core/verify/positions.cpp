@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "base/input.hpp"
-#include "base/point_hash.hpp"
 #include "verify/hash_partition.hpp"
 #include "verify/slots.hpp"
 

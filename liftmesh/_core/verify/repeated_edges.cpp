@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "base/point.hpp"
+#include "parallel/blocks.hpp"
 #include "verify/cover.hpp"
 #include "verify/edge_groups.hpp"
 #include "verify/hash_partition.hpp"
@@ -125,13 +126,6 @@ class Repeated {
     Flaws flaws;
 };
 
-template <class Work>
-bool in_blocks(const MeshView& mesh, ThreadPool& pool, Work work) {
-    return pool.run(blocks(mesh.count), [&](std::size_t task) {
-        work(task * block, std::min(mesh.count, (task + 1) * block), task);
-    });
-}
-
 // Collects the half-edges between suspects, by blocks, and adds up the counts of suspects.
 bool collect(const MeshView& mesh, ThreadPool& pool, const Suspects& suspects,
              std::vector<std::vector<HalfEdge>>& edges, std::size_t& sum) {
@@ -140,7 +134,7 @@ bool collect(const MeshView& mesh, ThreadPool& pool, const Suspects& suspects,
     const auto work = [&](std::size_t first, std::size_t last, std::size_t task) {
         sums[task] = suspects.collect(first, last, edges[task]);
     };
-    const bool done = in_blocks(mesh, pool, work);
+    const bool done = in_blocks(mesh.count, block, pool, work);
     sum = std::accumulate(sums.begin(), sums.end(), std::size_t{0});
     return done;
 }
@@ -154,7 +148,7 @@ bool find_suspects(const MeshView& mesh, const Marks& corners, ThreadPool& pool,
     const auto cover = [&](std::size_t first, std::size_t last, auto) {
         suspects.cover(first, last);
     };
-    if (!in_blocks(mesh, pool, cover)) return false;
+    if (!in_blocks(mesh.count, block, pool, cover)) return false;
     suspects.add_covered();
     return collect(mesh, pool, suspects, edges, sum);
 }

@@ -40,6 +40,7 @@
 
 #include "base/buffer.hpp"
 #include "base/floating_point.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/sample.hpp"
@@ -158,9 +159,7 @@ class Verification {
     // Calls work(first, last, task) for each block.
     template <class Work>
     bool in_blocks(std::size_t count, Work work) {
-        return pool_.run(blocks(count), [&](std::size_t task) {
-            work(task * block, std::min(count, (task + 1) * block), task);
-        });
+        return liftmesh::in_blocks(count, block, pool_, work);
     }
 
     bool read_points() {
