@@ -3,12 +3,14 @@
     python scripts/bench_verify.py                                    a million rows
     python scripts/bench_verify.py --n 100000 --peers shull triangle scipy
     python scripts/bench_verify.py --distributions uniform circle --threads 1
+    python scripts/bench_verify.py --flawed --distributions uniform
 
 The triangles are liftmesh's; the same shuffled; the same apart, each with three rows of its own as
-in an STL file (which makes about six times as many rows to build from); and those of the given
-peers. In a fresh process for each list, building and verifying alternate. Memory is the peak of
-each in a process of its own, without the input but with the results. Hashing the input for the
-certificate is timed apart, and judging is the rest. The ratio is that of judging to building.
+in an STL file (which makes about six times as many rows to build from); those of the given peers;
+with `--flawed` also four lists that are wrong. In a fresh process for each list, building and
+verifying alternate. Memory is the peak of each in a process of its own, without the input but with
+the results. Hashing the input for the certificate is timed apart, and judging is the rest. The
+ratio is that of judging to building.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -71,7 +74,8 @@ def main() -> None:
         points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
         table = empty_table(f"{distribution}, {len(points):,} rows")
         with TemporaryDirectory() as folder, console.status("") as status:
-            for maker, rows, triangles in lists_of(points, options.peers):
+            wrong = flawed_lists(points) if options.flawed else ()
+            for maker, rows, triangles in chain(lists_of(points, options.peers), wrong):
                 for threads in options.threads:
                     status.update(f"{distribution}: triangles of {maker}, threads: {threads}")
                     judged = judge(rows, triangles, threads, options.repeat, Path(folder))
@@ -86,6 +90,7 @@ def read_options() -> Namespace:
     add("--n", type=int, default=1_000_000, metavar="ROWS")
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=USUAL, metavar="D")
     add("--peers", nargs="*", choices=MAKERS, default=[], metavar="P", help=", ".join(MAKERS))
+    add("--flawed", action="store_true", help="lists with flaws, too")
     add("--threads", nargs="+", type=int, default=[1, 2], metavar="K")
     add("--repeat", type=int, default=5, help="rounds")
     return parser.parse_args()
@@ -102,6 +107,21 @@ def lists_of(points: Points, peers: list[str]) -> Iterator[tuple[str, Points, Tr
         turned = liftmesh.orient2d(*np.moveaxis(points[triangles], 1, 0)) < 0
         upward = np.where(turned[:, None], triangles[:, ::-1], triangles)
         yield name, points, upward.astype(np.int32)
+
+
+def flawed_lists(points: Points) -> Iterator[tuple[str, Points, Triangles]]:
+    """Yield lists of triangles with flaws: which, points, triangles."""
+    ours = liftmesh.delaunay(points).simplices
+    middle, half = len(ours) // 2, np.arange(len(ours)) % 2 == 0
+    turned = ours[:, ::-1]
+    yield (
+        "one clockwise",
+        points,
+        np.vstack([ours[:middle], turned[middle:][:1], ours[middle + 1 :]]),
+    )
+    yield "all clockwise", points, np.ascontiguousarray(turned)
+    yield "half clockwise", points, np.where(half[:, None], turned, ours)
+    yield "all twice", points, np.vstack([ours, ours])
 
 
 def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folder: Path) -> Judged:

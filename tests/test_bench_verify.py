@@ -29,10 +29,33 @@ def test_peers_triangles_are_listed_counter_clockwise() -> None:
     assert found[2][2].size == len(found[2][1]) == found[0][2].size
 
 
+def test_flawed_lists_are_flawed() -> None:
+    found = {name: liftmesh.verify(*mesh) for name, *mesh in bench_verify.flawed_lists(POINTS)}
+    assert len(found) == 4
+    assert not any(found.values())
+    wrong = {
+        name: sum(f.count for f in c.flaws if f.kind == "clockwise") for name, c in found.items()
+    }
+    assert wrong["one clockwise"] == 1
+    assert wrong["all clockwise"] == 2 * wrong["half clockwise"] - wrong["all clockwise"] % 2
+    assert wrong["all twice"] == 0
+
+
 def test_a_table_is_printed() -> None:
-    words = ["--n", "300", "--distributions", "circle", "--threads", "2", "--repeat", "1"]
+    words = [
+        "--n",
+        "300",
+        "--distributions",
+        "circle",
+        "--threads",
+        "2",
+        "--repeat",
+        "1",
+        "--flawed",
+    ]
     done = subprocess.run(
         [sys.executable, bench_verify.__file__, *words], capture_output=True, text=True, check=True
     )
     assert "circle, 300 rows" in done.stdout
     assert done.stdout.count("canonical") == 3
+    assert done.stdout.count("not valid") == 4
