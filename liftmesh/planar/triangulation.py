@@ -337,7 +337,7 @@ class Triangulation:
         walks with exact orientations, on as many threads as `delaunay` uses by default. Where walks
         are long, as in fans and among slivers, a trapezoidal map of a random sample of the edges
         shortens them, so that a point takes O(log m) steps in expectation on every triangulation of
-        m rows. The index takes at most 8 bytes for each row.
+        m rows. The index takes at most 8 bytes for each row, or 400 KB if that is more.
 
         Examples
         --------

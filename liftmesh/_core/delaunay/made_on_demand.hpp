@@ -1,9 +1,10 @@
-// A part of an index that is made once doing without it has cost as much as making it would: so
-// both together cost at most twice what the better of the two would have cost.
+// A part of an index that is made once doing without it has cost about as much as making it would:
+// so both together cost about twice what the better of the two would have cost.
 //
 // One thread makes it, and others that need it meanwhile wait for that. No lock is held, which a
-// fork could leave locked in the child for ever: the maker leaves a note that counts in its own
-// process only.
+// fork could leave locked in the child for ever: the maker leaves a note, which counts in its own
+// process only. Nor does a thread wait for itself: a signal's handler, which runs amid the making,
+// may need the part, and makes one of its own.
 #pragma once
 
 #include <atomic>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
@@ -39,29 +41,46 @@ class MadeOnDemand {
     // first.
     template <class Make>
     const Part* get(const Make& make, Patience& patience) {
-        const unsigned here = forks_so_far() + 1;
+        const Note here{forks_so_far() + 1, number_of_thread()};
         while (!is_made()) {
-            unsigned maker = maker_;
-            if (maker == here) {
+            Note maker = maker_;
+            if (maker.process == here.process && maker.thread != here.thread) {
                 if (ends_while_waiting(patience)) return nullptr;
             } else if (maker_.compare_exchange_strong(maker, here)) {
-                const Turn turn{maker_};
+                const Turn turn{maker_, maker};
                 if (is_made()) break;
                 std::unique_ptr<const Part> made = make();
                 if (patience.ends(0)) return nullptr;
-                part_ = made.release();
+                publish(std::move(made));
             }
         }
         return part_;
     }
 
  private:
+    // Who makes it: 1 and the number of forks before the process, and the thread; 0 for nobody.
+    struct Note {
+        std::uint32_t process = 0, thread = 0;
+    };
     struct Turn {
-        std::atomic<unsigned>& maker;
-        ~Turn() { maker = 0; }
+        std::atomic<Note>& maker;
+        Note before;  // the same thread's, where a handler interrupts it
+        ~Turn() { maker = before; }
     };
 
+    static std::uint32_t number_of_thread() {
+        static std::atomic<std::uint32_t> threads = 0;
+        thread_local const std::uint32_t number = ++threads;
+        return number;
+    }
+
     bool is_made() const { return part_.load() != nullptr; }
+
+    // The first counts: others may be in use by then.
+    void publish(std::unique_ptr<const Part> made) {
+        const Part* none = nullptr;
+        if (part_.compare_exchange_strong(none, made.get())) made.release();
+    }
 
     static bool ends_while_waiting(Patience& patience) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -69,7 +88,7 @@ class MadeOnDemand {
     }
 
     std::atomic<const Part*> part_ = nullptr;
-    std::atomic<unsigned> maker_ = 0;  // 1 and the forks before the process of the thread; 0: none
+    std::atomic<Note> maker_;
     std::atomic<std::int64_t> credit_;
 };
 

@@ -179,10 +179,11 @@ class Reader {
         for (int k = 0; k < 3; ++k) pair(mesh_.half_edge(triangle, k), cotangents[k]);
     }
 
-    // Of a triangle that is not counter-clockwise no edge is tested: its bounds are infinity.
+    // Of a triangle that is not counter-clockwise no edge is judged: its bounds are infinity, and
+    // where a sum with them is no number, `check_edge` leaves the edge out. An edge from a row to
+    // itself is its own opposite, so the table would pair two of them.
     void pair(const HalfEdge& edge, double cotangent) {
-        if (edge.tail == edge.head)
-            [[unlikely]] {  // its own opposite: the table would pair two of them
+        if (edge.tail == edge.head) {
             checker_.unpaired.push_back(edge);
             return;
         }

@@ -11,15 +11,15 @@
 // exact. With p and q from a corner to the others, in counter-clockwise order, the cotangent of the
 // angle there is (p . q) / (p x q), and p x q is the same at each corner: twice the area.
 //
-// The bounds. Products and sums of rounded differences have the error of `orient2d`: the computed
-// area C and a computed product D, with terms l and r, are off by at most e_C and e_D, which are
-// (3 + 16 e) e (|l| + |r|), with e = 2^-53. With C > 2 e_C the exact area is above C / 2, so
+// The bounds. Products and sums of rounded differences have the error of `orient2d`, underflow
+// included: the computed area C and a computed product D are off by at most e_C and e_D. So where
+// C > 2 e_C the exact area is above C / 2, whatever the coordinates, and
 //
 //     |p.q / p x q - D / C| <= 2 (e_D + |D / C| e_C) / C.
 //
-// To round 1 / C, its product with D and the last difference takes 3.1 e |D / C|, which is below
-// 1.1 e_D / C. So 4 (e_D + |D / C| e_C) / C covers all of it. Nothing underflows or overflows where
-// the guard vouches; elsewhere its margin makes each bound minus infinity.
+// To round 1 / C, its product with D and the last difference takes 3.1 |D / C| 2^-53, which is below
+// 1.1 e_D / C. So 4 (e_D + |D / C| e_C) / C covers all of it. In these quotients nothing underflows
+// or overflows where the guard vouches; elsewhere its margin makes each bound minus infinity.
 #pragma once
 
 #include <array>
@@ -29,6 +29,7 @@
 #include "base/pair.hpp"
 #include "base/point.hpp"
 #include "predicates/incircle.hpp"
+#include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
@@ -89,10 +90,9 @@ class TriangleBatch {
     // The sum of two products, and a bound of its error.
     struct Sum {
         Sum(Pair left, Pair right)
-            : value(left + right), error(bound * (magnitudes(left) + magnitudes(right))) {}
+            : value(left + right),
+              error(orient2d_bound * (magnitudes(left) + magnitudes(right)) + orient2d_underflow) {}
         Pair value, error;
-
-        static constexpr double e = 0x1p-53, bound = (3 + 16 * e) * e;
     };
 
     // As `before_xy`: -1 if so.

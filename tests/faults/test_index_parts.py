@@ -1,0 +1,56 @@
+"""Parts of the index of `find_simplex` that one thread makes: no handler or fork waits for ever."""
+
+from __future__ import annotations
+
+from faults.children import output
+
+SETUP = """
+    import copy, os, signal, threading, time, warnings
+    import numpy as np, liftmesh
+    warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
+
+    angles = np.linspace(0, 2 * np.pi, 400_000)
+    wheel = liftmesh.delaunay(np.vstack([np.column_stack([np.cos(angles), np.sin(angles)]), [0, 0]]))
+    asked = np.random.default_rng(0).uniform(-0.5, 0.5, (50_000, 2))
+    expected = copy.copy(wheel).find_simplex(asked)
+"""
+
+
+def test_a_handler_may_need_what_it_interrupts() -> None:
+    program = """
+    begun, answers = [], []
+
+    def handler(*_):
+        if len(begun) < 8:
+            begun.append(None)
+            answers.append(np.array_equal(wheel.find_simplex(asked[:500]), expected[:500]))
+
+    signal.signal(signal.SIGALRM, handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.002, 0.002)
+    right = np.array_equal(wheel.find_simplex(asked), expected)
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    print(right, all(answers), len(answers) == len(begun) > 0)
+"""
+    assert output(SETUP + program) == "True True True\n"
+
+
+def test_a_child_makes_what_a_thread_of_its_parent_was_making() -> None:
+    # The first part is made ahead: Python 3.11 holds a lock while it computes a cached property.
+    program = """
+    wheel.find_simplex(asked[:1])
+    found = []
+    thread = threading.Thread(target=lambda: found.append(wheel.find_simplex(asked)))
+    thread.start()
+    children = []
+    while thread.is_alive() and len(children) < 12:
+        time.sleep(0.005)
+        child = os.fork()
+        if child == 0:
+            signal.alarm(60)
+            os._exit(not np.array_equal(wheel.find_simplex(asked[:5000]), expected[:5000]))
+        children.append(child)
+    thread.join()
+    codes = {os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children}
+    print(np.array_equal(found[0], expected), codes)
+"""
+    assert output(SETUP + program) == "True {0}\n"
