@@ -103,7 +103,7 @@ def delaunay(
     -----
     Divide and conquer on the lifted lower hull: F. P. Preparata and S. J. Hong (1977), D. T. Lee
     and B. J. Schachter (1980), with cuts across both axes (R. A. Dwyer, 1987). O(n log n) on every
-    input. Peak memory is about 70 bytes per point beyond the points, 85 on a circle; 48 of them are
+    input. Peak memory is about 70 bytes per point beyond the points, 78 on a circle; 48 of them are
     the result.
 
     Gift wrapping with LF and LFRes: "The Lifting Projection of Convex Polyhedra for Finding

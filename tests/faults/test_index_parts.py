@@ -10,7 +10,8 @@ SETUP = """
     warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
 
     angles = np.linspace(0, 2 * np.pi, 400_000)
-    wheel = liftmesh.delaunay(np.vstack([np.column_stack([np.cos(angles), np.sin(angles)]), [0, 0]]))
+    rim = np.column_stack([np.cos(angles), np.sin(angles)])
+    wheel = liftmesh.delaunay(np.vstack([rim, [0, 0]]))
     asked = np.random.default_rng(0).uniform(-0.5, 0.5, (50_000, 2))
     expected = copy.copy(wheel).find_simplex(asked)
 """
