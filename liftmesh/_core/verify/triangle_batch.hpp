@@ -17,9 +17,10 @@
 //
 //     |p.q / p x q - D / C| <= 2 (e_D + |D / C| e_C) / C.
 //
-// To round 1 / C, its product with D and the last difference takes 3.1 |D / C| 2^-53, which is below
-// 1.1 e_D / C. So 4 (e_D + |D / C| e_C) / C covers all of it. In these quotients nothing underflows
-// or overflows where the guard vouches; elsewhere its margin makes each bound minus infinity.
+// To round 1 / C, its product with D and the last difference takes 3.1 |D / C| 2^-53, which is
+// below 1.1 e_D / C. So 4 (e_D + |D / C| e_C) / C covers all of it. In these quotients nothing
+// underflows or overflows where the guard vouches; elsewhere its margin makes each bound minus
+// infinity.
 #pragma once
 
 #include <array>
