@@ -30,6 +30,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from benchmark.contest import SEED
+from benchmark.peers import BEFORE, OURS
 from distributions import DISTRIBUTIONS, Points
 from rich.console import Console
 from rich.table import Table
@@ -57,18 +58,23 @@ def main() -> None:
     """Print a table for each distribution."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=110)
-    for distribution in options.distributions:
-        points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
-        table = empty_table(f"{distribution}, {len(points):,} rows, load {os.getloadavg()[0]:.1f}")
-        with TemporaryDirectory() as folder, console.status("") as status:
-            for order in ORDERS:
-                asked = ordered(queries(points, options.at), order)
-                for name, python in programs(options.before):
-                    status.update(f"{distribution}: {order}, {name}")
-                    most = len(asked) if name.startswith("liftmesh") else options.most
-                    found = run(python, name, points, asked[:most], options.repeat, Path(folder))
-                    table.add_row(order, name, *cells(found, len(points)))
-        console.print(table)
+    with console.status("") as status:
+        for distribution in options.distributions:
+            console.print(table_of(distribution, options, status.update))
+
+
+def table_of(distribution: str, options: Namespace, tell: Callable[[str], None]) -> Table:
+    """Time all programs on a distribution."""
+    points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
+    table = empty_table(f"{distribution}, {len(points):,} rows, load {os.getloadavg()[0]:.1f}")
+    for order in ORDERS:
+        asked = ordered(queries(points, options.at), order)
+        for name, python in programs(options.before):
+            tell(f"{distribution}: {order}, {name}")
+            most = len(asked) if name.startswith(OURS) else options.most
+            found = run(python, name, points, asked[:most], options.repeat)
+            table.add_row(order, name, *cells(found, len(points)))
+    return table
 
 
 def read_options() -> Namespace:
@@ -86,8 +92,8 @@ def read_options() -> Namespace:
 
 def programs(before: str | None) -> list[tuple[str, str]]:
     """List the programs: a name, and the interpreter that runs it."""
-    former = [("liftmesh before", before)] if before else []
-    return [("liftmesh", sys.executable), *former, *((name, sys.executable) for name in PEERS)]
+    former = [(BEFORE, before)] if before else []
+    return [(OURS, sys.executable), *former, *((name, sys.executable) for name in PEERS)]
 
 
 def queries(points: Points, at: str) -> Points:
@@ -108,13 +114,14 @@ def ordered(asked: Points, order: str) -> Points:
     return asked[np.argsort(bits[:, 0] | bits[:, 1] << 1, kind="stable")]
 
 
-def run(python: str, name: str, points: Points, asked: Points, rounds: int, folder: Path) -> Taken:
+def run(python: str, name: str, points: Points, asked: Points, rounds: int) -> Taken:
     """Time a program in a fresh process."""
-    files = folder / "points", folder / "asked"
-    points.tofile(files[0])
-    asked.tofile(files[1])
-    command = [python, __file__, "time", name, *map(str, files), str(rounds)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    with TemporaryDirectory() as folder:
+        files = Path(folder) / "points", Path(folder) / "asked"
+        points.tofile(files[0])
+        asked.tofile(files[1])
+        command = [python, __file__, "time", name, *map(str, files), str(rounds)]
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     return Taken(**json.loads(done.stdout))
 
 

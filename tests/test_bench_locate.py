@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
 
 import bench_locate
 import numpy as np
@@ -33,8 +32,8 @@ def test_points_are_made_inside_and_put_in_order() -> None:
     assert bench_locate.ordered(inside, "random") is inside
 
 
-def test_what_is_timed(tmp_path: Path) -> None:
-    found = bench_locate.run(sys.executable, "scipy", POINTS, POINTS[:50], 2, tmp_path)
+def test_what_is_timed() -> None:
+    found = bench_locate.run(sys.executable, "scipy", POINTS, POINTS[:50], 2)
     assert found.points == 50
     assert min(found.build, found.first, found.again) > 0
     taken = bench_locate.Taken(build=0.5, first=2.0, again=1.0, points=4)
