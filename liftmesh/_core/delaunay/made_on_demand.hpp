@@ -59,7 +59,7 @@ class MadeOnDemand {
 
  private:
     // Who makes it: 1 and the number of forks before the process, and the thread; 0 for nobody.
-    struct Note {
+    struct alignas(8) Note {  // in one word
         std::uint32_t process = 0, thread = 0;
     };
     struct Turn {
