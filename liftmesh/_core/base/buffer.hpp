@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/in_files.hpp"
+
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
@@ -17,13 +19,16 @@
 namespace liftmesh {
 
 struct Free {
-    void operator()(void* memory) const { std::free(memory); }
+    void operator()(void* memory) const {
+        if (!InFiles::release(memory)) std::free(memory);
+    }
 };
 
 template <class T>
 using Buffer = std::unique_ptr<T[], Free>;
 
-// Room for `count` objects of a type that needs no construction. Throws std::bad_alloc.
+// Room for `count` objects of a type that needs no construction: in a file, if the thread is to use
+// files. Throws std::bad_alloc, or what `InFiles` throws.
 template <class T>
 Buffer<T> allocate(std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -38,7 +43,8 @@ Buffer<T> allocate(std::size_t count) {
         if (memory == nullptr) throw std::bad_alloc();
         return Buffer<T>(static_cast<T*>(memory));
     }
-    void* memory = nullptr;
+    void* memory = large ? InFiles::allocate(bytes) : nullptr;
+    if (memory != nullptr) return Buffer<T>(static_cast<T*>(memory));
     if (posix_memalign(&memory, large ? huge_page : line, bytes) != 0) throw std::bad_alloc();
 #ifdef __linux__
     // Whole pages only, so that nothing beyond the array becomes resident. The system may decline.
@@ -61,7 +67,7 @@ template <class T, class Old>
 Buffer<T> shrunk(Buffer<Old> old, std::size_t room, std::size_t count) {
     static_assert(sizeof(T) == sizeof(Old));
     Buffer<T> buffer = reuse<T>(std::move(old));
-    if (count >= room - room / 8) return buffer;
+    if (count >= room - room / 8 || InFiles::holds(buffer.get())) return buffer;
     void* smaller = std::realloc(buffer.get(), std::max<std::size_t>(count * sizeof(T), 1));
     if (smaller == nullptr) return buffer;
     static_cast<void>(buffer.release());

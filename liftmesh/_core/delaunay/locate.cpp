@@ -10,6 +10,7 @@
 #include "base/floating_point.hpp"
 #include "delaunay/ties.hpp"
 #include "delaunay/vertical_walks.hpp"
+#include "parallel/blocks.hpp"
 #include "sorting/sample.hpp"
 
 namespace liftmesh {
@@ -80,8 +81,15 @@ Locator::Locator(const Triangulated& triangulated, std::uint64_t secret)
 // Some queries of one call.
 class Locator::Round {
  public:
-    Round(Locator& locator, const Queries& queries, std::int32_t* found, ThreadPool& pool)
-        : locator_(locator), mesh_(locator.mesh_), queries_(queries), found_(found), pool_(pool) {}
+    Round(Locator& locator, const Queries& queries, std::int32_t* found, ThreadPool& pool,
+          const Settled& settled, std::size_t start)
+        : locator_(locator),
+          mesh_(locator.mesh_),
+          queries_(queries),
+          found_(found),
+          pool_(pool),
+          settled_(settled),
+          start_(start) {}
 
     bool run() {
         if (!are_neighbors()) {
@@ -90,10 +98,11 @@ class Locator::Round {
         }
         const std::size_t pieces = (queries_.count + piece_size - 1) / piece_size;
         const auto walk = [&](std::size_t i) {
-            walk_through(i * piece_size, std::min(queries_.count, (i + 1) * piece_size));
+            const std::size_t last = std::min(queries_.count, (i + 1) * piece_size);
+            if (walk_through(i * piece_size, last) && settled_) report(i * piece_size, last);
         };
         return pool_.run(pieces, walk) && (hard_.empty() || find_hard()) &&
-               (at_hubs_.empty() || find_at_hubs());
+               (at_hubs_.empty() || find_at_hubs()) && (!settled_ || report_late());
     }
 
  private:
@@ -106,6 +115,29 @@ class Locator::Round {
         std::vector<Site> hard;  // a walk does not reach them soon
         std::vector<AtHub> at_hubs;
     };
+
+    // What was found of the queries at some places of the order.
+    void report(std::size_t first, std::size_t last) {
+        Patience patience(pool_.interrupt());
+        for (std::size_t i = first; i < last && !patience.ends(); ++i)
+            report(order_ ? order_[i].index : static_cast<std::uint32_t>(i), patience);
+    }
+    void report(std::uint32_t query, Patience& patience) {
+        if (found_[query] != unfinished) settled_(start_ + query, found_[query], patience);
+    }
+
+    // What was left for later.
+    bool report_late() {
+        const auto report_some = [&](const auto& late, auto query) {
+            return in_blocks(late.size(), piece_size, pool_,
+                             [&](std::size_t i, std::size_t last, std::size_t) {
+                                 Patience patience(pool_.interrupt());
+                                 for (; i < last; ++i) report(query(late[i]), patience);
+                             });
+        };
+        return report_some(hard_, [](const Site& each) { return each.row; }) &&
+               report_some(at_hubs_, [](const AtHub& each) { return each.query; });
+    }
 
     // Whether it is a short walk from most queries to the next, judged from a few pairs.
     bool are_neighbors() const {
@@ -164,7 +196,7 @@ class Locator::Round {
                     round_.found_[query_] = outside;
                 } else if (hard_to_come_ > 0) {
                     --hard_to_come_;
-                    postponed_.hard.push_back({p, query_});
+                    postpone(p);
                 } else {
                     has_jumped_ = round_.order_ != nullptr;
                     begin();
@@ -218,9 +250,14 @@ class Locator::Round {
                 enter(round_.cell(query_));
                 return begin();
             }
-            postponed_.hard.push_back({round_.queries_[query_], query_});
+            postpone(round_.queries_[query_]);
             hard_to_come_ = hard_together;
             next();
+        }
+
+        void postpone(Point query) {
+            round_.found_[query_] = unfinished;
+            postponed_.hard.push_back({query, query_});
         }
 
         Round& round_;
@@ -237,8 +274,8 @@ class Locator::Round {
         return static_cast<std::uint32_t>(locator_.splitters_.cell(queries_[query]));
     }
 
-    // Several walks go through a share of the queries each.
-    void walk_through(std::size_t first, std::size_t last) {
+    // Several walks go through a share of the queries each. False if the interrupt came first.
+    bool walk_through(std::size_t first, std::size_t last) {
         Patience patience(pool_.interrupt());
         Postponed postponed;
         std::vector<Lane> lanes;
@@ -249,12 +286,14 @@ class Locator::Round {
         for (std::size_t i = 0; i < count; ++i)
             lanes.emplace_back(*this, first + (last - first) * i / count,
                                first + (last - first) * (i + 1) / count, postponed);
-        for (bool are_busy = true; are_busy && !patience.ends(count);) {
+        bool are_busy = true;
+        while (are_busy && !patience.ends(count)) {
             are_busy = false;
             for (Lane& lane : lanes) lane.look();
             for (Lane& lane : lanes) are_busy |= lane.advance();
         }
         add(postponed);
+        return !are_busy;
     }
 
     void add(const Postponed& postponed) {
@@ -330,6 +369,8 @@ class Locator::Round {
     const Queries& queries_;
     std::int32_t* found_;
     ThreadPool& pool_;
+    const Settled& settled_;
+    std::size_t start_;  // queries of former rounds
     Buffer<Query> order_;
     std::mutex mutex_;
     std::vector<Site> hard_;
@@ -338,13 +379,13 @@ class Locator::Round {
 };
 
 bool Locator::find(const Queries& queries, std::int32_t* found, Threads threads,
-                   Interrupt& interrupt) {
+                   Interrupt& interrupt, const Settled& settled) {
     const IeeeArithmetic ieee;
     ThreadPool pool(threads.for_rows(queries.count), interrupt);
     for (std::size_t start = 0; start < queries.count; start += queries_per_round) {
         const Queries some{queries.coordinates + 2 * start,
                            std::min(queries_per_round, queries.count - start)};
-        if (!Round(*this, some, found + start, pool).run()) return false;
+        if (!Round(*this, some, found + start, pool, settled, start).run()) return false;
     }
     return true;
 }

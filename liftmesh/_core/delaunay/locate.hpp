@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "base/status.hpp"
@@ -24,6 +25,10 @@
 
 namespace liftmesh {
 
+// Called with the number of a query and its triangle, or -1, on whichever thread found it: soon
+// after it was found, and after other queries near it.
+using Settled = std::function<void(std::size_t, std::int32_t, Patience&)>;
+
 class Locator {
  public:
     // The secret is that of the trapezoidal map. Answers do not depend on it.
@@ -33,8 +38,9 @@ class Locator {
 
     // For each query the smallest simplex whose closed triangle contains it; -1 outside the hull,
     // and for points that are not finite. False if the interrupt came first. Several threads may
-    // call it at once.
-    bool find(const Queries& queries, std::int32_t* found, Threads threads, Interrupt& interrupt);
+    // call it at once. `settled` is called for each query, if it is given, mostly once.
+    bool find(const Queries& queries, std::int32_t* found, Threads threads, Interrupt& interrupt,
+              const Settled& settled = {});
 
  private:
     class Round;

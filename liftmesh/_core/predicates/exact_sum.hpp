@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "predicates/lattice.hpp"
@@ -42,6 +43,12 @@ Term<N + M> operator*(const Term<N>& a, const Term<M>& b) {
             a.negative != b.negative};
 }
 
+// A number with its exponent apart, in units of a lattice.
+struct Magnitude {
+    double mantissa;  // with its sign, below 2^128
+    int exponent;
+};
+
 // Of terms with `Factors` factors, each an integer of at most `width` bits.
 template <int Factors>
 class ExactSum {
@@ -63,6 +70,27 @@ class ExactSum {
         for (int i = limbs_ - 1; i >= 0; --i)
             if (sum_[0][i] != sum_[1][i]) return sum_[0][i] > sum_[1][i] ? 1 : -1;
         return 0;
+    }
+
+    // The sum, rounded: an error of a few units in the last place.
+    Magnitude magnitude() const {
+        const int turn = sign();
+        if (turn == 0) return {0, 0};
+        std::uint64_t lead[2] = {};  // the highest limbs of the difference
+        int top = 0;
+        bool borrow = false;
+        for (int i = 0; i < limbs_; ++i) {
+            const std::uint64_t more = sum_[turn < 0][i], less = sum_[turn > 0][i];
+            const std::uint64_t limb = more - less - borrow;
+            borrow = less > more || (borrow && less == more);
+            if (limb == 0) continue;
+            lead[1] = i > 0 && top == i - 1 ? lead[0] : 0;
+            lead[0] = limb;
+            top = i;
+        }
+        const double mantissa =
+            std::ldexp(static_cast<double>(lead[0]), 64) + static_cast<double>(lead[1]);
+        return {turn * mantissa, 64 * (top - 1)};
     }
 
  private:

@@ -35,14 +35,20 @@ template <int K>
 class FixedPoint {
  public:
     explicit FixedPoint(const Point (&points)[K]) {
-        Pair largest = magnitudes(pair(points[0]));
-        for (int i = 1; i < K; ++i) largest = greatest(largest, magnitudes(pair(points[i])));
+        Pair largest = magnitudes(pair(points[0])), zero = pair(points[0]) * 0.0;
+        for (int i = 1; i < K; ++i) {
+            largest = greatest(largest, magnitudes(pair(points[i])));
+            zero += pair(points[i]) * 0.0;
+        }
+        // Another thread may have put there what is not finite, and so no integer.
+        if (!(zero[0] + zero[1] == 0)) return;
         // A double whose biased exponent is `top` is below 2^(top - 1022).
         constexpr int bias = 1023, width = 61, mantissa = 52;
         const int top = static_cast<int>(
             std::bit_cast<std::uint64_t>(std::max(largest[0], largest[1])) >> mantissa);
         const int shift = width + bias - 1 - top;
         if (shift >= bias) return;
+        shift_ = shift;
         const auto power = [](int exponent) {
             return std::bit_cast<double>(static_cast<std::uint64_t>(bias + exponent) << mantissa);
         };
@@ -59,10 +65,14 @@ class FixedPoint {
     }
 
     bool fits() const { return fits_; }
+    // The coordinates times 2^shift.
+    int shift() const { return shift_; }
+    Step at(int i) const { return at_[i]; }
     Step step(int from, int to) const { return {at_[to].x - at_[from].x, at_[to].y - at_[from].y}; }
 
  private:
     bool fits_ = false;
+    int shift_ = 0;
     Step at_[K];
 };
 

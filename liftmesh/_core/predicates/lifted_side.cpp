@@ -82,22 +82,22 @@ int lifted_side_canonical_exact(const Lift& lift, const Lifted<Lift>& a, const L
 }
 
 template <class Lift>
-bool is_hidden_between(const Lift& lift, const Lifted<Lift>& a, const Lifted<Lift>& b,
-                       const Lifted<Lift>& c) {
+int height_between(const Lift& lift, const Lifted<Lift>& a, const Lifted<Lift>& b,
+                   const Lifted<Lift>& c) {
     const Axis axis = a.point.x != c.point.x ? Axis::x : Axis::y;
     const LiftedLattice<Lift, 3> lattice(lift, {a, b, c});
     const bool ascends = axis == Axis::x ? a.point.x < c.point.x : a.point.y < c.point.y;
-    return vertical_turn(lattice, axis) == (ascends ? -1 : 1);
+    return ascends ? -vertical_turn(lattice, axis) : vertical_turn(lattice, axis);
 }
 
-#define LIFTMESH_INSTANCES(Lift)                                                           \
-    template int lifted_side_exact(const Lift&, const Lifted<Lift>&, const Lifted<Lift>&,  \
-                                   const Lifted<Lift>&, const Lifted<Lift>&, Guard);       \
-    template int lifted_side_canonical_exact(const Lift&, const Lifted<Lift>&,             \
-                                             const Lifted<Lift>&, const Lifted<Lift>&,     \
-                                             const Lifted<Lift>&, Guard);                  \
-    template bool is_hidden_between(const Lift&, const Lifted<Lift>&, const Lifted<Lift>&, \
-                                    const Lifted<Lift>&);
+#define LIFTMESH_INSTANCES(Lift)                                                          \
+    template int lifted_side_exact(const Lift&, const Lifted<Lift>&, const Lifted<Lift>&, \
+                                   const Lifted<Lift>&, const Lifted<Lift>&, Guard);      \
+    template int lifted_side_canonical_exact(const Lift&, const Lifted<Lift>&,            \
+                                             const Lifted<Lift>&, const Lifted<Lift>&,    \
+                                             const Lifted<Lift>&, Guard);                 \
+    template int height_between(const Lift&, const Lifted<Lift>&, const Lifted<Lift>&,    \
+                                const Lifted<Lift>&);
 LIFTMESH_INSTANCES(ByWeight)
 LIFTMESH_INSTANCES(ByRadius)
 LIFTMESH_INSTANCES(ByMetric)

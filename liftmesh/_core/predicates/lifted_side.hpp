@@ -33,12 +33,18 @@ inline int side_canonical_exact(const ByMetric& by, Point a, Point b, Point c, P
     return lifted_side_canonical_exact<ByMetric>(by, {a, {}}, {b, {}}, {c, {}}, {d, {}}, guard);
 }
 
-// Whether, of three distinct points on one line with b between the others, the lift of b is
-// strictly above the segment between the lifts of a and c. (A point on that segment is a vertex:
-// the perturbation lifts an end of the segment most.)
+// Of three distinct points on one line with b between the others, where the lift of b is: 1 above
+// the segment between the lifts of a and c, 0 on it, -1 below.
+template <class Lift>
+int height_between(const Lift& lift, const Lifted<Lift>& a, const Lifted<Lift>& b,
+                   const Lifted<Lift>& c);
+
+// A point on the segment is a vertex: the perturbation lifts an end of the segment most.
 template <class Lift>
 bool is_hidden_between(const Lift& lift, const Lifted<Lift>& a, const Lifted<Lift>& b,
-                       const Lifted<Lift>& c);
+                       const Lifted<Lift>& c) {
+    return height_between(lift, a, b, c) > 0;
+}
 
 // Of three distinct points on one line, in any order.
 template <class Lift>
