@@ -1,0 +1,183 @@
+#include "apollonius/apollonius.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apollonius/graph.hpp"
+#include "apollonius/insertion_order.hpp"
+#include "predicates/lattice.hpp"
+
+namespace liftmesh::apollonius {
+
+namespace {
+
+// Multiples of 2^-130 that are less than 1 underflow in no filter.
+constexpr int widest_of_filters = 130;
+
+// Reads out a graph by rows.
+class Reader {
+ public:
+    Reader(const Graph& graph, const std::vector<Row>& order, int scale)
+        : graph_(graph), order_(order), scale_(scale), row_(order) {
+        for (Site s = 0; s < order.size(); ++s)
+            if (is_duplicate(s)) row_[graph.state(s)] = std::min(row_[graph.state(s)], order[s]);
+    }
+
+    void write_rows(Outcome& outcome) const {
+        for (Site s = 0; s < order_.size(); ++s) {
+            const Site of = is_duplicate(s) ? graph_.state(s) : s;
+            if (graph_.state(of) == Graph::is_hidden) {
+                outcome.hidden.push_back(order_[s]);
+            } else if (order_[s] != row_[of]) {
+                outcome.duplicates.push_back({order_[s], row_[of]});
+            }
+        }
+        std::sort(outcome.hidden.begin(), outcome.hidden.end());
+        std::sort(outcome.duplicates.begin(), outcome.duplicates.end());
+    }
+
+    void write_triangles(Outcome& outcome) const {
+        const std::vector<Face> faces = sorted_faces();
+        std::vector<std::int32_t> place(graph_.room(), -1);
+        for (std::size_t i = 0; i < faces.size(); ++i) place[faces[i]] = static_cast<int>(i);
+        outcome.triangles.reserve(faces.size());
+        for (const Face f : faces) {
+            Triangle triangle;
+            for (unsigned k = 0; k < 3; ++k) {
+                const unsigned at = (first_corner(f) + k) % 3;
+                triangle.corners[k] = row(f, at);
+                triangle.neighbors[k] = place[graph_.neighbor(f, at)];
+            }
+            triangle.circle = circle(f);
+            outcome.triangles.push_back(triangle);
+        }
+    }
+
+    void write_hull(Outcome& outcome) const {
+        Face first = 0;
+        while (first < graph_.room() && !is_infinite(first)) ++first;
+        if (first == graph_.room()) return;
+        Face f = first;
+        do {
+            const unsigned k = infinite_corner(f);
+            outcome.hull.push_back({row(f, (k + 2) % 3), row(f, (k + 1) % 3)});
+            f = graph_.neighbor(f, (k + 2) % 3);
+        } while (f != first);
+        std::rotate(outcome.hull.begin(),
+                    std::min_element(outcome.hull.begin(), outcome.hull.end()), outcome.hull.end());
+    }
+
+ private:
+    bool is_duplicate(Site s) const {
+        return graph_.state(s) != Graph::is_vertex && graph_.state(s) != Graph::is_hidden;
+    }
+    std::int32_t row(Face f, unsigned k) const {
+        return static_cast<std::int32_t>(row_[graph_.corners(f)[k]]);
+    }
+    unsigned infinite_corner(Face f) const {
+        const auto& corners = graph_.corners(f);
+        return static_cast<unsigned>(std::find(corners.begin(), corners.end(), at_infinity) -
+                                     corners.begin());
+    }
+    bool is_infinite(Face f) const { return graph_.is_live(f) && infinite_corner(f) < 3; }
+
+    unsigned first_corner(Face f) const {
+        const unsigned lesser = row(f, 1) < row(f, 0);
+        return row(f, 2) < row(f, lesser) ? 2 : lesser;
+    }
+
+    // The finite faces by their rows: counted by the lowest, then those of one sorted.
+    std::vector<Face> sorted_faces() const {
+        std::vector<std::uint32_t> starts(order_.size() + 1, 0);
+        const auto for_each_finite = [&](auto visit) {
+            for (Face f = 0; f < graph_.room(); ++f)
+                if (graph_.is_live(f) && infinite_corner(f) == 3)
+                    visit(f, static_cast<std::size_t>(row(f, first_corner(f))));
+        };
+        for_each_finite([&](Face, std::size_t lowest) { ++starts[lowest + 1]; });
+        for (std::size_t i = 0; i + 1 < starts.size(); ++i) starts[i + 1] += starts[i];
+        std::vector<Face> faces(starts.back());
+        std::vector<std::uint32_t> next = starts;
+        for_each_finite([&](Face f, std::size_t lowest) { faces[next[lowest]++] = f; });
+        const auto others = [&](Face f) {
+            const unsigned k = first_corner(f);
+            return std::array{row(f, (k + 1) % 3), row(f, (k + 2) % 3)};
+        };
+        for (std::size_t i = 0; i + 1 < starts.size(); ++i)
+            std::sort(faces.begin() + starts[i], faces.begin() + starts[i + 1],
+                      [&](Face a, Face b) { return others(a) < others(b); });
+        return faces;
+    }
+
+    // Relative to the smallest of the three disks, where rounding is least.
+    Circle circle(Face f) const {
+        const unsigned first = first_corner(f);
+        unsigned k = first;
+        for (unsigned i = first + 1; i < first + 3; ++i)
+            if (disk(f, i).r < disk(f, k).r) k = i;
+        const Circle c = touching(disk(f, k), disk(f, k + 1), disk(f, k + 2));
+        return {std::ldexp(c.x, scale_), std::ldexp(c.y, scale_), std::ldexp(c.radius, scale_)};
+    }
+    const Disk& disk(Face f, unsigned k) const { return graph_.disk(graph_.corners(f)[k % 3]); }
+
+    const Graph& graph_;
+    const std::vector<Row>& order_;
+    int scale_;
+    std::vector<Row> row_;  // of each site: of a vertex, the lowest of those that are equal
+};
+
+bool insert_all(Graph& graph, std::size_t count, Interrupt& interrupt) {
+    constexpr Site at_a_time = 1 << 12;
+    interrupt.expect(count);
+    for (Site t = 1; t < count; ++t) {
+        graph.insert(t);
+        if (t % at_a_time != 0) continue;
+        interrupt.advance(at_a_time);
+        if (interrupt.requested()) return false;
+    }
+    return true;
+}
+
+std::vector<Disk> scaled(const std::vector<Disk>& disks, const std::vector<Row>& order, int scale) {
+    std::vector<Disk> result;
+    result.reserve(disks.size());
+    for (const Row i : order)
+        result.push_back({std::ldexp(disks[i].x, -scale), std::ldexp(disks[i].y, -scale),
+                          std::ldexp(disks[i].r, -scale)});
+    return result;
+}
+
+}  // namespace
+
+Range range_of(const std::vector<Disk>& disks) {
+    Range range{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+    for (Row i = 0; i < disks.size(); ++i)
+        for (const double value : {disks[i].x, disks[i].y, disks[i].r}) {
+            const Dyadic part = dyadic(value);
+            if (part.mantissa == 0) continue;
+            const int top = part.exponent + bit_length(part.mantissa);
+            if (part.exponent < range.low) range.low = part.exponent, range.finest = i;
+            if (top > range.high) range.high = top, range.largest = i;
+        }
+    return range.high < range.low ? Range{} : range;
+}
+
+Outcome apollonius(std::vector<Disk> disks, std::uint64_t secret, Interrupt& interrupt) {
+    const Range range = range_of(disks);
+    const std::vector<Row> order = insertion_order(disks, secret);
+    disks = scaled(disks, order, range.high);
+    Graph graph(disks, Signs(range.high - range.low <= widest_of_filters));
+    Outcome outcome;
+    if (!insert_all(graph, disks.size(), interrupt)) {
+        outcome.status = Status::interrupted;
+        return outcome;
+    }
+    const Reader reader(graph, order, range.high);
+    reader.write_rows(outcome);
+    reader.write_triangles(outcome);
+    reader.write_hull(outcome);
+    return outcome;
+}
+
+}  // namespace liftmesh::apollonius
