@@ -1,0 +1,42 @@
+// What lies between two surfaces: the faces of both are laid over each other.
+//
+// For each face of one the faces of the other that touch it are found by a flood: across every side
+// that touches it, too. The triangulations cover convex regions, so what touches a face is
+// connected, and so are the faces that touch the other region: each hands the next one a face to
+// begin with. Whether a side touches a face is decided by exact orientations. So no pair is missed,
+// and one that is found needlessly has no area.
+//
+// A pair is clipped in coordinates relative to a corner, and cut along the line where the two
+// planes meet. Sums are kept in twice the precision.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "surface/relief.hpp"
+
+namespace liftmesh {
+
+struct Between {
+    double above, below, area;  // of the second over the first, and under it
+};
+
+// From a face of the first and one of the second that touch. False if the interrupt came first.
+bool between(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
+             Between& found, Interrupt& interrupt);
+
+// Triangles, counter-clockwise, that each have a point inside a face of the first and one of the
+// second.
+struct Parts {
+    const double* corners;  // six numbers each
+    const std::int32_t *faces, *others;
+    std::size_t count;
+};
+
+// The same, as much of it as lies in any of the triangles, which do not overlap. Faces of the
+// second are looked at for each face of the first that touches a triangle: the first should be the
+// finer surface.
+bool between_within(const Relief& first, const Relief& second, const Parts& parts, Between& found,
+                    Interrupt& interrupt);
+
+}  // namespace liftmesh

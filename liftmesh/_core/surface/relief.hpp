@@ -1,0 +1,82 @@
+// A surface over a finished triangulation: a height for each row, and faces that are left out.
+//
+// A point of the closed faces that are left has one *owner* among them: the face that contains what
+// is infinitesimally to the right of the point, and above it by infinitesimally less. On a border,
+// where there is none or it is left out, the owner is the next face counter-clockwise around the
+// point. It depends on coordinates alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "delaunay/made_on_demand.hpp"
+#include "delaunay/ties.hpp"
+#include "delaunay/triangulated.hpp"
+#include "surface/facet.hpp"
+#include "surface/first_faces.hpp"
+
+namespace liftmesh {
+
+// One height a row, at any stride.
+struct Heights {
+    const std::byte* data;
+    std::ptrdiff_t stride;
+
+    double operator[](std::int32_t row) const {
+        return *reinterpret_cast<const double*>(data + row * stride) + 0.0;
+    }
+};
+
+inline constexpr double no_height = std::numeric_limits<double>::quiet_NaN();
+
+class Relief {
+ public:
+    // `left_out` has a flag for each simplex; null if no face is left out.
+    Relief(const Triangulated& mesh, Heights heights, const std::uint8_t* left_out)
+        : mesh_(mesh), heights_(heights), shown_{left_out}, first_faces_(mesh.count) {}
+
+    const Triangulated& mesh() const { return mesh_; }
+    bool is_shown(std::int32_t simplex) const { return shown_.has(simplex); }
+    Corner corner(std::int32_t simplex, int k) const {
+        const std::int32_t row = mesh_.vertex(simplex, k);
+        return {point(mesh_.place(row)), heights_[row]};
+    }
+    double height_of(std::int32_t row) const { return heights_[row]; }
+    Facet facet(std::int32_t simplex) const {
+        return {corner(simplex, 0), corner(simplex, 1), corner(simplex, 2)};
+    }
+
+    // At a point of a closed triangle, shown or not; NaN if no face that is left contains it.
+    double height(Point query, std::int32_t simplex, Patience& patience) const;
+
+    // The owner of such a point; -1 if there is none. -2 if the interrupt came first.
+    std::int32_t owner(Point query, std::int32_t simplex, Patience& patience) const;
+
+    // Whether a face owns the points on its side opposite corner k, the ends apart.
+    bool owns_side(std::int32_t simplex, int k) const;
+
+    // The owner of the position of a vertex, by a triangle at it.
+    std::int32_t owner_of_vertex(std::int32_t row, std::int32_t simplex, Patience& patience) const;
+
+    // Where a point of a closed triangle lies: inside, on the side opposite corner k, at corner k.
+    struct Place {
+        enum Kind : std::uint8_t { inside, side, vertex, beyond } kind;
+        int k;
+    };
+    Place place(Point query, std::int32_t simplex) const;
+
+    // With the place known; at a vertex, the triangle must be shown.
+    double height(Point query, std::int32_t simplex, Place place) const;
+
+    // With the place known, whatever triangle it is.
+    double height(Point query, std::int32_t simplex, Place place, Patience& patience) const;
+
+ private:
+    Triangulated mesh_;
+    Heights heights_;
+    Shown shown_;
+    mutable MadeOnDemand<FirstFaces> first_faces_;
+};
+
+}  // namespace liftmesh

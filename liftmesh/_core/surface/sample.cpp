@@ -1,0 +1,86 @@
+#include "surface/sample.hpp"
+
+#include <algorithm>
+
+#include "base/buffer.hpp"
+
+namespace liftmesh {
+
+namespace {
+
+constexpr std::size_t together = std::size_t{1} << 22;  // bounds the memory of the triangles
+
+// Calls judge(query, triangle, patience) for each.
+template <class Judge>
+bool at_each(Locator& locator, const Queries& queries, Threads threads, Interrupt& interrupt,
+             Judge judge) {
+    const auto found = allocate<std::int32_t>(std::min(queries.count, together));
+    for (std::size_t start = 0; start < queries.count; start += together) {
+        const Queries some{queries.coordinates + 2 * start,
+                           std::min(together, queries.count - start)};
+        const auto settled = [&, start](std::size_t i, std::int32_t triangle, Patience& patience) {
+            judge(start + i, triangle, patience);
+        };
+        if (!locator.find(some, found.get(), threads, interrupt, settled)) return false;
+    }
+    return true;
+}
+
+// At vertices, on sides of the hull and outside as the linear height, which is the limit there.
+double natural_height(const Relief& relief, Point query, std::int32_t triangle, Natural method,
+                      Patience& patience) {
+    thread_local NaturalNeighbors::Room room;
+    const Relief::Place place = relief.place(query, triangle);
+    const bool is_within =
+        place.kind == Relief::Place::inside ||
+        (place.kind == Relief::Place::side && relief.mesh().neighbor(triangle, place.k) >= 0);
+    const double linear = relief.height(query, triangle, place, patience);
+    const bool is_nearest = method == Natural::nearest && place.kind == Relief::Place::side;
+    if (linear != linear || !(is_within || is_nearest)) return linear;
+    return NaturalNeighbors(relief, room).height(query, triangle, method, patience);
+}
+
+}  // namespace
+
+bool sample_heights(const Relief& relief, Locator& locator, const Queries& queries, double* heights,
+                    Threads threads, Interrupt& interrupt) {
+    return at_each(locator, queries, threads, interrupt,
+                   [&](std::size_t i, std::int32_t triangle, Patience& patience) {
+                       heights[i] =
+                           triangle < 0 ? no_height : relief.height(queries[i], triangle, patience);
+                   });
+}
+
+bool sample_natural(const Relief& relief, Locator& locator, const Queries& queries, Natural method,
+                    double* heights, Threads threads, Interrupt& interrupt) {
+    return at_each(locator, queries, threads, interrupt,
+                   [&](std::size_t i, std::int32_t triangle, Patience& patience) {
+                       heights[i] = triangle < 0 ? no_height
+                                                 : natural_height(relief, queries[i], triangle,
+                                                                  method, patience);
+                   });
+}
+
+bool sample_gradients(const Relief& relief, Locator& locator, const Queries& queries,
+                      double* gradients, Threads threads, Interrupt& interrupt) {
+    return at_each(locator, queries, threads, interrupt,
+                   [&](std::size_t i, std::int32_t triangle, Patience& patience) {
+                       const std::int32_t owner =
+                           triangle < 0 ? outside : relief.owner(queries[i], triangle, patience);
+                       const Point slopes =
+                           owner < 0 ? Point{no_height, no_height} : relief.facet(owner).gradient();
+                       gradients[2 * i] = slopes.x;
+                       gradients[2 * i + 1] = slopes.y;
+                   });
+}
+
+bool sample_owners(const Relief& relief, Locator& locator, const Queries& queries,
+                   std::int32_t* owners, Threads threads, Interrupt& interrupt) {
+    return at_each(locator, queries, threads, interrupt,
+                   [&](std::size_t i, std::int32_t triangle, Patience& patience) {
+                       owners[i] =
+                           triangle < 0 ? outside : relief.owner(queries[i], triangle, patience);
+                   });
+}
+
+}  // namespace liftmesh
