@@ -1,0 +1,195 @@
+// Many points at once. A few go one by one, in the order of a Hilbert curve, so that the way to
+// each is short. Where an eighth of the points changes, divide and conquer makes everything anew in
+// less time, and the same triangles.
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "delaunay/delaunay.hpp"
+#include "dynamic/triangulation.hpp"
+#include "sorting/hilbert.hpp"
+
+namespace liftmesh::dynamic {
+
+namespace {
+
+constexpr std::size_t few = 64;
+
+std::vector<Row> as_given(std::size_t count) {
+    std::vector<Row> rows(count);
+    std::iota(rows.begin(), rows.end(), Row{0});
+    return rows;
+}
+
+// The rows in the order of a Hilbert curve.
+std::vector<Row> ordered(const Input& input) {
+    Bounds box = Bounds::nothing();
+    for (std::size_t row = 0; row < input.rows; ++row) box.add(pair(input[row]));
+    const HilbertCurve curve(box);
+    std::vector<std::pair<std::uint32_t, Row>> places(input.rows);
+    for (std::size_t row = 0; row < input.rows; ++row)
+        places[row] = {curve(input[row]), static_cast<Row>(row)};
+    std::sort(places.begin(), places.end());
+    std::vector<Row> rows(input.rows);
+    std::transform(places.begin(), places.end(), rows.begin(),
+                   [](auto each) { return each.second; });
+    return rows;
+}
+
+}  // namespace
+
+Input input_of(const std::vector<Point>& points) {
+    return {reinterpret_cast<const std::byte*>(points.data()), points.size(), sizeof(Point),
+            sizeof(double), false};
+}
+
+Status Triangulation::insert(const Input& input, Vertex* found, Interrupt& interrupt) {
+    if (input.rows >= few && 8 * input.rows >= size_) return insert_anew(input, found, interrupt);
+    Patience patience(interrupt);
+    Vertex last = ghost;
+    for (const Row row : input.rows < few ? as_given(input.rows) : ordered(input)) {
+        if (patience.ends(few)) return Status::interrupted;
+        found[row] = last = insert(input[row], last);
+    }
+    return Status::ok;
+}
+
+Status Triangulation::remove(const Vertex* vertices, std::size_t count, Interrupt& interrupt) {
+    if (count >= few && 8 * count >= size_) return remove_anew(vertices, count, interrupt);
+    Patience patience(interrupt);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (patience.ends(few)) return Status::interrupted;
+        remove(vertices[i]);
+    }
+    return Status::ok;
+}
+
+void Triangulation::gather(const std::vector<bool>& wanted, std::vector<Point>& points,
+                           std::vector<Vertex>& vertex_of_row) const {
+    for (Vertex v = 0; v < points_.size(); ++v) {
+        if (!wanted[v]) continue;
+        vertex_of_row.push_back(v);
+        points.push_back(points_[v]);
+    }
+}
+
+Status Triangulation::insert_anew(const Input& input, Vertex* found, Interrupt& interrupt) {
+    std::vector<Vertex> vertex_of_row;
+    std::vector<Point> points;
+    gather(present_, points, vertex_of_row);
+    const std::size_t before = points.size();
+    for (std::size_t row = 0; row < input.rows; ++row) points.push_back(input[row]);
+    const Delaunay outcome = delaunay(input_of(points), false, {1, false}, interrupt);
+    if (outcome.status == Status::interrupted) return outcome.status;
+    std::vector<Row> kept = as_given(points.size());
+    for (const Duplicate& each : outcome.duplicates) kept[each.row] = each.kept;
+    vertex_of_row.resize(points.size());
+    reserve(outcome.distinct);
+    prepare(outcome);
+    for (std::size_t row = before; row < points.size(); ++row) {
+        vertex_of_row[row] = kept[row] == row ? add_vertex(points[row]) : vertex_of_row[kept[row]];
+        found[row - before] = vertex_of_row[row];
+    }
+    take(outcome, vertex_of_row);
+    return Status::ok;
+}
+
+Status Triangulation::remove_anew(const Vertex* vertices, std::size_t count, Interrupt& interrupt) {
+    std::vector<bool> stays = present_;
+    for (std::size_t i = 0; i < count; ++i) stays[vertices[i]] = false;
+    std::vector<Vertex> vertex_of_row;
+    std::vector<Point> points;
+    gather(stays, points, vertex_of_row);
+    const Delaunay outcome = delaunay(input_of(points), false, {1, false}, interrupt);
+    if (outcome.status == Status::interrupted) return outcome.status;
+    prepare(outcome);
+    for (std::size_t i = 0; i < count; ++i) forget(vertices[i]);
+    take(outcome, vertex_of_row);
+    return Status::ok;
+}
+
+void Triangulation::reserve(std::size_t count) {
+    const std::size_t all = points_.size() + count;
+    make_room(points_, all);
+    make_room(present_, all);
+    make_room(corner_, all);
+    make_room(free_, all);  // so that each can be removed without memory
+}
+
+// All memory that `take` needs.
+void Triangulation::prepare(const Delaunay& outcome) {
+    fresh_.clear();
+    if (outcome.status == Status::ok) fresh_.reserve(2 * outcome.distinct - 2);
+    hull_.reserve(outcome.result.hull_count);
+}
+
+// The result of a run over the rows of the vertices that are present.
+void Triangulation::take(const Delaunay& outcome, const std::vector<Vertex>& vertex_of_row) {
+    line_.clear();
+    std::swap(slots_, fresh_);
+    fresh_.clear();
+    last_ = ghost;
+    if (outcome.status != Status::ok) {
+        for (Vertex v = 0; v < points_.size(); ++v)
+            if (present_[v]) line_.emplace(points_[v], v);
+        return;
+    }
+    const Result& result = outcome.result;
+    const auto vertex = [&](std::int32_t row) {
+        return vertex_of_row[static_cast<std::size_t>(row)];
+    };
+    // Slots are handed out from the last one down.
+    const auto slot = [&](std::size_t i) { return triangle_in(2 * outcome.distinct - 3 - i); };
+    for (std::size_t i = 0; i < result.triangle_count; ++i) {
+        const std::int32_t* corners = &result.simplices[3 * i];
+        slots_.make(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
+        for (unsigned k = 0; k < 3; ++k) corner_[vertex(corners[k])] = edge(slot(i), k);
+    }
+    for (std::size_t i = 0; i < result.triangle_count; ++i) {
+        for (unsigned k = 0; k < 3; ++k) {
+            const Edge e = edge(slot(i), k);
+            const std::int32_t beyond = result.neighbors[3 * i + k];
+            if (beyond < 0) corner_[slots_.tail(e)] = e;
+            if (beyond < 0) continue;
+            const auto j = static_cast<std::size_t>(beyond);
+            const std::int32_t* back = &result.neighbors[3 * j];
+            const unsigned m = back[0] == static_cast<std::int32_t>(i)   ? 0
+                               : back[1] == static_cast<std::int32_t>(i) ? 1
+                                                                         : 2;
+            slots_.join(e, edge(slot(j), m));
+        }
+    }
+    hull_.clear();
+    for (std::size_t i = 0; i < result.hull_count; ++i) hull_.push_back(vertex(result.hull[i]));
+    place_ghosts();
+}
+
+Result Triangulation::result() const {
+    Result found;
+    std::vector<std::int32_t> number(slots_.end() / words_per_triangle, -1);
+    std::int32_t count = 0;
+    TriangleId some_ghost = nothing;
+    for (TriangleId t = 0; t < slots_.end(); t += words_per_triangle) {
+        if (slots_.is_free(t)) continue;
+        if (slots_.is_ghost(t))
+            some_ghost = t;
+        else
+            number[slot_of(t)] = count++;
+    }
+    const std::size_t hull = some_ghost == nothing ? 0 : 2 * size_ - 2 - slots_.real();
+    found.make_room(slots_.real(), hull);
+    std::size_t at = 0;
+    for (TriangleId t = 0; t < slots_.end(); t += words_per_triangle) {
+        if (slots_.is_free(t) || slots_.is_ghost(t)) continue;
+        for (unsigned k = 0; k < 3; ++k, ++at) {
+            found.simplices[at] = static_cast<std::int32_t>(slots_.vertex(t, k));
+            found.neighbors[at] = number[slot_of(triangle_of(slots_.twin(edge(t, k))))];
+        }
+    }
+    TriangleId g = some_ghost;
+    for (std::size_t i = 0; i < hull; ++i, g = triangle_of(slots_.twin(edge(g, 1))))
+        found.hull[i] = static_cast<std::int32_t>(slots_.vertex(g, 1));
+    return found;
+}
+
+}  // namespace liftmesh::dynamic

@@ -1,0 +1,148 @@
+// Insertion: the cavity of the triangles that conflict with a point, ghosts among them, and the
+// star of the point in their stead.
+#include <algorithm>
+#include <iterator>
+
+#include "dynamic/triangulation.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace liftmesh::dynamic {
+
+// No vertex is inside the cavity, so its triangles are a tree: a walk that crosses edges
+// counter-clockwise meets each once, and the border in order.
+void Triangulation::dig(Point p, TriangleId conflict) {
+    cavity_.assign(1, conflict);
+    border_.clear();
+    stack_.clear();
+    for (unsigned k = 3; k-- > 0;) stack_.push_back(edge(conflict, k));
+    while (!stack_.empty()) {
+        const Edge e = stack_.back(), beyond = slots_.twin(e);
+        stack_.pop_back();
+        if (!conflicts(triangle_of(beyond), p)) {
+            border_.push_back({slots_.tail(e), slots_.head(e), beyond});
+            continue;
+        }
+        cavity_.push_back(triangle_of(beyond));
+        stack_.push_back(previous(beyond));
+        stack_.push_back(next(beyond));
+    }
+}
+
+Vertex Triangulation::fill(Point p) {
+    slots_.reserve(border_.size());
+    star_triangles_.reserve(border_.size());
+    const Vertex v = add_vertex(p);
+    for (const TriangleId t : cavity_) slots_.drop(t);
+    connect_star(v);
+    return v;
+}
+
+void Triangulation::connect_star(Vertex v) {
+    star_triangles_.clear();
+    for (const BorderEdge& each : border_) {
+        const TriangleId t = slots_.make(each.tail, each.head, v);
+        star_triangles_.push_back(t);
+        slots_.join(slots_.opposite(t, v), each.beyond);
+        if (each.tail != ghost) corner_[each.tail] = slots_.opposite(t, each.tail);
+    }
+    for (std::size_t i = 0; i < border_.size(); ++i) {
+        const std::size_t following = i + 1 == border_.size() ? 0 : i + 1;
+        slots_.join(slots_.opposite(star_triangles_[i], border_[i].tail),
+                    slots_.opposite(star_triangles_[following], border_[following].head));
+    }
+    corner_[v] = slots_.opposite(star_triangles_[0], v);
+}
+
+Vertex Triangulation::insert(Point p, Vertex hint) {
+    if (!has_triangles()) return insert_on_line(p);
+    const Place place = locate(p, hint);
+    if (place.vertex == ghost) {
+        dig(p, place.triangle);
+        return last_ = fill(p);
+    }
+    return last_ = place.vertex;
+}
+
+// Whether a point is off the line of the others.
+bool Triangulation::is_off_line(Line::const_iterator place) const {
+    if (line_.size() < 3) return false;
+    auto first = line_.begin(), last = std::prev(line_.end());
+    if (first == place) ++first;
+    if (last == place) --last;
+    return orient2d(first->first, last->first, place->first) != 0;
+}
+
+Vertex Triangulation::insert_on_line(Point p) {
+    const auto [place, is_new] = line_.try_emplace(p, ghost);
+    if (!is_new) return place->second;
+    const bool is_off = is_off_line(place);
+    try {
+        const Vertex v = add_vertex(p);
+        place->second = v;
+        if (is_off) raise(v);
+        return last_ = v;
+    } catch (...) {
+        line_.erase(place);
+        throw;
+    }
+}
+
+// From points on a line and one off it to a fan of triangles.
+void Triangulation::raise(Vertex apex) {
+    hull_.clear();
+    for (const auto& [p, v] : line_)
+        if (v != apex) hull_.push_back(v);
+    if (orient2d(points_[hull_.front()], points_[hull_.back()], points_[apex]) < 0)
+        std::reverse(hull_.begin(), hull_.end());
+    slots_.reserve(2 * hull_.size());
+    hull_.push_back(apex);
+    line_.clear();
+    Edge side = nothing;  // from the last vertex to the apex
+    for (std::size_t i = 0; i + 2 < hull_.size(); ++i) {
+        const TriangleId t = slots_.make(hull_[i], hull_[i + 1], apex);
+        if (i == 0) corner_[apex] = edge(t, 1);
+        if (i != 0) slots_.join(side, edge(t, 1));
+        corner_[hull_[i]] = edge(t, 2);
+        corner_[hull_[i + 1]] = side = edge(t, 0);
+    }
+    place_ghosts();
+}
+
+// Those of hull_, counter-clockwise. In the place of the corner of a vertex is the edge from it to
+// the next one.
+void Triangulation::place_ghosts() {
+    TriangleId first = nothing, last = nothing;
+    for (std::size_t i = 0; i < hull_.size(); ++i) {
+        const Vertex tail = hull_[i], head = hull_[i + 1 == hull_.size() ? 0 : i + 1];
+        const TriangleId g = slots_.make(head, tail, ghost);
+        slots_.join(corner_[tail], edge(g, 2));
+        corner_[tail] = next(corner_[tail]);
+        if (i == 0) first = g;
+        if (i != 0) slots_.join(edge(last, 1), edge(g, 0));
+        last = g;
+    }
+    slots_.join(edge(last, 1), edge(first, 0));
+}
+
+Vertex Triangulation::add_vertex(Point p) {
+    Vertex v;
+    if (free_.empty()) {
+        v = static_cast<Vertex>(points_.size());
+        reserve(1);
+        points_.push_back(p);
+        present_.push_back(true);
+        corner_.push_back(nothing);
+    } else {
+        v = free_.back();
+        free_.pop_back();
+        points_[v] = p;
+        present_[v] = true;
+    }
+    ++size_;
+    range_.add(p);
+    const Scale scale(range_);
+    if (scale.moves || !scale.guard.vouches()) guard_ = Guard::anywhere();
+    return v;
+}
+
+}  // namespace liftmesh::dynamic

@@ -1,0 +1,85 @@
+// Location by the visibility walk, which ends in every regular triangulation (Edelsbrunner 1990).
+// Without a hint it starts at the nearest of some sampled vertices (Muecke, Saias and Zhu, "Fast
+// randomized point location without preprocessing", 1996).
+#include "dynamic/triangulation.hpp"
+#include "predicates/orient2d.hpp"
+#include "sorting/sample.hpp"
+
+namespace liftmesh::dynamic {
+
+namespace {
+
+// Whether p, on the line of a and b, is strictly between them.
+bool is_between(Point a, Point p, Point b) {
+    return (before_xy(a, p) && before_xy(p, b)) || (before_xy(b, p) && before_xy(p, a));
+}
+
+}  // namespace
+
+// A ghost conflicts with what is beyond its hull edge, or on it.
+bool Triangulation::is_outside(TriangleId t, Point p) const {
+    const Point head = points_[slots_.vertex(t, 0)], tail = points_[slots_.vertex(t, 1)];
+    const int turn = orient2d(tail, head, p);
+    return turn < 0 || (turn == 0 && is_between(tail, p, head));
+}
+
+bool Triangulation::conflicts(TriangleId t, Point p) const {
+    if (slots_.is_ghost(t)) return is_outside(t, p);
+    return incircle_canonical(points_[slots_.vertex(t, 0)], points_[slots_.vertex(t, 1)],
+                              points_[slots_.vertex(t, 2)], p, guard_);
+}
+
+Vertex Triangulation::some_vertex() const {
+    if (is_present(last_)) return last_;
+    Vertex v = 0;
+    while (!present_[v]) ++v;
+    return v;
+}
+
+// The cube root of the number of points balances the sample and the walk. Distances that overflow
+// lose their comparison, which costs a longer walk.
+Vertex Triangulation::nearest_of_sample(Point p) const {
+    const auto distance = [&](Vertex v) {
+        const double dx = points_[v].x - p.x, dy = points_[v].y - p.y;
+        return dx * dx + dy * dy;
+    };
+    Vertex nearest = some_vertex();
+    double least = distance(nearest);
+    for (std::size_t i = 0; i * i * i < size_; ++i) {
+        const auto v = static_cast<Vertex>(sample_place(i + size_, points_.size()));
+        if (!present_[v] || !(distance(v) < least)) continue;
+        nearest = v;
+        least = distance(v);
+    }
+    return nearest;
+}
+
+Place Triangulation::locate(Point p, Vertex hint) const {
+    const Vertex start = is_present(hint) ? hint : nearest_of_sample(p);
+    TriangleId t = triangle_of(corner_[start]);
+    if (slots_.is_ghost(t)) t = triangle_of(slots_.twin(edge(t, 2)));
+    for (Edge from = nothing;;) {
+        if (slots_.is_ghost(t)) return {ghost, t};
+        Edge crossed = nothing;
+        for (unsigned k = 0; k < 3 && crossed == nothing; ++k) {
+            const Edge e = edge(t, k);
+            if (e == from) continue;
+            if (orient2d(points_[slots_.tail(e)], points_[slots_.head(e)], p) < 0) crossed = e;
+        }
+        if (crossed == nothing) break;
+        from = slots_.twin(crossed);
+        t = triangle_of(from);
+    }
+    for (unsigned k = 0; k < 3; ++k)
+        if (points_[slots_.vertex(t, k)] == p) return {slots_.vertex(t, k), t};
+    return {ghost, t};
+}
+
+Vertex Triangulation::find(Point p, Vertex hint) const {
+    if (size_ == 0) return ghost;
+    if (has_triangles()) return locate(p, hint).vertex;
+    const auto found = line_.find(p);
+    return found == line_.end() ? ghost : found->second;
+}
+
+}  // namespace liftmesh::dynamic

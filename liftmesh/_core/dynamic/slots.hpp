@@ -1,0 +1,91 @@
+// The triangles of a triangulation that changes: as in delaunay/mesh.hpp, with edges, twins and
+// ghosts named as there, but in arrays that grow, and with a list of the slots that are free.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "base/point.hpp"
+#include "delaunay/mesh.hpp"
+
+namespace liftmesh::dynamic {
+
+inline constexpr Word nothing = ~Word{0};
+
+// Room for so many in all; memory grows by doubling.
+template <class T>
+void make_room(std::vector<T>& values, std::size_t count) {
+    if (values.capacity() < count) values.reserve(std::max(count, 2 * values.capacity()));
+}
+
+class Slots {
+ public:
+    Vertex apex(Edge e) const { return vertices_[e]; }
+    Edge twin(Edge e) const { return twins_[e]; }
+    Vertex vertex(TriangleId t, unsigned k) const { return vertices_[t + k]; }
+    bool is_ghost(TriangleId t) const { return vertices_[t + 2] == ghost; }
+    bool is_free(TriangleId t) const { return vertices_[t] == nothing; }
+
+    // The ends of an edge, counter-clockwise in its triangle.
+    Vertex tail(Edge e) const { return vertices_[next(e)]; }
+    Vertex head(Edge e) const { return vertices_[previous(e)]; }
+
+    // Names of triangles are below this; those of real triangles, without ghosts, are so many.
+    Word end() const { return static_cast<Word>(vertices_.size()); }
+    std::size_t real() const { return real_; }
+
+    // Makes room for triangles before anything changes, so that no change is left half done.
+    void reserve(std::size_t triangles) {
+        while (free_.size() < triangles) {
+            const Word slot = end();
+            make_room(free_, slot_of(slot) + 1);
+            vertices_.resize(slot + words_per_triangle, nothing);
+            twins_.resize(slot + words_per_triangle, nothing);
+            free_.push_back(slot);
+        }
+    }
+
+    // In a slot that is reserved. The ghost, if there is one, is the last corner.
+    TriangleId make(Vertex a, Vertex b, Vertex c) {
+        const TriangleId t = free_.back();
+        free_.pop_back();
+        const bool first = a == ghost, second = b == ghost;
+        vertices_[t] = first ? b : second ? c : a;
+        vertices_[t + 1] = first ? c : second ? a : b;
+        vertices_[t + 2] = first ? a : second ? b : c;
+        real_ += !is_ghost(t);
+        return t;
+    }
+
+    void drop(TriangleId t) {
+        real_ -= !is_ghost(t);
+        vertices_[t] = nothing;
+        free_.push_back(t);
+    }
+
+    void clear() {
+        vertices_.clear();
+        twins_.clear();
+        free_.clear();
+        real_ = 0;
+    }
+
+    void join(Edge e, Edge f) {
+        twins_[e] = f;
+        twins_[f] = e;
+    }
+
+    // The edge opposite a corner.
+    Edge opposite(TriangleId t, Vertex v) const {
+        return t + (vertices_[t + 1] == v) + 2 * (vertices_[t + 2] == v);
+    }
+
+ private:
+    std::vector<Vertex> vertices_;
+    std::vector<Edge> twins_;
+    std::vector<TriangleId> free_;
+    std::size_t real_ = 0;
+};
+
+}  // namespace liftmesh::dynamic

@@ -1,0 +1,34 @@
+// Few triangles within a bound, and the vertices that matter most.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/status.hpp"
+#include "simplification/cover.hpp"
+
+namespace liftmesh::simplification {
+
+struct Simplified {
+    Status status = Status::ok;
+    std::vector<Row> rows;     // that stay
+    bool is_within = false;    // whether no sample exceeds the tolerance
+    std::size_t inserted = 0;  // vertices before those were removed that are not needed
+};
+
+// Greedy insertion (M. Garland and P. S. Heckbert, "Fast polygonal approximation of terrains and
+// height fields", 1995): from the corners of the hull on, the sample with the largest distance
+// becomes a vertex, until none exceeds the tolerance or there are so many vertices. Then, if asked
+// for, vertices are removed again without which none does.
+Simplified simplify(const Terrain& terrain, double tolerance, std::size_t most, bool prunes,
+                    Interrupt& interrupt);
+
+// Adaptive thinning (L. Demaret and A. Iske, "Adaptive image approximation by linear splines over
+// locally optimal Delaunay triangulations", 2006): of all points, the one is removed next without
+// which the sum of the squares of all distances grows least, until so many are left.
+Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt);
+
+// The last step of simplify.
+Status prune(Cover& cover, Interrupt& interrupt);
+
+}  // namespace liftmesh::simplification
