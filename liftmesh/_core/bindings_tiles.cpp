@@ -1,0 +1,97 @@
+// The Python interface of tiled triangulations: rows sorted by tile, and merges of frontiers.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "bindings_runs.hpp"
+#include "tiles/frontier.hpp"
+#include "tiles/partition.hpp"
+
+namespace bindings {
+
+using namespace nb::literals;
+using liftmesh::Box;
+using liftmesh::Record;
+
+namespace {
+
+// Three numbers of 64 bits each: a row, x and y.
+using Records = nb::ndarray<const std::int64_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Edges = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Boxes = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using Axes = nb::ndarray<const std::uint8_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+
+template <class T, class Array>
+std::span<const T> span_of(const Array& array) {
+    return {reinterpret_cast<const T*>(array.data()), array.shape(0)};
+}
+
+// A vector as an array of its numbers.
+template <class Number, class Item>
+nb::object array_of(const std::vector<Item>& items) {
+    constexpr std::size_t columns = sizeof(Item) / sizeof(Number);
+    auto values = liftmesh::allocate<Number>(columns * items.size());
+    std::copy_n(reinterpret_cast<const Number*>(items.data()), columns * items.size(),
+                values.get());
+    return adopt(std::move(values), items.size(), columns);
+}
+
+nb::tuple merge_frontiers(const Records& records, const Edges& rim, const Boxes& cell,
+                          const Boxes& foreign, bool is_everything, unsigned threads, bool shared,
+                          nb::handle progress, nb::handle folder) {
+    if (records.shape(0) > liftmesh::most_rows) throw std::invalid_argument("too many rows");
+    if (cell.shape(0) != 1) throw std::invalid_argument("a node has one cell");
+    const liftmesh::Territory territory{span_of<Box>(cell)[0], span_of<Box>(foreign),
+                                        is_everything};
+    PythonInterrupt interrupt(progress);
+    liftmesh::Node node;
+    run_in_files(folder, [&] {
+        node = liftmesh::merge_frontiers(span_of<Record>(records), span_of<liftmesh::RimEdge>(rim),
+                                         territory, {threads, shared}, interrupt);
+    });
+    if (node.status == liftmesh::Status::interrupted) throw nb::python_error();
+    return nb::make_tuple(
+        name(node.status), node.missing, adopt(std::move(node.triangles), node.triangle_count, 3),
+        array_of<std::int64_t>(node.duplicates), array_of<std::int64_t>(node.hull),
+        array_of<std::int64_t>(node.frontier), array_of<std::int32_t>(node.rim));
+}
+
+std::vector<liftmesh::Cut> cuts_of(const Axes& axes, const Pairs& at, const Edges& children) {
+    std::vector<liftmesh::Cut> cuts;
+    for (std::size_t i = 0; i < axes.shape(0); ++i)
+        cuts.push_back({axes.data()[i] == 0 ? liftmesh::Axis::x : liftmesh::Axis::y,
+                        point(at, i),
+                        {children.data()[2 * i], children.data()[2 * i + 1]}});
+    return cuts;
+}
+
+nb::tuple partition(const PlanarRows& rows, std::int64_t first, const Axes& axes, const Pairs& at,
+                    const Edges& children, std::size_t tiles) {
+    const Input input = read(rows);
+    const std::vector<liftmesh::Cut> cuts = cuts_of(axes, at, children);
+    PythonInterrupt interrupt;
+    liftmesh::Partition found;
+    {
+        const nb::gil_scoped_release unlocked;
+        found = liftmesh::partition(input, first, cuts, tiles, interrupt);
+    }
+    if (!found.is_complete) throw nb::python_error();
+    const auto count = static_cast<std::size_t>(found.begins.back());
+    auto records = liftmesh::reuse<std::int64_t>(std::move(found.records));
+    return nb::make_tuple(adopt(std::move(records), count, 3), array_of<std::int64_t>(found.begins),
+                          array_of<double>(found.boxes), array_of<std::int64_t>(found.skipped));
+}
+
+}  // namespace
+
+void bind_tiles(nb::module_& m) {
+    m.def("merge_frontiers", &merge_frontiers, "records"_a, "rim"_a, "cell"_a, "foreign"_a,
+          "is_everything"_a, "threads"_a, "shared"_a, "progress"_a.none(),
+          "folder"_a.none() = nb::none());
+    m.def("partition", &partition, "rows"_a, "first"_a, "axes"_a, "at"_a, "children"_a, "tiles"_a);
+}
+
+}  // namespace bindings
