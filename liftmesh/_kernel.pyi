@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 VERSION: str
 MOST_ROWS: int
 ROWS_PER_THREAD: int
+WIDEST_RANGE_OF_DISKS: int
 
 Outcome: TypeAlias = tuple[
     str,
@@ -21,6 +22,15 @@ Outcome: TypeAlias = tuple[
 Run: TypeAlias = tuple[NDArray[np.floating[Any]], bool, int, bool, Callable[[float], None] | None]
 Flaws: TypeAlias = list[tuple[int, list[tuple[int, int]]]]
 Verdict: TypeAlias = tuple[str, int, int, int, int, int, int, int, Flaws]
+Merged: TypeAlias = tuple[
+    str,
+    int,
+    NDArray[np.int64],
+    NDArray[np.int64],
+    NDArray[np.int64],
+    NDArray[np.int64],
+    NDArray[np.int32],
+]
 Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]
 
 def delaunay(
@@ -29,6 +39,7 @@ def delaunay(
     threads: int,
     shared: bool,
     progress: Callable[[float], None] | None,
+    folder: str | None = None,
 ) -> Outcome: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
@@ -53,6 +64,12 @@ def verify(
     member: str,
     values: NDArray[np.float64],
 ) -> Verdict: ...
+def verify_part(
+    rows: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    threads: int,
+    shared: bool,
+) -> tuple[Flaws, int, NDArray[np.int32]]: ...
 def orient2d(
     a: NDArray[np.float64],
     b: NDArray[np.float64],
@@ -103,7 +120,69 @@ def delaunay_by_metric(
     shared: bool,
     progress: Callable[[float], None] | None,
 ) -> Outcome: ...
-def is_hidden_between(
+def apollonius(
+    disks: NDArray[np.float64], progress: Callable[[float], None] | None
+) -> tuple[
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def binary_range(disks: NDArray[np.float64]) -> tuple[int, int, int]: ...
+def anisotropic_stars(
+    points: NDArray[np.float64],
+    metrics: NDArray[np.float64],
+    starts: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    hull: NDArray[np.int32],
+    progress: Callable[[float], None] | None,
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]: ...
+def vertices(
+    rows: NDArray[np.float64],
+    values: NDArray[np.float64],
+    lift: str,
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    threads: int,
+    shared: bool,
+) -> tuple[NDArray[np.float64], NDArray[np.int32], int]: ...
+def regions(
+    rows: int,
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    vertex_of: NDArray[np.int32],
+) -> tuple[
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def clip(
+    rows: NDArray[np.float64],
+    values: NDArray[np.float64],
+    lift: str,
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    vertex_of: NDArray[np.int32],
+    chain: NDArray[np.int32],
+    domain: NDArray[np.float64],
+    starts: NDArray[np.int32],
+) -> (
+    tuple[
+        NDArray[np.int32],
+        NDArray[np.float64],
+        NDArray[np.bool_],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        int,
+        NDArray[np.int32],
+    ]
+    | None
+): ...
+def height_between(
     a: NDArray[np.float64],
     b: NDArray[np.float64],
     c: NDArray[np.float64],
@@ -111,6 +190,25 @@ def is_hidden_between(
     lift: str,
     signs: NDArray[np.int8],
 ) -> None: ...
+def merge_frontiers(
+    records: NDArray[np.int64],
+    rim: NDArray[np.int32],
+    cell: NDArray[np.float64],
+    foreign: NDArray[np.float64],
+    is_everything: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+    folder: str | None = None,
+) -> Merged: ...
+def partition(
+    rows: NDArray[np.floating[Any]],
+    first: int,
+    axes: NDArray[np.uint8],
+    at: NDArray[np.float64],
+    children: NDArray[np.int32],
+    tiles: int,
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]: ...
 def find_lines(
     data: bytes, comments: Sequence[str], keep_tabs: bool, threads: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]: ...
@@ -133,6 +231,35 @@ class Printer:
     def begin(self, columns: Sequence[NDArray[Any]]) -> None: ...
     def finish(self) -> list[memoryview]: ...
 
+def simplify(
+    points: NDArray[np.float64],
+    heights: NDArray[np.float64],
+    hull: NDArray[np.int32],
+    tolerance: float,
+    most: int,
+    prunes: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[NDArray[np.int32], bool, int]: ...
+def thin(
+    points: NDArray[np.float64],
+    heights: NDArray[np.float64],
+    hull: NDArray[np.int32],
+    most: int,
+    progress: Callable[[float], None] | None,
+) -> tuple[NDArray[np.int32], bool, int]: ...
+
+class DynamicMesh:
+    def insert(self, rows: NDArray[np.floating[Any]], found: NDArray[np.int32]) -> None: ...
+    def remove(self, numbers: NDArray[np.int32]) -> None: ...
+    def find(self, positions: NDArray[np.float64], found: NDArray[np.int32]) -> None: ...
+    def count(self) -> int: ...
+    def end(self) -> int: ...
+    def first_absent(self, numbers: NDArray[np.int32]) -> int: ...
+    def points(self) -> NDArray[np.float64]: ...
+    def triangles(
+        self,
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]: ...
+
 class Locator:
     def __init__(
         self,
@@ -147,3 +274,60 @@ class Locator:
         threads: int,
         shared: bool,
     ) -> None: ...
+
+def leave_out_from_rim(
+    neighbors: NDArray[np.int32], is_long: NDArray[np.uint8], left_out: NDArray[np.uint8]
+) -> None: ...
+def rings(
+    points: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    left_out: NDArray[np.uint8] | None,
+) -> tuple[NDArray[np.int32], NDArray[np.int64]]: ...
+
+class Relief:
+    def __init__(
+        self,
+        points: NDArray[np.floating[Any]],
+        simplices: NDArray[np.int32],
+        neighbors: NDArray[np.int32],
+        heights: NDArray[np.float64],
+        left_out: NDArray[np.uint8] | None,
+    ) -> None: ...
+    def sample(
+        self,
+        locator: Locator,
+        queries: NDArray[np.float64],
+        heights: NDArray[np.float64],
+        method: str,
+        threads: int,
+        shared: bool,
+    ) -> None: ...
+    def gradients(
+        self,
+        locator: Locator,
+        queries: NDArray[np.float64],
+        gradients: NDArray[np.float64],
+        threads: int,
+        shared: bool,
+    ) -> None: ...
+    def scan(
+        self,
+        locator: Locator,
+        transform: tuple[float, float, float, float, float, float],
+        first_row: int,
+        pixels: NDArray[np.float64] | NDArray[np.float32] | NDArray[np.int32],
+        threads: int,
+        shared: bool,
+    ) -> None: ...
+    def contours(
+        self, levels: NDArray[np.float64], threads: int, shared: bool
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int32], NDArray[np.uint8]]: ...
+    def between(self, other: Relief, face: int, touching: int) -> tuple[float, float, float]: ...
+    def between_within(
+        self,
+        other: Relief,
+        parts: NDArray[np.float64],
+        faces: NDArray[np.int32],
+        touching: NDArray[np.int32],
+    ) -> tuple[float, float, float]: ...

@@ -6,9 +6,9 @@
 
 #include <stdexcept>
 
+#include "bindings_locate.hpp"
 #include "bindings_runs.hpp"
 #include "delaunay/delaunay.hpp"
-#include "delaunay/locate.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "hull/lower_hull.hpp"
 #include "predicates/incircle.hpp"
@@ -18,13 +18,14 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using bindings::fill;
 using bindings::name;
-using bindings::new_secret;
 using bindings::NoInterrupt;
 using bindings::Pairs;
 using bindings::PlanarRows;
 using bindings::point;
+using bindings::PyLocator;
 using bindings::PythonInterrupt;
 using bindings::read;
+using bindings::run_in_files;
 using bindings::Signs;
 using bindings::Triples;
 
@@ -33,16 +34,15 @@ namespace {
 using bindings::as_tuple;
 using liftmesh::Input;
 
-using Ids = nb::ndarray<std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
-
 nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned threads, bool shared,
-                   nb::handle progress) {
+                   nb::handle progress, nb::handle folder) {
     constexpr std::size_t few = 512;  // the worst of them take 10 ms
     const Input input = read(rows);
     liftmesh::Delaunay outcome;
     const auto run = [&](liftmesh::Interrupt&& interrupt) {
-        const nb::gil_scoped_release unlocked;
-        outcome = liftmesh::delaunay(input, skip_non_finite, {threads, shared}, interrupt);
+        run_in_files(folder, [&] {
+            outcome = liftmesh::delaunay(input, skip_non_finite, {threads, shared}, interrupt);
+        });
     };
     input.rows < few ? run(NoInterrupt()) : run(PythonInterrupt(progress));
     return as_tuple(outcome);
@@ -92,40 +92,6 @@ nb::tuple lower_hull(const PlanarRows& rows, std::string_view method, std::uint6
     return nb::make_tuple(as_tuple(outcome), as_tuple(counts));
 }
 
-// Keeps the arrays it reads alive.
-class PyLocator {
- public:
-    PyLocator(PlanarRows points, Triples simplices, Triples neighbors)
-        : points_(std::move(points)),
-          simplices_(std::move(simplices)),
-          neighbors_(std::move(neighbors)),
-          locator_(make()) {}
-
-    void find(const Pairs& queries, const Ids& found, unsigned threads, bool shared) {
-        if (queries.shape(0) != found.shape(0)) throw std::invalid_argument("lengths differ");
-        PythonInterrupt interrupt;
-        bool done = false;
-        {
-            const nb::gil_scoped_release unlocked;
-            done = locator_.find({queries.data(), queries.shape(0)}, found.data(),
-                                 {threads, shared}, interrupt);
-        }
-        if (!done) throw nb::python_error();
-    }
-
- private:
-    liftmesh::Locator make() const {
-        const liftmesh::Triangulated triangulated{read(points_), simplices_.data(),
-                                                  neighbors_.data(), simplices_.shape(0)};
-        const nb::gil_scoped_release unlocked;
-        return liftmesh::Locator(triangulated, new_secret());
-    }
-
-    PlanarRows points_;
-    Triples simplices_, neighbors_;
-    liftmesh::Locator locator_;
-};
-
 void orient2d(const Pairs& a, const Pairs& b, const Pairs& c, const Signs& signs) {
     fill(signs,
          [&](std::size_t i) { return liftmesh::orient2d(point(a, i), point(b, i), point(c, i)); });
@@ -149,15 +115,21 @@ NB_MODULE(_kernel, m) {
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
-          "progress"_a.none());
+          "progress"_a.none(), "folder"_a.none() = nb::none());
     m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "method"_a, "qx"_a, "qy"_a);
     m.def("lower_hull", &lower_hull, "rows"_a, "method"_a, "secret"_a);
     m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
     bindings::bind_text(m);
+    bindings::bind_anisotropic(m);
+    bindings::bind_apollonius(m);
+    bindings::bind_dynamic(m);
     bindings::bind_lifted(m);
+    bindings::bind_surface(m);
+    bindings::bind_tiles(m);
     bindings::bind_verify(m);
+    bindings::bind_cells(m);
     nb::class_<PyLocator>(m, "Locator")
         .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
         .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a);

@@ -52,13 +52,13 @@ void lifted_side(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d,
     });
 }
 
-void is_hidden_between(const Pairs& a, const Pairs& b, const Pairs& c, const Values& values,
-                       std::string_view lift, const Signs& signs) {
+void height_between(const Pairs& a, const Pairs& b, const Pairs& c, const Values& values,
+                    std::string_view lift, const Signs& signs) {
     with_lift(lift, values, [&]<class Lift>(const Lift& by) {
         fill(signs, [&](std::size_t i) {
-            return liftmesh::is_hidden_between(by, site<Lift>(a, values, i, 0),
-                                               site<Lift>(b, values, i, 1),
-                                               site<Lift>(c, values, i, 2));
+            return liftmesh::height_between(by, site<Lift>(a, values, i, 0),
+                                            site<Lift>(b, values, i, 1),
+                                            site<Lift>(c, values, i, 2));
         });
     });
 }
@@ -121,8 +121,7 @@ void bind_lifted(nb::module_& m) {
           "progress"_a.none());
     m.def("delaunay_by_metric", &delaunay_by_metric, "rows"_a, "a"_a, "b"_a, "c"_a,
           "skip_non_finite"_a, "threads"_a, "shared"_a, "progress"_a.none());
-    m.def("is_hidden_between", &is_hidden_between, "a"_a, "b"_a, "c"_a, "values"_a, "lift"_a,
-          "signs"_a);
+    m.def("height_between", &height_between, "a"_a, "b"_a, "c"_a, "values"_a, "lift"_a, "signs"_a);
 }
 
 }  // namespace bindings

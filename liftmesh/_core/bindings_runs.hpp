@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <random>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include "base/floating_point.hpp"
@@ -46,7 +48,7 @@ inline nb::object nothing(std::size_t columns) {
 
 template <class Source, class Write>
 nb::object table(const std::vector<Source>& source, std::size_t columns, Write write) {
-    if (source.empty()) return nothing(columns);
+    if (source.empty() && columns <= 2) return nothing(columns);
     auto values = liftmesh::allocate<std::int32_t>(columns * source.size());
     for (std::size_t i = 0; i < source.size(); ++i) write(source[i], &values[columns * i]);
     return adopt(std::move(values), source.size(), columns);
@@ -149,9 +151,44 @@ void fill(const Signs& signs, Sign sign) {
 // One value for each row.
 using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
 
+// Stars in metrics of their own.
+void bind_anisotropic(nb::module_& m);
+
+// The graph of disks.
+void bind_apollonius(nb::module_& m);
+
 // The predicates and the engine of lifted points.
 void bind_lifted(nb::module_& m);
 
+// Surfaces: heights, rasters, contours.
+void bind_surface(nb::module_& m);
+
+// Calls run() with large arrays in files of a folder, unless that is None, and without the GIL.
+// What the disk reports becomes an OSError.
+template <class Run>
+void run_in_files(nb::handle name, Run run) {
+    const char* const folder = name.is_none() ? nullptr : nb::borrow<nb::str>(name).c_str();
+    try {
+        const nb::gil_scoped_release unlocked;
+        const liftmesh::InFiles files(folder);
+        run();
+    } catch (const std::system_error& error) {
+        if (folder == nullptr) throw;
+        errno = error.code().value();
+        PyErr_SetFromErrnoWithFilename(PyExc_OSError, folder);
+        throw nb::python_error();
+    }
+}
+
+// What tiled triangulations consist of.
+void bind_tiles(nb::module_& m);
+
 void bind_verify(nb::module_& m);
+
+// Voronoi and power diagrams.
+void bind_cells(nb::module_& m);
+
+// Triangulations that change.
+void bind_dynamic(nb::module_& m);
 
 }  // namespace bindings

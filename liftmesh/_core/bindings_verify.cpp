@@ -5,10 +5,13 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string_view.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "bindings_runs.hpp"
 #include "delaunay/locate.hpp"
+#include "verify/open_edges.hpp"
 #include "verify/verify.hpp"
 
 namespace bindings {
@@ -78,11 +81,37 @@ nb::tuple verify(const PlanarRows& rows, const Triples& simplices, bool skip_non
                           verdict.boundary_edges, as_list(verdict.flaws));
 }
 
+nb::tuple verify_part(const PlanarRows& rows, const Triples& simplices, unsigned threads,
+                      bool shared) {
+    const Input input = read(rows);
+    const std::size_t corners = 3 * simplices.shape(0);
+    if (std::any_of(simplices.data(), simplices.data() + corners, [&](std::int32_t corner) {
+            return corner < 0 || static_cast<std::size_t>(corner) >= input.rows;
+        }))
+        throw std::invalid_argument("a corner is no row");
+    PythonInterrupt interrupt;
+    liftmesh::VerifiedPart part;
+    {
+        const nb::gil_scoped_release unlocked;
+        part = liftmesh::verify_part(input, simplices.data(), simplices.shape(0), {threads, shared},
+                                     interrupt);
+    }
+    if (!part.is_complete) throw nb::python_error();
+    auto open = liftmesh::allocate<std::int32_t>(3 * part.open.size());
+    for (std::size_t i = 0; i < part.open.size(); ++i) {
+        const auto& [tail, head, apex] = part.open[i];
+        open[3 * i] = tail, open[3 * i + 1] = head, open[3 * i + 2] = apex;
+    }
+    return nb::make_tuple(as_list(part.flaws), part.interior_edges,
+                          adopt(std::move(open), part.open.size(), 3));
+}
+
 }  // namespace
 
 void bind_verify(nb::module_& m) {
     m.def("verify", &verify, "rows"_a, "simplices"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "member"_a, "values"_a);
+    m.def("verify_part", &verify_part, "rows"_a, "simplices"_a, "threads"_a, "shared"_a);
 }
 
 }  // namespace bindings
