@@ -10,7 +10,7 @@ import math
 import re
 from io import BytesIO
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from liftmesh.io.text_tables import quoted
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block
+
+Section: TypeAlias = tuple[tuple[int, int], tuple[int, int]]  # of rows, and of columns
 
 _MARK = b"\xef\xbb\xbf"  # of byte order
 _FIRST = 64  # bytes in which a grid begins
@@ -51,6 +53,7 @@ class AsciiGrid:
 
     count, dtypes, scales, offsets, units, crs = 1, ("float64",), (1.0,), (0.0,), (None,), None
     gcps: tuple[list[Any], None] = ([], None)
+    driver, compression, interleaving = "AAIGrid", None, None
 
     def __init__(self, data: bytes, name: str) -> None:
         self._name = name
@@ -62,12 +65,17 @@ class AsciiGrid:
         self.transform = self._placed()
         self._values = self._numbers(block).reshape(self.height, self.width)
 
-    def read(self, band: int, *, window: tuple[tuple[int, int], Any]) -> Floats:  # noqa: ARG002
-        """Return some rows."""
-        return self._values[slice(*window[0])]
+    @property
+    def block_shapes(self) -> tuple[tuple[int, int]]:
+        """Rows and columns that are decoded at once."""
+        return ((1, self.width),)
 
-    def read_masks(self, band: int, *, window: tuple[tuple[int, int], Any]) -> Mask:
-        """Return which samples of some rows have a value."""
+    def read(self, band: int, *, window: Section) -> Floats:  # noqa: ARG002
+        """Return some rows and columns."""
+        return self._values[slice(*window[0]), slice(*window[1])]
+
+    def read_masks(self, band: int, *, window: Section) -> Mask:
+        """Return which samples of some rows and columns have a value."""
         values = self.read(band, window=window)
         if self.nodata is None:
             return np.ones(values.shape, np.bool_)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 from liftmesh.choices import Returns, as_count
 from liftmesh.color_depth import check_depth
-from liftmesh.crs import transformed, with_heights
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
 from liftmesh.io.chunks import of_one_depth, split
@@ -19,6 +18,7 @@ from liftmesh.io.format import configured
 from liftmesh.io.places import PathOrStream, at_home, format_of, name_of, opened
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.transformation import transformed, with_heights
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -51,10 +51,10 @@ def read(  # noqa: PLR0913 - options are keywords
     Parameters
     ----------
     source : str, path, or binary stream
-        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN,
-        .node, .ele (with the .node file beside it), or a format of a plugin; those of text also
-        compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home
-        folder.
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN, E57,
+        .node, .ele (with the .node file beside it), LAS, LAZ and COPC, GeoTIFF and ASCII grids
+        (.agr, or ``format="raster"``), or a format of a plugin; those of text also compressed with
+        gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -95,7 +95,8 @@ def read(  # noqa: PLR0913 - options are keywords
         - ``columns``: what the columns are, as ``"x=East,y=North,z=H"`` or a mapping; or the names
           of all columns in order, as ``"id,x,y,z"`` or a sequence, where ``-`` leaves one out.
           ``z=-Depth`` turns depths into heights.
-        - ``flat=True``: heights do not matter; z is 0.
+        - ``flat=True``: heights do not matter; z is 0. ``flat=None``: only if no column is known as
+          the height.
         - ``delimiter``: a character, or ``"space"`` for blanks; by default it is detected.
         - ``decimal``: ``"."`` or ``","``.
         - ``skip_rows``: the number of lines to skip at the top.

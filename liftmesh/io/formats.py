@@ -203,6 +203,14 @@ FORMATS = (
         options=_io("raster", "checked"),
     ),
     Format(
+        name="e57",
+        suffixes=(".e57",),
+        read=_io("e57.reader", "read_e57"),
+        write=None,
+        description="E57, scans of terrestrial laser scanners: colours, intensities, poses",
+        expands=True,
+    ),
+    Format(
         name="pts",
         suffixes=(".pts",),
         read=_io("point_lines", "read_pts"),

@@ -8,17 +8,22 @@ that are deflated are inflated once more, to count their bytes. Other compressio
 from __future__ import annotations
 
 import zlib
-from typing import Any
+from collections.abc import Iterable
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh.errors import FormatError
 
+if TYPE_CHECKING:
+    from liftmesh.io.raster_window import Window
+
 _PIECE = 1 << 20  # bytes inflated at a time
 
 
-def check_blocks(file: Any, band: int, data: bytes, name: str) -> None:
-    """Raise for a block that ends early.
+def check_blocks(file: Any, band: int, window: Window, data: bytes, name: str) -> None:
+    """Raise for a block that is read, and ends early.
 
     Parameters
     ----------
@@ -26,6 +31,8 @@ def check_blocks(file: Any, band: int, data: bytes, name: str) -> None:
         The raster.
     band : int
         The band that is read, from 1.
+    window : Window
+        What is read of it.
     data : bytes
         The whole file.
     name : str
@@ -39,13 +46,15 @@ def check_blocks(file: Any, band: int, data: bytes, name: str) -> None:
     packing = "" if file.compression is None else str(file.compression.value).upper()
     if file.driver != "GTiff" or packing not in ("", "NONE", "DEFLATE"):
         return
+    height, width = file.block_shapes[band - 1]
     row = _row_bytes(file, band)
-    for (down, across), window in file.block_windows(band):
+    for down, across in product(_touched(window.rows, height), _touched(window.columns, width)):
         size, offset = (
             file.get_tag_item(f"BLOCK_{key}_{across}_{down}", "TIFF", bidx=band)
             for key in ("SIZE", "OFFSET")
         )
-        needed = window.height * row
+        first = down * height
+        needed = min(height, file.height - first) * row
         if size is None or offset is None:  # a block of nothing but nodata
             continue
         held = min(int(size), max(len(data) - int(offset), 0))
@@ -53,9 +62,41 @@ def check_blocks(file: Any, band: int, data: bytes, name: str) -> None:
             held = _inflated(data[int(offset) : int(offset) + held], needed)
         if held < needed:
             raise FormatError(
-                f"{name}: the block at row {window.row_off:,}, column {window.col_off:,} has "
+                f"{name}: the block at row {first:,}, column {across * width:,} has "
                 f"{held:,} bytes, and needs {needed:,}: the file is damaged"
             )
+
+
+def bytes_of_a_block(file: Any, band: int) -> int:
+    """Return the bytes in memory of a block: of all bands, if they stand together.
+
+    Parameters
+    ----------
+    file : rasterio dataset
+        The raster.
+    band : int
+        The band that is read, from 1.
+
+    Returns
+    -------
+    int
+        What GDAL decodes at a time.
+    """
+    height, width = file.block_shapes[band - 1]
+    each = np.dtype(file.dtypes[band - 1]).itemsize
+    return int(height * width * each * (file.count if _is_together(file) else 1))
+
+
+def _is_together(file: Any) -> bool:
+    """Whether a block has the samples of all bands."""
+    return str(getattr(file.interleaving, "value", "")).lower() == "pixel"
+
+
+def _touched(some: range, size: int) -> Iterable[int]:
+    """Return the numbers of the blocks that hold some rows or columns."""
+    if some.step >= size:
+        return (each // size for each in some)
+    return range(some.start // size, -(-some.stop // size)) if some else ()
 
 
 def _row_bytes(file: Any, band: int) -> int:
@@ -63,10 +104,9 @@ def _row_bytes(file: Any, band: int) -> int:
 
     Samples may have fewer bits than their type (NBITS): 12, or 16 of a float.
     """
-    is_together = str(getattr(file.interleaving, "value", "")).lower() == "pixel"
     bits = file.tags(ns="IMAGE_STRUCTURE", bidx=band).get("NBITS", "")
     each = int(bits) if bits.isdecimal() else 8 * np.dtype(file.dtypes[band - 1]).itemsize
-    samples = file.block_shapes[band - 1][1] * (file.count if is_together else 1)
+    samples = file.block_shapes[band - 1][1] * (file.count if _is_together(file) else 1)
     return int(-(-samples * each // 8))
 
 

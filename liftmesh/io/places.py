@@ -38,6 +38,34 @@ def at_home(place: PathOrStream) -> PathOrStream:
     return path
 
 
+def check_suffix(place: str | os.PathLike[str], suffixes: tuple[str, ...], kind: str) -> None:
+    """Raise if the name of a file promises another format than the only one it can have.
+
+    Parameters
+    ----------
+    place : path
+        The file to write.
+    suffixes : tuple of str
+        The suffixes of the format, in lower case.
+    kind : str
+        What is written, and how, for the message.
+
+    Raises
+    ------
+    FormatError
+        The name has another suffix, or none.
+
+    Examples
+    --------
+    >>> check_suffix("lines.gpkg", (".geojson", ".json"), "contours are written as GeoJSON")
+    Traceback (most recent call last):
+    liftmesh.errors.FormatError: lines.gpkg: contours are written as GeoJSON: name it *.geojson
+    """
+    name = os.fspath(place)
+    if not name.lower().endswith(suffixes):
+        raise FormatError(f"{name}: {kind}: name it *{suffixes[0]}")
+
+
 def name_of(place: object) -> str:
     """Return the name of a path or a stream for messages.
 

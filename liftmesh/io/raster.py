@@ -8,8 +8,8 @@ may stand beside it (`beside_rasters`). Without a transform a pixel has the size
 row is the northern one.
 
 A GeoTIFF is handed over in memory, to the driver of its format alone: so no other file is opened,
-such as those beside it or those that it names. What it states to hold is compared with the limit
-before it is decoded.
+such as those beside it or those that it names. What is read of it is compared with the limit before
+it is decoded.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Mask
 from liftmesh.choices import as_count
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
 from liftmesh.io.ascii_grid import AsciiGrid, is_grid
-from liftmesh.io.beside_rasters import system_of, world_of
+from liftmesh.io.beside_rasters import Transform, system_of, world_of
 from liftmesh.io.columns import POSITION, CloudBuilder
-from liftmesh.io.geotiff_blocks import check_blocks
+from liftmesh.io.geotiff_blocks import bytes_of_a_block, check_blocks
 from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.raster_window import Band, Window, bands_of, window_of
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
 
-_BLOCK = 1 << 20  # samples decoded at a time
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
 _MOST_EXACT = 2**53
@@ -96,18 +96,18 @@ def read_raster(
     -------
     Cloud
         The samples that have a value. ``metadata["raster"]`` holds width, height, transform and
-        band; ``skipped`` counts the samples without a value, and names other bands.
+        band; ``skipped`` counts the samples without a value, and names other bands. Samples that
+        are not read, as a box or `every` says, are counted whether they have a value or not.
 
     Raises
     ------
     FormatError
-        The file is invalid, exceeds the limit, or has no such band or no value at all.
+        The file is invalid, what is read of it exceeds the limit, or it has no such band or no
+        value at all.
     """
     data = stream.read()
     if is_grid(data):
-        grid = AsciiGrid(data, name)
-        _check_size(grid, data, name, max_bytes)
-        return _Raster(grid, options, name).cloud(selection)
+        return _Raster(AsciiGrid(data, name), options, name).cloud(selection, data, max_bytes)
     if data[:4] not in _TIFF:
         raise FormatError(f"{name}: neither a TIFF file nor an ASCII grid, which begins with ncols")
     rasterio = load("rasterio", extra="terrain")
@@ -117,16 +117,7 @@ def read_raster(
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
     ):
-        _check_size(file, data, name, max_bytes)
-        raster = _Raster(file, options, name)
-        check_blocks(file, options, data, name)
-        return raster.cloud(selection)
-
-
-def _check_size(file: Any, data: bytes, name: str, max_bytes: int | None) -> None:
-    size = file.width * file.height * _ROW_BYTES
-    what = f"a raster of {file.width:,} x {file.height:,} samples"
-    check_expanded(size, limit_of(max_bytes, _DENSEST * len(data)), name, what)
+        return _Raster(file, options, name).cloud(selection, data, max_bytes)
 
 
 @contextmanager
@@ -167,14 +158,23 @@ class _Raster:
     def _is_plain(self) -> bool:
         return bool(self._transform.is_identity)
 
-    def cloud(self, selection: Selection | None) -> Cloud:
-        """Read the samples, a few rows at a time."""
-        step = 1 if selection is None else selection.every
-        selector = None if selection is None else Selector(_without_steps(selection), self._name)
+    @property
+    def _placed(self) -> Transform:
+        """The transform; without one the first row is the northern one."""
+        if self._is_plain:
+            return Transform(1.0, 0.0, 0.0, 0.0, -1.0, float(self._file.height))
+        return Transform(*[*self._transform][:6])
+
+    def cloud(self, selection: Selection | None, data: bytes, max_bytes: int | None) -> Cloud:
+        """Read the samples that are selected, a few rows at a time."""
         file = self._file
-        rows, columns = (len(range(0, each, step)) for each in (file.height, file.width))
-        builder, filled = CloudBuilder(dict.fromkeys(POSITION, np.dtype("f8")), rows * columns), 0
-        for block in self._blocks(step):
+        window = window_of(self._placed, file.width, file.height, selection)
+        self._check_size(window, limit_of(max_bytes, _DENSEST * len(data)))
+        check_blocks(file, self._band, window, data, self._name)
+        selector = None if selection is None else Selector(_without_steps(selection), self._name)
+        builder = CloudBuilder(dict.fromkeys(POSITION, np.dtype("f8")), window.samples)
+        filled = 0
+        for block in self._blocks(window):
             chosen: Any = slice(None)
             if selector is not None:
                 chosen, _ = selector.rows(len(block["z"]), block)
@@ -182,30 +182,51 @@ class _Raster:
             count = len(part["z"])
             builder.fill(slice(filled, filled + count), part)
             filled += count
-        if not self._valid:
-            raise FormatError(f"{self._name}: none of {rows * columns:,} samples has a value")
+        if not self._valid and not window.outside:
+            raise FormatError(f"{self._name}: none of {window.samples:,} samples has a value")
         builder.shorten(filled)
-        entries = self._entries(rows * columns)
+        entries = self._entries(window.samples)
         if selector is not None:
-            counts = selector.counts()
-            left = file.width * file.height - rows * columns
-            extra = {"every": left} if left else {}
-            entries["selection"] = {**counts, "rows": counts["rows"] + left, **extra}
+            selector.leave_out({"bbox": window.outside, "every": window.between})
+            entries["selection"] = selector.counts()
         return builder.cloud(metadata=entries, crs=self._crs())
 
-    def _blocks(self, step: int) -> Iterator[dict[str, Array]]:
+    def _check_size(self, window: Window, limit: int) -> None:
+        """Compare the rows, and a block that is decoded, with the limit."""
+        file = self._file
+        needed = window.samples * _ROW_BYTES + bytes_of_a_block(file, self._band)
+        what = f"a raster of {file.width:,} x {file.height:,} samples"
+        if window.samples < file.width * file.height:
+            what = f"{window.samples:,} samples of {what}"
+        check_expanded(needed, limit, self._name, what)
+
+    def _blocks(self, window: Window) -> Iterator[dict[str, Array]]:
         """Decode the samples that have a value, with their positions."""
-        file, width = self._file, self._file.width
-        count = max(_BLOCK // width // step, 1) * step
-        for first in range(0, file.height, count):
-            last = min(first + count, file.height)
-            window = ((first, last), (0, width))
-            values = self._heights(file.read(self._band, window=window)[::step, ::step])
-            mask = file.read_masks(self._band, window=window)[::step, ::step] != 0
+        if not window.samples:
+            return
+        for band in bands_of(window, self._file.block_shapes[self._band - 1]):
+            values, mask = self._decoded(band)
             mask &= ~np.isnan(values)
             self._valid += int(np.count_nonzero(mask))
-            x, y = self._positions(np.arange(first, last, step), np.arange(0, width, step))
+            x, y = self._positions(np.asarray(band.rows), np.asarray(window.columns))
             yield {"x": x[mask], "y": y[mask], "z": values[mask]}
+
+    def _decoded(self, band: Band) -> tuple[Floats, Mask]:
+        """Decode the samples of a band, and whether they have a value, piece by piece."""
+        shape = len(band.rows), sum(map(len, band.across))
+        values, mask = np.empty(shape), np.empty(shape, np.bool_)
+        left = 0
+        for columns in band.across:
+            top, right = 0, left + len(columns)
+            for rows in band.down:
+                place = slice(top, top + len(rows)), slice(left, right)
+                top += len(rows)
+                window = (rows.start, rows[-1] + 1), (columns.start, columns[-1] + 1)
+                steps = slice(None, None, rows.step), slice(None, None, columns.step)
+                values[place] = self._heights(self._file.read(self._band, window=window)[steps])
+                mask[place] = self._file.read_masks(self._band, window=window)[steps] != 0
+            left = right
+        return values, mask
 
     def _heights(self, values: Array) -> Floats:
         """Apply scale and offset; the numbers themselves where there are none."""
@@ -225,13 +246,9 @@ class _Raster:
 
     def _positions(self, rows: Array, columns: Array) -> tuple[Floats, Floats]:
         """Return x and y of the centres of pixels."""
-        row, column = rows[:, None] + 0.5, columns[None, :] + 0.5
-        if self._is_plain:
-            x, y = column + 0 * row, self._file.height - row + 0 * column
-        else:
-            found = self._transform
-            x = found.a * column + found.b * row + found.c
-            y = found.d * column + found.e * row + found.f
+        row, column, found = rows[:, None] + 0.5, columns[None, :] + 0.5, self._placed
+        x = found.a * column + found.b * row + found.c
+        y = found.d * column + found.e * row + found.f
         return x, y
 
     def _entries(self, samples: int) -> dict[str, Any]:

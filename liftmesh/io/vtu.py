@@ -2,7 +2,8 @@
 
 Arrays follow the tree, each with its length, every bit of them in base64: raw bytes would be a
 quarter shorter, but then the file is no XML, and few programs read it. Rows without faces become
-cells of one point each.
+cells of one point each. meshio, which reads such files, writes them to paths only, and holds all of
+the text in memory: so this is written here, a block at a time.
 
 Source: VTK File Formats, docs.vtk.org.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import io
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -122,7 +122,7 @@ def write(
     found = format_of(target, format, name, find_written)
     suffix = "." + (format or suffix_of(name)).lower().removeprefix(".")
     options = {**found.suffix_options.get(suffix, {}), **options}
-    writer = _writer(found, name, options)
+    writer = writer_of(found, name, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:
         checked_faces(cloud.faces, len(cloud), name)
@@ -138,7 +138,28 @@ def write(
     return Written(Path(target), found.name, size, origin, lost, names)
 
 
-def _writer(found: Format, name: str, options: dict[str, Any]) -> Callable[..., Origin | None]:
+def writer_of(found: Format, name: str, options: Mapping[str, Any]) -> Callable[..., Origin | None]:
+    """Return the writer of a format.
+
+    Parameters
+    ----------
+    found : Format
+        The format.
+    name : str
+        The file for messages.
+    options : mapping
+        Options of the writer.
+
+    Returns
+    -------
+    callable
+        The writer; of the stream, the cloud and the options.
+
+    Raises
+    ------
+    FormatError
+        The format cannot be written, or its writer has no such option.
+    """
     if found.write is None:
         raise FormatError(
             f"{name}: {found.name} files cannot be written ({found.description}): "

@@ -128,9 +128,10 @@ def test_written_it_is_laz_without_the_index() -> None:
 ROOT, SIZE = struct.unpack_from("<2Q", DATA, INFO + 40)
 LIES = {
     "a cube of no size": (patched(DATA, "<d", INFO + 24, 0.0), "a cube of 0 around"),
-    "a page beyond the end": (patched(DATA, "<Q", INFO + 40, 2**40), "a page of COPC"),
+    "a page beyond the end": (patched(DATA, "<Q", INFO + 40, 2**40), "outside the file"),
     "a page of half an entry": (patched(DATA, "<Q", INFO + 48, SIZE - 16), "cannot be one"),
     "a page that is very long": (patched(DATA, "<Q", INFO + 48, 2**60), "cannot be one"),
+    "a page at no byte": (patched(DATA, "<Q", INFO + 40, 2**64 - 1), "outside the file"),
     "a page that is itself": (patched(DATA, "<Qi", ROOT + SIZE - 16, ROOT, SIZE), "cannot be one"),
     "a page of less than nothing": (patched(DATA, "<i", ROOT + SIZE - 8, -32), "outside the file"),
     "a node of another chunk": (patched(DATA, "<i", ROOT + 28, 7), "are not the chunks of the"),

@@ -101,6 +101,10 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
 }
 
 
+LAST_BITS = "last bits of coordinates, whose decimals are the same"
+"""What LAS says instead of double precision where only the rounding of binary numbers differs."""
+
+
 def round_trip(cloud: Cloud, kind: str, options: dict[str, str]) -> tuple[Cloud, Written]:
     stream = io.BytesIO()
     written = liftmesh.write(stream, cloud, format=kind, **options)
@@ -188,16 +192,18 @@ def test_a_format_keeps_what_it_declares_and_names_the_rest(
             round_trip(cloud, kind, options)
         return
     back, written = round_trip(cloud, kind, options)
-    promised = set(declared.keeps)
-    if declared.loses is not None:
-        promised -= set(declared.loses(cloud, options))
+    losses = set() if declared.loses is None else set(declared.loses(cloud, options))
+    promised = set(declared.keeps) - {"float64" if name == LAST_BITS else name for name in losses}
     lost = needed - promised
     if "points" in lost and content == "a row in no face that single precision does not hold":
         lost -= {"float64"}  # the row is not in the file
     found = kept(back, cloud)
     assert {word for word in promised & needed if not found[word]} == set()
     assert {word for word in lost if found[word]} == set()
-    assert set(written.dropped) == expected_drops(cloud, lost)
+    if LAST_BITS in losses & set(written.dropped):
+        lost -= {"float64"}
+        assert np.allclose(back.points, cloud.points, rtol=1e-15, atol=0)
+    assert set(written.dropped) == expected_drops(cloud, lost) | (losses & {LAST_BITS})
     assert len(set(written.dropped)) == len(written.dropped)
 
 

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import io
+import struct
+import sys
 from typing import Any
 
+import numpy as np
+import pyproj
 import pytest
 import rasterio
 from lidar import encoded, geo_keys, record, tile, with_records
@@ -115,3 +119,57 @@ def test_heights_of_a_raster_in_feet_over_metres(version: str) -> None:
             pass
         cloud = lm.read(io.BytesIO(memory.getbuffer()), format="tif")
     assert units(cloud) == ("metre", "metre", "US survey foot")
+
+
+CUSTOM = {
+    "lambert": "+proj=lcc +lat_1=43 +lat_2=45.5 +lat_0=41.75 +lon_0=-120.5 +x_0=400000 +y_0=0 "
+    "+datum=NAD83 +units=ft",
+    "mercator": "+proj=tmerc +lat_0=1 +lon_0=9.5 +k=0.9999 +x_0=3000 +y_0=17 +ellps=GRS80 +units=m",
+    "albers": "+proj=aea +lat_1=29.5 +lat_2=45.5 +lat_0=23 +lon_0=-96 +datum=NAD83 +units=us-ft",
+}
+
+
+def parameters(system: str) -> list[bytes]:
+    """Take the GeoKeys that GDAL writes to a TIFF file, as records of LAS."""
+    with rasterio.MemoryFile() as memory:
+        with memory.open(
+            driver="GTiff", width=1, height=1, count=1, dtype="uint8", crs=system,
+            transform=Affine(2, 0, 0, 0, -2, 0),
+        ):  # fmt: skip
+            pass
+        data = bytes(memory.getbuffer())
+    start = int.from_bytes(data[4:8], "little")
+    found = []
+    for k in range(int.from_bytes(data[start : start + 2], "little")):
+        number, kind, count, place = struct.unpack_from("<HHII", data, start + 2 + 12 * k)
+        if number in (34735, 34736, 34737):
+            size = count * {3: 2, 12: 8, 2: 1}[kind]
+            found.append(record(PROJECTION, number, data[place : place + size]))
+    return found
+
+
+@pytest.mark.parametrize("name", CUSTOM)
+def test_systems_of_parameters(name: str) -> None:
+    las = with_records(encoded(tile(4)), *parameters(CUSTOM[name]))
+    cloud = lm.read(io.BytesIO(las), format="las")
+    there = pyproj.Transformer.from_crs(CUSTOM[name], "EPSG:4326", always_xy=True)
+    ours = pyproj.Transformer.from_crs(cloud.crs, "EPSG:4326", always_xy=True)
+    places = np.array([[1e6, 4e5], [2e6, 6e5]])
+    assert np.allclose(ours.transform(*places), there.transform(*places), rtol=0, atol=1e-12)
+    unit = {"lambert": "foot", "mercator": "metre", "albers": "US survey foot"}[name]
+    assert units(cloud)[0] == unit
+    stream = io.BytesIO()
+    lm.write(stream, cloud, format="las")
+    assert stream.getvalue() == las  # GeoKeys stay as they are
+    assert "skipped" not in cloud.metadata
+
+
+def test_systems_of_parameters_that_nobody_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    doubles = record(PROJECTION, 34736, struct.pack("<2d", 1, 2))
+    for said, beside in (("which are missing", ()), ("that GDAL does not know", (doubles,))):
+        cloud = read(*beside, k1024=1, k2048=4269, k3072=32767, k3075=99)
+        assert cloud.crs is None
+        assert said in cloud.metadata["skipped"][0]
+    monkeypatch.setitem(sys.modules, "rasterio", None)
+    cloud = read(doubles, k1024=1, k2048=4269, k3072=32767, k3075=8)
+    assert "pip install 'liftmesh[terrain]'" in cloud.metadata["skipped"][0]

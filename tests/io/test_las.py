@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -261,3 +262,33 @@ def test_a_fork_reads_laz_too(tmp_path: Path) -> None:
 def test_a_last_chunk_that_is_full_or_of_one_point(count: int) -> None:
     las = tile(count, point_format=6, version="1.4")
     assert_same_bits(read(encoded(las, compressed=True)).points[:, 0], np.asarray(las.x))
+
+
+@pytest.mark.parametrize("point_format", [3, 6])
+def test_laz_that_holds_more_than_its_header_counts(point_format: int) -> None:
+    las = tile(120_000, point_format=point_format, version="1.4")
+    data = bytearray(encoded(las, compressed=True))
+    assert liftmesh.read(io.BytesIO(data), format="laz").metadata.get("skipped") is None
+    for place, form in ((107, "<I"), (247, "<Q")):
+        if struct.unpack_from(form, data, place)[0]:
+            struct.pack_into(form, data, place, 100)
+    cloud = liftmesh.read(io.BytesIO(data), format="laz")
+    assert len(cloud) == 100
+    said = {3: "2 chunks after the last point", 6: "119,900 points that the header"}[point_format]
+    assert said in cloud.metadata["skipped"][0]
+
+
+def test_scaled_numbers_that_doubles_round_are_named() -> None:
+    las = tile(3, point_format=6, version="1.4")
+    for name in ("small", "huge"):
+        las.add_extra_dim(
+            laspy.ExtraBytesParams(name, "u8", scales=np.array([0.5]), offsets=np.array([0.0]))
+        )
+    las.points.array["small"] = 2**53
+    las.points.array["huge"] = [0, 1, 2**53 + 1]
+    for kind in ("las", "laz"):
+        data = encoded(las, compressed=kind == "laz")
+        cloud = liftmesh.read(io.BytesIO(data), format=kind)
+        assert cloud.metadata["skipped"] == ("low digits of huge (beyond 2**53 steps)",)
+        chunks = liftmesh.read_chunks(io.BytesIO(data), format=kind, rows=2)
+        assert [len(each.metadata.get("skipped", ())) for each in chunks] == [0, 1]

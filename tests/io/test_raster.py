@@ -181,6 +181,61 @@ def test_part_of_a_raster() -> None:
         read(data, classes=2)
 
 
+PLACES = {
+    "north up": NORTH_UP,
+    "south up": Affine(0.1, 0.0, 450000.3, 0.0, 0.1, 5200000.7),
+    "flipped": Affine(-3.0, 0.0, 9.0, 0.0, -1 / 3, 7.0),
+    "rotated": Affine(1.7, 1.0, 500000.0, 1.0, -1.7, 5400000.0),
+    "nowhere": None,
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("block", [{}, {"blockysize": 1}, {"tiled": True}], ids=str)
+def test_windows_hold_what_all_samples_in_the_box_do(place: str, block: dict[str, Any]) -> None:
+    rng = np.random.default_rng(5)
+    values = rng.random((70, 90))
+    size = {"blockxsize": 16, "blockysize": 32} if block.get("tiled") else {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data = geotiff(values, transform=PLACES[place], **block, **size)
+    whole = read(data).points
+    lattice = np.arange(values.size).reshape(values.shape)
+    for every in (1, 2, 7, 40):
+        rows = lattice[::every, ::every].ravel()
+        for corners in rng.choice(whole[:, :2], (4, 2)):  # centres of pixels: the border counts
+            box = (*corners.min(0), *corners.max(0))
+            inside = ((whole[rows, :2] >= box[:2]) & (whole[rows, :2] <= box[2:])).all(1)
+            found = read(data, bbox=box, every=every)
+            assert_same_bits(found.points, whole[rows][inside])
+            counts = found.metadata["selection"]
+            assert counts["rows"] == values.size
+            assert counts["selected"] + counts.get("bbox", 0) + counts.get("every", 0) == 6300
+    assert len(read(data, bbox=(-np.inf, -np.inf, np.inf, np.inf))) == 6300
+    assert len(read(data, bbox=(1e9, 1e9, 2e9, 2e9))) == 0
+
+
+def test_damage_outside_of_the_window_is_not_decoded() -> None:
+    values = np.random.default_rng(1).random((6400, 16))
+    data = geotiff(values, compress="deflate", blockysize=1)
+    with rasterio.MemoryFile(data) as memory, memory.open() as file:
+        begin = int(file.get_tag_item("BLOCK_OFFSET_0_3200", "TIFF", bidx=1))
+    broken = data[:begin] + bytes(9) + data[begin + 9 :]
+    with pytest.raises(FormatError, match=r"row 3,200, column 0|cannot be decoded"):
+        read(broken)
+    north = (0, NORTH_UP.f - 2 * 3200.0, 1e9, 1e9)
+    assert_same_bits(read(broken, bbox=north).points[:, 2], values[:3200].ravel())
+
+
+def test_what_lies_between_every_kth_sample_is_not_decoded() -> None:
+    values = np.random.default_rng(1).random((2000, 1000))
+    data = geotiff(values, compress="deflate", blockysize=1)
+    with rasterio.MemoryFile(data) as memory, memory.open() as file:
+        begin = int(file.get_tag_item("BLOCK_OFFSET_0_1001", "TIFF", bidx=1))
+    broken = data[:begin] + bytes(200) + data[begin + 200 :]
+    assert_same_bits(read(broken, every=40).points[:, 2], values[::40, ::40].ravel())
+
+
 def test_a_raster_becomes_a_surface(tmp_path: Path) -> None:
     (tmp_path / "a.tif").write_bytes(geotiff(crs="EPSG:25832"))
     done = liftmesh("triangulate", "a.tif", "a.ply", cwd=tmp_path)
@@ -223,8 +278,15 @@ def test_sparse_rasters_are_limited() -> None:
             pass
         sparse = bytes(memory.getbuffer())
     assert len(sparse) < 10**5
-    with pytest.raises(FormatError, match="100,000 x 100,000 samples expands to 240,000,000,000"):
+    with pytest.raises(FormatError, match="100,000 x 100,000 samples expands to 240,0"):
         read(sparse)
+    with pytest.raises(FormatError, match="160,000 samples of a raster of 100,000 x 100,000"):
+        read(sparse, every=250, max_bytes=10**7)
+    some = read(sparse, every=50_000)  # GDAL fills what is sparse with zeros
+    assert some.points.tolist() == [
+        [NORTH_UP.c + 2 * (c + 0.5), NORTH_UP.f - 2 * (r + 0.5), 0]
+        for r in (0, 50_000) for c in (0, 50_000)
+    ]  # fmt: skip
     with pytest.raises(FormatError, match="with max_bytes="):
         read(data, max_bytes=100)
     assert len(read(data, max_bytes=10**6)) == 16

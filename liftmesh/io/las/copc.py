@@ -151,13 +151,15 @@ class _Reading:
             total += size
             if place in seen or size % _ENTRY.itemsize or total > self._stated.size:
                 raise self._error(f"a page of {size:,} bytes at byte {place:,} cannot be one")
+            if place > self._stated.size:
+                raise self._error("an entry leads to a page outside the file")
             seen.add(place)
             self._stream.seek(self._begin + place)
             data = read_exactly(self._stream, size, self._name, "a page of COPC")
             entries = np.frombuffer(data, _ENTRY)
             is_page = entries["points"] == _PAGE
             more = entries[is_page]
-            if (more["size"] <= 0).any() or (more["place"] > self._stated.size).any():
+            if (more["size"] <= 0).any():
                 raise self._error("an entry leads to a page outside the file")
             pages += zip(more["place"].tolist(), more["size"].tolist(), strict=True)
             found.append(entries[~is_page])

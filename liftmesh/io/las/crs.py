@@ -7,17 +7,19 @@ Source: ASPRS, LAS Specification 1.4-R15, section 3.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from liftmesh.cloud import is_crs
-from liftmesh.io.las.geokeys import system_of
+from liftmesh.io.las.geokeys import has_parameters, system_of
+from liftmesh.io.las.parameters import wkt_of
 
 if TYPE_CHECKING:
     from liftmesh.io.las.header import Record
 
 PROJECTION, LIBLAS = b"LASF_Projection", b"liblas"
 WKT, _KEYS = 2112, 34735
+_OF_KEYS = (_KEYS, 34736, 34737)
 
 
 def crs_of(records: Iterable[Record], *, is_wkt: bool) -> str | None:
@@ -35,13 +37,24 @@ def crs_of(records: Iterable[Record], *, is_wkt: bool) -> str | None:
     if is_wkt and wkt:
         return wkt
     keys, _ = system_of(found.get((PROJECTION, _KEYS)))
-    return keys or wkt or (None if is_wkt else _text(found.get((LIBLAS, WKT))))
+    text = keys or wkt or (None if is_wkt else _text(found.get((LIBLAS, WKT))))
+    return text or _made_up(found, is_wkt=is_wkt)[0]
 
 
 def refused(records: Iterable[Record], *, is_wkt: bool) -> tuple[str, ...]:
-    """Name GeoKeys that contradict themselves, unless they do not count."""
-    _, cause = system_of(_first(records).get((PROJECTION, _KEYS)))
+    """Name GeoKeys that contradict themselves or are not understood, unless they do not count."""
+    records = [*records]
+    found = _first(records)
+    _, cause = system_of(found.get((PROJECTION, _KEYS)))
+    if not cause and crs_of(records, is_wkt=is_wkt) is None:
+        cause = _made_up(found, is_wkt=is_wkt)[1]
     return (cause,) if cause and not is_wkt else ()
+
+
+def _made_up(found: Mapping[tuple[bytes, int], bytes], *, is_wkt: bool) -> tuple[str | None, str]:
+    """Return the system that GeoKeys make up of parameters, or why there is none."""
+    records = {key: found[PROJECTION, key] for key in _OF_KEYS if (PROJECTION, key) in found}
+    return wkt_of(records) if not is_wkt and has_parameters(records.get(_KEYS)) else (None, "")
 
 
 def _first(records: Iterable[Record]) -> dict[tuple[bytes, int], bytes]:

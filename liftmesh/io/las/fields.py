@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
 
 _MOST = 65535  # bytes of a point
+_RANK, _ANGLE, _DEGREES = "scan_angle_rank", "scan_angle", 0.006  # formats 0-5; later ones; a step
+_STEEPEST = 127
 _WITH_COLORS = {0: 2, 1: 3, 4: 5, 6: 7, 9: 10}
 _RESERVED = {*PARTS, "X", "Y", "Z", "bit_fields", "raw_classification", "classification_flags"}
 
@@ -90,7 +92,8 @@ def fields_of(cloud: Cloud, point_format: int, known: list[Extra]) -> Fields:
     """
     standard = _Standard(point_format)
     values, lost = _named(cloud)
-    fields = [*_of_colors(cloud), *standard.taken_from(values)]
+    fields = [*_of_colors(cloud), *standard.taken_from(values | _angles(values, standard.types))]
+    values = {name: each for name, each in values.items() if name not in standard.names}
     columns: dict[str, np.dtype] = {}
     extras: list[Extra] = []
     left = _MOST - np.dtype([*standard.types.items()]).itemsize
@@ -115,6 +118,27 @@ def _named(cloud: Cloud) -> tuple[dict[str, Array], list[str]]:
     if cloud.normals is not None:
         values |= dict(zip(NORMAL, cloud.normals.T, strict=True))
     return values, lost
+
+
+def _angles(values: Mapping[str, Array], types: Mapping[str, str]) -> dict[str, Array]:
+    """Convert the angle of the scanner, if the file has it in other steps than the cloud.
+
+    What the cloud has becomes extra bytes besides: degrees are coarser.
+    """
+    rank, fine = values.get(_RANK), values.get(_ANGLE)
+    with np.errstate(invalid="ignore"):
+        if _ANGLE in types and fine is None and _is_angle(rank):
+            return {_ANGLE: np.rint(rank / _DEGREES).astype(np.int16)}  # type: ignore[operator]
+        if _RANK in types and rank is None and _is_angle(fine, _DEGREES):
+            return {_RANK: np.rint(fine * _DEGREES).astype(np.int8)}  # type: ignore[operator]
+    return {}
+
+
+def _is_angle(values: Array | None, step: float = 1.0) -> bool:
+    """Whether there are numbers from -127 to 127 degrees."""
+    if values is None or values.ndim != 1 or values.dtype.kind not in "iuf":
+        return False
+    return bool((np.abs(values.astype(np.float64)) * step <= _STEEPEST).all())
 
 
 def _ordered(values: Mapping[str, Array], known: list[Extra]) -> Iterator[tuple[str, Extra | None]]:
@@ -144,10 +168,14 @@ class _Standard:
         composed = laspy.point.dims.COMPOSED_FIELDS[point_format]
         self._bits = {each.name: (key, each.mask) for key in composed for each in composed[key]}
 
-    def taken_from(self, values: dict[str, Array]) -> Iterator[Field]:
-        """Take the values that have fields out of others."""
-        for name in [each for each in values if each in self._bits or each in self.types]:
-            yield self._field(name, values.pop(name))
+    @property
+    def names(self) -> set[str]:
+        """The names of the values."""
+        return {*self._bits, *self.types}
+
+    def taken_from(self, values: Mapping[str, Array]) -> Iterator[Field]:
+        """Yield the fields of the values that have some."""
+        yield from (self._field(name, values[name]) for name in values if name in self.names)
 
     def _field(self, name: str, values: Array) -> Field:
         if name in self._bits:

@@ -2,8 +2,8 @@
 
 The key of the model says which of the others count: the geographic system that a projected one is
 made of is not the system of the coordinates. Systems that are made up of parameters have no number;
-they are passed over for the WKT that other programs write besides. Heights have a number or a unit
-of their own, which may be another than that of the plane.
+the WKT that other programs write besides counts, or GDAL reads them (`io.las.parameters`). Heights
+have a number or a unit of their own, which may be another than that of the plane.
 
 Source: OGC 19-008r4, GeoTIFF; GeoTIFF 1.0, section 6.3.4, for the old numbers of heights.
 """
@@ -19,6 +19,7 @@ _ENTRY = struct.Struct("<4H")
 _MODEL, _GEOGRAPHIC, _PROJECTED, _LENGTH = 1024, 2048, 3072, 3076
 _VERTICAL, _HEIGHT = 4096, 4099  # the system of heights, and their unit
 _OF_PROJECTED = range(3072, 3097)
+_METHODS = (3074, 3075)  # of projection, by a number of EPSG or of GeoTIFF
 _IS_PROJECTED, _IS_GEOCENTRIC = 1, 3
 _NUMBERS = range(1024, 32767)  # of EPSG; 32767 is user-defined
 _OLD = range(5001, 5107)  # of GeoTIFF 1.0, which EPSG does not know
@@ -62,6 +63,20 @@ def system_of(data: bytes | None) -> tuple[str | None, str]:
     if is_projected and unit and plane and plane.metres != unit.metres:
         return None, f"GeoKeys ({base} has the unit {plane.name}, but they state {unit.name})"
     return _with_heights(base, keys), ""
+
+
+def has_parameters(data: bytes | None) -> bool:
+    """Whether GeoKeys make up a projected system of parameters, rather than name one.
+
+    Examples
+    --------
+    >>> has_parameters(None)
+    False
+    """
+    keys = _entries(data or b"")
+    is_named = keys.get(_PROJECTED, 0) in _NUMBERS
+    is_projected = keys.get(_MODEL, _IS_PROJECTED) == _IS_PROJECTED
+    return is_projected and not is_named and any(each in keys for each in _METHODS)
 
 
 def _geocentric(number: int) -> str:

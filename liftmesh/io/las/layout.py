@@ -135,7 +135,7 @@ def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[
 def _rounding(values: Any, scale: float) -> Steps:
     low, high = float(values.min()), float(values.max())
     near = max(-low, high) <= scale * _MOST
-    steps = Steps(scale, 0.0 if near else float(round(low / 2 + high / 2)), exact=False)
+    steps = Steps(scale, 0.0 if near else float(round(low / 2 + high / 2)), exact=False, near=False)
     if not (abs(steps.numbers(values)) <= _MOST).all():
         raise FormatError(
             f"coordinates from {low:.10g} to {high:.10g} have more than 32 bits in steps of "

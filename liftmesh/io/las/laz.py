@@ -39,13 +39,15 @@ class Chunks:
     """The chunks of a file.
 
     ``listed`` says whether a table lists them, ``largest`` how many points the largest has,
-    ``first`` where the first begins; ``table`` has the points and bytes of each.
+    ``first`` where the first begins; ``table`` has the points and bytes of each. ``surplus`` says
+    what there is beyond the points that the header counts, if anything.
     """
 
     listed: bool
     largest: int
     first: int = 0
     table: tuple[tuple[int, int], ...] = ()
+    surplus: str = ""
 
 
 def chunks_of(stream: BinaryIO, stated: Stated, name: str) -> Chunks:
@@ -90,13 +92,18 @@ class _Reading:
                 f"hold {number * size:,}: it is truncated, or its header is wrong"
             )
         listed = self._listed(record, size, place)
+        needed = len(listed) if size == _VARIABLE else -(-stated.points // size)
+        more = sum(length > 0 for _, length in listed[needed:])
+        surplus = f"{more:,} chunks after the last point" if more else ""
         if compressor == _LAYERED:
-            self._check_layers(listed, items)
+            there = self._points_of_layers(listed, items) - stated.points
+            surplus = f"{there:,} points that the header does not count" if there > 0 else ""
         return Chunks(
             listed=True,
             largest=max((points for points, _ in listed), default=0),
             first=stated.start + _PLACE.size,
             table=tuple(listed),
+            surplus=surplus,
         )
 
     def _items(self, record: bytes, count: int) -> list[tuple[int, int]]:
@@ -148,19 +155,21 @@ class _Reading:
             listed = [(size, length) for _, length in listed]
         return listed
 
-    def _check_layers(self, listed: list[tuple[int, int]], items: list[tuple[int, int]]) -> None:
-        """Compare the sizes that the layers of each chunk have with the bytes of the chunk."""
+    def _points_of_layers(self, listed: list[tuple[int, int]], items: list[tuple[int, int]]) -> int:
+        """Compare the sizes of the layers of each chunk with its bytes; return all its points."""
         layers = sum(size if kind == _EXTRA_BYTES else _LAYERS.get(kind, 0) for kind, size in items)
         form = struct.Struct(f"<I{layers}I")
-        place = self._stated.start + _PLACE.size
+        place, points = self._stated.start + _PLACE.size, 0
         for k, (_, length) in enumerate(listed):
             head = self._stated.point_size + form.size
             if length >= head:
-                _, *sizes = self._at(place + self._stated.point_size, form, f"chunk {k}")
+                count, *sizes = self._at(place + self._stated.point_size, form, f"chunk {k}")
                 head += sum(sizes)
+                points += count
             if 0 < length < head:  # some programs end with a chunk of nothing
                 raise self._error(f"chunk {k} has {length:,} bytes, and states {head:,}")
             place += length
+        return points
 
     def _at(self, place: int, form: struct.Struct, what: str) -> Any:
         self._stream.seek(self._begin + max(place, 0))

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 DENSEST = 200  # bytes in memory that a byte of LAZ is allowed
 _KNOWN = (b"LASF_Spec", b"copc")  # records of waveforms, and of the places of points
 _WAVES = (4, 5, 9, 10)  # point formats that refer to waveforms
+_MOST_EXACT = 2**53  # steps of a scaled value that doubles hold
 _SHALLOW = 8  # bits of colours that stand in 16
 _CONFUSED = (9, 10)  # whose wave packets lazrs 0.8 confuses if points have several channels
 
@@ -129,6 +130,8 @@ class _File:
         if self._stated.compressed and self._stated.point_format in _CONFUSED:
             self.types = {k: v for k, v in self.types.items() if k not in WAVE_PACKETS}
             self._refused += ("wave packets (compressed in formats 9 and 10)",)
+        self._wide = [each.name for each in source.dimensions if _is_wide(each)]
+        self._rounded: dict[str, None] = {}
         columns = sum(kind.itemsize // kind.base.itemsize for kind in self.types.values())
         check_columns(columns, max_bytes, name, f"a point of {columns:,} values")
         each = sum(kind.itemsize for kind in self.types.values())
@@ -137,11 +140,20 @@ class _File:
 
     def blocks(self, size: int) -> Iterator[Block]:
         for record in self._source.blocks(size):
+            self._look_for_rounded(record)
             yield Block(record, tuple(self.types))
 
     def blocks_of(self, nodes: list[int]) -> Iterator[Block]:
         for record in self._source.blocks_of(nodes):
+            self._look_for_rounded(record)
             yield Block(record, tuple(self.types))
+
+    def _look_for_rounded(self, record: Any) -> None:
+        """Note the scaled values of which doubles do not hold all digits."""
+        for name in self._wide:
+            numbers = record.array[name]
+            if len(numbers) and max(int(numbers.max()), -int(numbers.min())) > _MOST_EXACT:
+                self._rounded[name] = None
 
     def cloud(self, builder: CloudBuilder, depth: int | None = None, **notes: Any) -> Cloud:
         """Make a cloud of filled arrays, with what the file says of all its points."""
@@ -174,8 +186,16 @@ class _File:
         end = found.start + found.points * found.point_size
         is_more = not found.compressed and found.end - end >= found.point_size
         rest = (f"{found.end - end:,} bytes after the last point",) if is_more else ()
+        rest = (self._source.surplus,) if self._source.surplus else rest
         long = sum(each.left_out and each.user not in _KNOWN for each in found.records)
         records = (f"{long:,} very long records",) if long else ()
         index = () if self.damage is None else ("the index of COPC (damaged)",)
         keys = refused(found.records, is_wkt=found.wkt)
-        return (*self._refused, *waves, *rest, *records, *index, *keys)
+        low = (f"low digits of {each} (beyond 2**53 steps)" for each in self._rounded)
+        return (*self._refused, *waves, *rest, *records, *index, *keys, *low)
+
+
+def _is_wide(dimension: Any) -> bool:
+    """Whether values are whole numbers of 64 bits with a scale."""
+    kind = dimension.dtype
+    return bool(dimension.is_scaled and kind is not None and kind.base.str[1:] in ("u8", "i8"))

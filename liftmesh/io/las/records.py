@@ -58,6 +58,7 @@ class Points:
         self._stated = stated
         chunks = chunks_of(stream, stated, name) if stated.compressed and stated.points else None
         self._stream, self._begin, self._chunks = stream, stream.tell(), chunks
+        self.surplus = "" if chunks is None else chunks.surplus
         # Nodes are decoded on the threads of lazrs, which do not survive a fork.
         is_indexed = chunks is not None and may_use_threads() and chunks.largest <= LARGEST_CHUNK
         self.index: Index | None = None

@@ -25,11 +25,15 @@ _ULPS = 8  # by which a decimal and number * scale may differ
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """Scale and offset of a coordinate, and whether they give back every bit of it."""
+    """Scale and offset of a coordinate, and whether they give back every bit of it.
+
+    If they do not, ``near`` says whether it is the same decimal but for the rounding of doubles.
+    """
 
     scale: float
     offset: float
     exact: bool = True
+    near: bool = True
 
     def numbers(self, values: Floats) -> Array:
         """Convert coordinates to whole numbers.
@@ -83,7 +87,7 @@ def steps_of(values: Floats, known: tuple[float, float] | None) -> Steps:
     Examples
     --------
     >>> steps_of(np.array([512.25, 512.5]), None)
-    Steps(scale=0.01, offset=0.0, exact=True)
+    Steps(scale=0.01, offset=0.0, exact=True, near=True)
     """
     if known is not None and (found := _tried(values, Steps(*known))):
         return found
@@ -135,14 +139,15 @@ def _parts(values: Floats) -> Iterator[Floats]:
 def _finest(values: Floats, middle: float, half: float) -> Steps:
     """Return the finest power of ten that reaches from the middle to both ends."""
     if half == 0.0:
-        return Steps(0.01, middle, _is_exact(values, Steps(0.01, middle)))
+        is_exact = _is_exact(values, Steps(0.01, middle))
+        return Steps(0.01, middle, is_exact, is_exact)
     exponent = math.ceil(math.log10(half) - math.log10(_MOST))
     for power in (exponent, exponent + 1):  # the offset is rounded
         steps = Steps(max(float(f"1e{power}"), _SMALLEST), middle)
         if all((np.abs(steps.numbers(part)) <= _MOST).all() for part in _parts(values)):
             break
     exact = _is_exact(values, steps)
-    return Steps(steps.scale, steps.offset, exact)
+    return Steps(steps.scale, steps.offset, exact, exact)
 
 
 def _is_exact(values: Floats, steps: Steps) -> bool:

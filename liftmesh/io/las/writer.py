@@ -35,6 +35,7 @@ _PACKED = 128
 _LAYERED = 6  # the first point format of LAS 1.4
 _CONFUSED = (9, 10)
 _INTERNAL_WAVES = 1 << 1  # of the global encoding
+_LAST_BITS = "last bits of coordinates, whose decimals are the same"
 _LEGACY_RETURNS, _RETURNS = 5, 15
 
 
@@ -97,8 +98,10 @@ def lost(cloud: Cloud, options: Mapping[str, Any]) -> Collection[str]:
     """Return what is not kept of a cloud: values without a place, bits of coordinates, colours."""
     layout = layout_of(cloud, options.get("scale"), options.get("point_format"))
     found = [*layout.fields.lost]
-    if not all(each.exact for each in layout.steps):
+    if not all(each.near for each in layout.steps):
         found.append("float64")
+    elif not all(each.exact for each in layout.steps):
+        found.append(_LAST_BITS)
     said = cloud.metadata.get(LAYOUT)
     if isinstance(said, Mapping) and "copc" in said:
         found.append("the index of COPC")

@@ -238,7 +238,7 @@ class _Choice:
         self._parts[k] = part
         self.negated = k if sign == "-" else self.negated
 
-    def completed(self, named: Sequence[str], *, flat: bool) -> list[str]:
+    def completed(self, named: Sequence[str], *, flat: bool | None) -> list[str]:
         """Return the part or the name of each column; "" for one that is left out."""
         taken = set(self._parts.values())
         found = _complete([meaning(name) for name in named])
@@ -251,7 +251,7 @@ class _Choice:
         self._check(named, names, flat=flat)
         return names
 
-    def _check(self, named: Sequence[str], names: Sequence[str], *, flat: bool) -> None:
+    def _check(self, named: Sequence[str], names: Sequence[str], *, flat: bool | None) -> None:
         missing = [each for each in ("x", "y") if each not in names]
         if missing and list(named) != list(self._given):
             raise FormatError(
@@ -264,7 +264,7 @@ class _Choice:
                 f"{' or '.join(missing)}: {self._remedy()}"
             )
         depths = [k for k, name in enumerate(named) if meaning(name).part == "depth"]
-        if depths and "z" not in names and not flat:
+        if depths and "z" not in names and flat is False:
             raise self._unsigned(depths[0])
 
     def _remedy(self) -> str:

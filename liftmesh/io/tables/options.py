@@ -33,13 +33,14 @@ class TableOptions:
     """Checked options; `checked` makes them of what a caller gives.
 
     ``chosen`` maps the parts of a point to names of columns, ``names`` are the names of all columns
-    in order; None if not given. ``missing`` holds the value that stands for a missing one, nothing
-    if there is none, and is None if the caller says neither.
+    in order; None if not given. ``flat`` is None if heights are read where a column is known as
+    them, and not missed otherwise. ``missing`` holds the value that stands for a missing one,
+    nothing if there is none, and is None if the caller says neither.
     """
 
     chosen: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     names: tuple[str, ...] | None = None
-    flat: bool = False
+    flat: bool | None = False
     delimiter: str | None = None
     decimal: str | None = None
     skip_rows: int = 0
@@ -50,14 +51,14 @@ class TableOptions:
 
     @property
     def names_all(self) -> bool:
-        """Whether the caller says that there are no heights, or names every column."""
-        return self.flat or self.names is not None
+        """Whether the caller does not miss heights, or names every column."""
+        return self.flat is not False or self.names is not None
 
 
 def checked(  # noqa: PLR0913 - one for each option
     *,
     columns: ColumnChoice = None,
-    flat: bool = False,
+    flat: bool | None = False,
     delimiter: str | None = None,
     decimal: str | None = None,
     skip_rows: int = 0,
@@ -91,7 +92,8 @@ def checked(  # noqa: PLR0913 - one for each option
     ('id', 'x', 'y', 'z')
     """
     chosen, names = _columns(columns)
-    _check_flag("flat", flat)
+    if flat is not None:
+        _check_flag("flat", flat)
     _check_flag("header", header)
     options = TableOptions(
         chosen=MappingProxyType(chosen),

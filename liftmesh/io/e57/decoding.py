@@ -1,0 +1,155 @@
+"""The scans of an E57 file, as the process that decodes them describes and sends them."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.errors import FormatError, MissingDependencyError
+from liftmesh.io.e57.program import PROGRAM
+from liftmesh.io.interpreter import command
+
+PIECE = 1 << 16  # rows
+_MOST_HEAD = 1 << 26  # bytes of the description of all scans
+_MOST_SAID = 1 << 12  # bytes of a message
+_MISSING, _WRONG = "missing: ", "wrong: "
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """What an E57 file says of a scan.
+
+    ``pose`` is the rotation (w, x, y, z) and the translation from its own coordinates to those of
+    the file. ``fields`` are the types by name; ``skipped`` names the fields of other kinds.
+    """
+
+    name: str
+    rows: int
+    pose: tuple[list[float], list[float]] | None
+    fields: dict[str, str]
+    skipped: list[str]
+
+
+class Decoder:
+    """The process that decodes a file; it is ended at the latest where `decoded` ends."""
+
+    def __init__(self, process: subprocess.Popen[bytes], messages: IO[bytes], name: str) -> None:
+        self._process = process
+        self._messages = messages
+        self._name = name
+        self._answer: Any = process.stdout
+        head = self._head()
+        self.crs: str = head["crs"]
+        self.images: int = head["images"]
+        self.scans = [Scan(**each) for each in head["scans"]]
+
+    def columns(self, scan: Scan) -> Iterator[dict[str, Array]]:
+        """Yield the values of the next scan by field, a piece of its rows at a time."""
+        left = scan.rows if scan.fields else 0
+        while left:
+            count = min(PIECE, left)
+            yield {name: self._values(count, kind) for name, kind in scan.fields.items()}
+            left -= count
+
+    def _head(self) -> dict[str, Any]:
+        line: bytes = self._answer.readline(_MOST_HEAD)
+        if not line.endswith(b"\n"):
+            raise self._ended()
+        found: dict[str, Any] = json.loads(line)
+        return found
+
+    def _values(self, count: int, kind: str) -> Array:
+        values = np.empty(count, kind)
+        left = memoryview(values).cast("B")  # type: ignore[arg-type]
+        while left:
+            size = self._answer.readinto(left)
+            if not size:
+                raise self._ended()
+            left = left[size:]
+        return values
+
+    def _ended(self) -> Exception:
+        """Say why the process has ended."""
+        code = self._process.wait()
+        self._messages.seek(0)
+        said = self._messages.read()[-_MOST_SAID:].decode("utf-8", "replace").strip()
+        last = said.splitlines()[-1] if said else ""
+        if last.startswith(_MISSING):
+            return MissingDependencyError(
+                f"this needs pye57, which cannot be imported ({last.removeprefix(_MISSING)}): "
+                "pip install 'liftmesh[e57]'"
+            )
+        cause = last.removeprefix(_WRONG) if last.startswith(_WRONG) else f"libE57 ended ({code})"
+        return FormatError(f"{self._name}: the file cannot be decoded: {cause}")
+
+
+@contextmanager
+def decoded(stream: BinaryIO, name: str) -> Iterator[Decoder]:
+    """Start the process that decodes a file.
+
+    Parameters
+    ----------
+    stream : binary stream
+        The file; what has no path is copied to a temporary one.
+    name : str
+        The file for messages.
+
+    Yields
+    ------
+    Decoder
+        What it sends.
+
+    Raises
+    ------
+    FormatError
+        It cannot be decoded.
+    MissingDependencyError
+        The package pye57 is not installed.
+    """
+    with _path_of(stream, name) as path, tempfile.TemporaryFile() as messages:
+        words = [*command(PROGRAM, "libE57"), path, str(PIECE)]
+        process = subprocess.Popen(  # noqa: S603 - our own program and a path
+            words,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=messages,
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        )
+        try:
+            yield Decoder(process, messages, name)
+        finally:
+            process.kill()
+            process.communicate()
+
+
+@contextmanager
+def _path_of(stream: BinaryIO, name: str) -> Iterator[str]:
+    """Yield the path of a file, or of a copy of what is none."""
+    if _is_file(stream, name):
+        yield os.path.abspath(name)  # noqa: PTH100
+        return
+    with tempfile.TemporaryDirectory(prefix="liftmesh-") as folder:
+        path = Path(folder, "copy.e57")
+        with path.open("wb") as copy:
+            stream.seek(0)
+            shutil.copyfileobj(stream, copy)
+        yield str(path)
+
+
+def _is_file(stream: BinaryIO, name: str) -> bool:
+    """Whether a stream is the file that has its name."""
+    try:
+        return os.path.samestat(os.fstat(stream.fileno()), os.stat(name))  # noqa: PTH116
+    except (AttributeError, OSError, ValueError):
+        return False

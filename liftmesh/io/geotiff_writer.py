@@ -1,0 +1,124 @@
+"""GeoTIFF from arrays; rasterio encodes it.
+
+The file is made in memory and handed to the stream whole, so that nothing but the file itself is
+opened on the disk, and GDAL leaves no files beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.choices import shown
+from liftmesh.crs import is_system
+from liftmesh.errors import InputError
+from liftmesh.optional import load
+
+_COMPRESSIONS = (None, "deflate", "lzw", "zstd")
+_TILE = 256
+_PIECE = 1 << 24
+_ALONE = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF"}
+
+
+def write(
+    stream: BinaryIO,
+    values: Array,
+    transform: Sequence[float],
+    crs: str | None,
+    *,
+    cog: bool = False,
+    compress: str | None = "deflate",
+) -> None:
+    """Write one band, with NaN as nodata.
+
+    Parameters
+    ----------
+    stream : binary file
+        Where to write.
+    values : (rows, columns) ndarray of float
+        The band.
+    transform : sequence of float
+        a, b, c, d, e and f of the corners of pixels.
+    crs : str, optional
+        WKT or ``EPSG:n``.
+    cog : bool
+        Whether the file is a cloud optimised GeoTIFF.
+    compress : str, optional
+        "deflate", "lzw", "zstd" or None.
+
+    Raises
+    ------
+    InputError
+        The compression or the coordinate system is unknown.
+    MissingDependencyError
+        rasterio is not installed.
+    """
+    system = checked(crs, compress)
+    rasterio = load("rasterio", extra="terrain")
+    profile = {
+        "width": values.shape[1],
+        "height": values.shape[0],
+        "count": 1,
+        "dtype": values.dtype.name,
+        "transform": rasterio.Affine(*transform),
+        "crs": system,
+        "nodata": np.nan,
+        **(_cog(compress) if cog else _tiff(compress, values.nbytes)),
+    }
+    with rasterio.Env(**_ALONE), rasterio.MemoryFile() as memory:
+        with memory.open(**profile) as file:
+            file.write(values, 1)
+        data = memoryview(memory.getbuffer())
+        stream.writelines(data[start : start + _PIECE] for start in range(0, len(data), _PIECE))
+
+
+def checked(crs: str | None, compress: str | None) -> Any:
+    """Check what a file is asked to have, before there are values.
+
+    Parameters
+    ----------
+    crs, compress : str, optional
+        As for `write`.
+
+    Returns
+    -------
+    rasterio.crs.CRS or None
+        The coordinate system.
+
+    Raises
+    ------
+    InputError
+        The compression or the coordinate system is unknown.
+    MissingDependencyError
+        rasterio is not installed.
+    """
+    if compress not in _COMPRESSIONS:
+        known = ", ".join(map(repr, _COMPRESSIONS))
+        raise InputError(f"compress is {shown(compress)}: give one of {known}")
+    if crs is None:
+        return None
+    rasterio = load("rasterio", extra="terrain")
+    errors = load("rasterio.errors", extra="terrain")
+    unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
+    if not is_system(crs):  # a text of PROJ can name files
+        raise unknown
+    try:
+        return rasterio.crs.CRS.from_user_input(crs)
+    except (errors.CRSError, UnicodeError) as error:
+        raise unknown from error
+
+
+def _tiff(compress: str | None, size: int) -> dict[str, Any]:
+    options: dict[str, Any] = {"driver": "GTiff", "BIGTIFF": "YES" if size >> 31 else "NO"}
+    if compress is None:
+        return options
+    tiles = {"tiled": True, "blockxsize": _TILE, "blockysize": _TILE}
+    return {**options, **tiles, "compress": compress, "predictor": 3}
+
+
+def _cog(compress: str | None) -> dict[str, Any]:
+    options = {"driver": "COG", "compress": compress or "none", "resampling": "nearest"}
+    return options if compress is None else {**options, "predictor": "FLOATING_POINT"}
