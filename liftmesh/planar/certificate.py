@@ -60,7 +60,8 @@ class Flaw:
         Its name: "invalid_index", "non_finite", "clockwise", "degenerate", "non_manifold_edges",
         "non_manifold_vertices", "boundary_loops", "boundary_winding", "not_convex",
         "missing_vertices", "not_delaunay", "no_triangles", "no_boundary", "euler" or
-        "not_canonical".
+        "not_canonical"; of tiles also "other_hull", "other_duplicates", "other_skipped" or
+        "damaged_files".
     count : int
         The number of occurrences.
     text : str

@@ -5,6 +5,7 @@ Each set of points has one canonical triangulation, and every method finds it.
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,15 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import Method, NonFinite, RowOrder, as_switch, check_option, check_progress
+from liftmesh.choices import (
+    Method,
+    NonFinite,
+    RowOrder,
+    as_folder,
+    as_switch,
+    check_option,
+    check_progress,
+)
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
@@ -42,6 +51,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     progress: Progress | None = None,
     copy: bool = False,
     metric: ArrayLike | None = None,
+    scratch: str | os.PathLike[str] | None = None,
 ) -> Triangulation:
     """Compute the Delaunay triangulation of planar points, exact for every finite double.
 
@@ -87,6 +97,11 @@ def delaunay(  # noqa: PLR0913 - options are keywords
         a x^2 + 2 b x y + c y^2, and circles are its ellipses. The points are lifted to this form
         instead of the paraboloid, and nothing is rounded. By default, as with the identity, the
         metric of the plane.
+    scratch : str or path, optional
+        A folder in which large arrays are files, also those of the result: some 75 bytes a row,
+        which are free again when the result is released. What memory does not hold is then slow,
+        but right. The points may be a mapped array. Only divide and conquer without a metric, in
+        the order of the engine, works so.
 
     Returns
     -------
@@ -98,13 +113,16 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     ------
     InputError
         `points` has the wrong shape, values that are not real numbers, or too many rows; an option
-        is unknown; `metric` is not symmetric and positive definite, or gift wrapping is to use it.
+        is unknown; `metric` is not symmetric and positive definite, or gift wrapping is to use it;
+        `scratch` is no folder, or cannot be used with the other options.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
     UnsupportedTypeError
         `points` is a path, or a column for each axis was given.
+    OSError
+        The disk of `scratch` is full, or fails.
 
     Notes
     -----
@@ -130,7 +148,18 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     """
     rows = rows_of(points)
     return Triangulation(
-        **solve(rows, method, q, nonfinite, order, threads, progress, copy, metric=metric)
+        **solve(
+            rows,
+            method,
+            q,
+            nonfinite,
+            order,
+            threads,
+            progress,
+            copy,
+            metric=metric,
+            scratch=scratch,
+        )
     )
 
 
@@ -145,12 +174,13 @@ def solve(  # noqa: PLR0913 - as above
     copy: bool = False,
     *,
     metric: ArrayLike | None = None,
+    scratch: str | os.PathLike[str] | None = None,
 ) -> dict[str, Any]:
     """Compute what a `Triangulation` is made of.
 
     Parameters
     ----------
-    points, method, q, nonfinite, order, threads, progress, copy, metric
+    points, method, q, nonfinite, order, threads, progress, copy, metric, scratch
         As for `delaunay`.
 
     Returns
@@ -178,6 +208,7 @@ def solve(  # noqa: PLR0913 - as above
     planar = planar.copy() if is_copied else planar
     count, shared = as_threads(threads, len(rows))
     run = planar, nonfinite == "skip", count, shared, progress
+    folder = None if scratch is None else _folder(scratch, method, order, form)
     more: dict[str, Any] = {}
     if method is not _AUTO and method in _WRAPPING:
         if form is not None:
@@ -188,10 +219,27 @@ def solve(  # noqa: PLR0913 - as above
         if q is not _ORIGIN:
             given_vertex(q)  # unused by divide and conquer, but an invalid one is an error
         if form is None:
-            outcome = _kernel.delaunay(*run)
+            outcome = _kernel.delaunay(*run, folder)
         else:
             outcome, more["metric"] = _by_metric(form, run), form
     return solution_of(outcome, rows, planar, order, progress, more)
+
+
+def _folder(
+    scratch: str | os.PathLike[str], method: Method, order: RowOrder, form: Floats | None
+) -> str:
+    """Check what has no arrays in files."""
+    folder = as_folder("scratch", scratch)
+    if not os.path.isdir(folder):  # noqa: PTH112 - Path raises for odd names
+        raise InputError(f"scratch {folder!r} is no folder: make it first")
+    for name, is_given in (
+        (f"method={method!r}", method in _WRAPPING),
+        (f"order={order!r}", order != _ENGINE),
+        ("metric", form is not None),
+    ):
+        if is_given:
+            raise InputError(f"scratch and {name} exclude each other: leave one out")
+    return folder
 
 
 def _by_metric(form: Floats, run: _kernel.Run) -> _kernel.Outcome:

@@ -21,13 +21,21 @@ _HARMLESS = re.compile(
 _JOGGLES = re.compile(r"QJ.*|R\d.*")
 
 
-def check_qhull_options(options: str | None) -> None:
+_OF_RESULT = {  # what there is instead, and where rows at one position are listed
+    "Delaunay": ("triangulation", "coplanar"),
+    "Voronoi": ("diagram", "duplicates"),
+}
+
+
+def check_qhull_options(options: str | None, kind: str = "Delaunay") -> None:
     """Raise if options of Qhull would change a triangulation.
 
     Parameters
     ----------
     options : str or None
         Options as SciPy passes them to Qhull, separated by blanks.
+    kind : {"Delaunay", "Voronoi"}
+        The class that takes them, for the message.
 
     Raises
     ------
@@ -47,16 +55,19 @@ def check_qhull_options(options: str | None) -> None:
         )
     for option in (options or "").split():
         if not _HARMLESS.fullmatch(option):
-            raise InputError(f"qhull_options: {option!r} {_reason(option)}")
+            raise InputError(f"qhull_options: {option!r} {_reason(option, kind)}")
 
 
-def _reason(option: str) -> str:
+def _reason(option: str, kind: str) -> str:
+    result, listed = _OF_RESULT[kind]
     if _JOGGLES.fullmatch(option):
         return (
-            "moves the points at random, for which an exact triangulation has no need: leave it "
-            "out (rows at one position stay duplicates, listed in `coplanar`)"
+            f"moves the points at random, for which an exact {result} has no need: leave it "
+            f"out (rows at one position stay duplicates, listed in `{listed}`)"
         )
+    if option == "Qu":
+        return "is furthest_site=True here"
     return (
-        "may give another triangulation than that of the points: leave it out, or use "
-        "scipy.spatial.Delaunay"
+        f"may give another {result} than that of the points: leave it out, or use "
+        f"scipy.spatial.{kind}"
     )

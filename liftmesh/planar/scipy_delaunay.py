@@ -119,7 +119,7 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         *,
         copy: bool = False,
     ) -> None:
-        rows = _planar(points)  # first: of columns x and y, the second is no option
+        rows = planar_rows(points)  # first: of columns x and y, the second is no option
         self.furthest_site = as_switch("furthest_site", furthest_site)
         check_qhull_options(qhull_options)
         is_growing = as_switch("incremental", incremental)
@@ -194,7 +194,7 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
                 "points can be added only to a triangulation made with incremental=True, until "
                 "it is closed"
             )
-        added = _planar(points)
+        added = planar_rows(points)
         check_finite(added, skippable=False)
         if len(added):
             self._triangulate(np.concatenate([self._rows, added]), copy=False)
@@ -296,24 +296,47 @@ _COMPUTED_LATER = [
 ]
 
 
-def _planar(points: ArrayLike) -> Floats:
-    """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
+def planar_rows(points: ArrayLike, kind: str = "Delaunay") -> Floats:
+    """Convert points to contiguous rows of float64, which SciPy's compiled code reads.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points.
+    kind : {"Delaunay", "Voronoi"}
+        The class that takes them, for the message.
+
+    Returns
+    -------
+    (n, 2) ndarray of float64
+        The caller's array itself if it has this type and layout already.
+
+    Raises
+    ------
+    InputError
+        They are no planar points.
+
+    Examples
+    --------
+    >>> planar_rows([[0, 1]])
+    array([[0., 1.]])
+    """
     with suppress(ValueError):  # of rows that differ in length, which the conversion names
         array = np.asanyarray(points)
         points = array if array.ndim else points  # what is no array, the conversion names, too
     if isinstance(points, np.ndarray):
-        _refuse_space(points.shape)
+        _refuse_space(points.shape, kind)
     rows = as_coordinates(points)
     return np.ascontiguousarray(rows, dtype=np.float64)
 
 
-def _refuse_space(shape: tuple[int, ...]) -> None:
+def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
     """Raise for points of more than two columns, unless rows and columns seem exchanged."""
     if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
         raise InputError(
             f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
-            "points[:, :2] to triangulate their first two, or use scipy.spatial.Delaunay for "
-            f"simplices in {shape[1]} dimensions"
+            f"points[:, :2] to take their first two, or use scipy.spatial.{kind} for {shape[1]} "
+            "dimensions"
         )
 
 

@@ -1,0 +1,168 @@
+"""anisotropic_stars(): the star of each point, exact in a metric of its own.
+
+J.-D. Boissonnat, C. Wormser and M. Yvinec, "Locally uniform anisotropic meshing", SoCG 2008. In the
+metric of one point, the Delaunay triangulation of all points is that of a constant metric, and the
+star of the point is part of it. Stars of points with different metrics need not agree.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Mask, Progress
+from liftmesh.arrays import as_coordinates
+from liftmesh.choices import check_progress
+from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.floats import as_floats, unmasked
+from liftmesh.planar.anisotropic_stars import AnisotropicStars
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.shapes import of_one_array
+
+_REMEDY = "give [[a, b], [b, c]] with a > 0 and a c > b^2 for each row"
+
+
+@of_one_array
+def anisotropic_stars(
+    points: ArrayLike, metrics: ArrayLike, *, progress: Progress | None = None
+) -> AnisotropicStars:
+    """Compute the star of each point in its own metric, exact for every finite double.
+
+    The star of a row holds its triangles in the Delaunay triangulation of all points in the metric
+    of that row, as ``delaunay(points, metric=metrics[row])`` has them. A triangle is consistent if
+    it is in the stars of all its three corners. Where metrics differ, some are not; to make all of
+    them consistent takes further points. So no triangulation is promised: consistent triangles
+    cover the plane only if every star is consistent, and may not even then if metrics vary much.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points, at least three that are not on one line.
+    metrics : array_like of shape (n, 2, 2)
+        For each row a symmetric, positive definite matrix M: the square of the length of a vector
+        v is v^T M v.
+    progress : callable, optional
+        As for `delaunay`; called with 0.0 to 1.0.
+
+    Returns
+    -------
+    AnisotropicStars
+        Indices are rows of `points`. Rows that are no vertex of `delaunay`, as they equal a row
+        before, have no star.
+
+    Raises
+    ------
+    InputError
+        The shape or the type of the values is wrong, or a matrix is not symmetric or not positive
+        definite, of which the exact determinant decides. The message names the row.
+    NonFiniteError
+        A coordinate or a number of a matrix is not finite.
+    DegenerateInputError
+        There are fewer than three distinct points, or all lie on one line.
+    UnsupportedTypeError
+        `points` is a path, or a column for each axis was given.
+
+    Notes
+    -----
+    A star starts with the Euclidean neighbours of its point. A tree of boxes finds points inside
+    the ellipses of its triangles, until there are none. With metrics whose largest and smallest
+    length of a unit vector have a bounded ratio, a star takes O(log n) on points that are evenly
+    spread; in general it may take O(n).
+
+    Examples
+    --------
+    >>> points = [[0, 0], [2, 0], [0, 1], [2, 1]]
+    >>> stretched = [[[1, 0.5], [0.5, 1]]] * 4
+    >>> stars = anisotropic_stars(points, stretched)
+    >>> stars
+    <AnisotropicStars: 2 consistent triangles over 4 points, 0 inconsistent rows>
+    >>> stars.simplices.tolist()
+    [[0, 1, 2], [1, 3, 2]]
+    >>> anisotropic_stars(points, [[[1, 0], [0, 0]]] * 4)
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: row 0 has the metric [[1.0, 0.0], [0.0, 0.0]], which is not ...
+    """
+    check_progress(progress)
+    rows = as_coordinates(points)
+    if rows.shape[1] != 2:
+        raise InputError(f"points need the shape (n, 2), not {rows.shape}: give x and y alone")
+    matrices = as_metrics(metrics, len(rows))
+    planar = rows.astype(np.float64, order="C") + 0.0
+    tri = delaunay(planar)
+    starts, neighbors = tri.vertex_neighbor_vertices
+    hull = np.ascontiguousarray(tri.convex_hull)
+    upper = np.ascontiguousarray(matrices.reshape(-1, 4)[:, [0, 1, 3]])
+    given = (planar, upper, starts, np.ascontiguousarray(neighbors), hull, progress)
+    indptr, indices = _kernel.anisotropic_stars(*given)
+    return AnisotropicStars(planar, matrices, indptr, indices, hull[:, 0].copy(), tri.duplicates)
+
+
+def as_metrics(metrics: ArrayLike, rows: int) -> Floats:
+    """Convert a matrix for each row.
+
+    Parameters
+    ----------
+    metrics : array_like of shape (rows, 2, 2)
+        Symmetric, positive definite matrices.
+    rows : int
+        How many there must be.
+
+    Returns
+    -------
+    (rows, 2, 2) ndarray of float64
+        An array of its own.
+
+    Raises
+    ------
+    InputError
+        As for `anisotropic_stars`.
+    NonFiniteError
+        A number is not finite.
+
+    Examples
+    --------
+    >>> as_metrics([[[2, 1], [1, 2]]], 1).shape
+    (1, 2, 2)
+    """
+    try:
+        given = np.asanyarray(metrics)
+    except ValueError as error:
+        raise InputError(f"metrics cannot be read as numbers ({error}): {_REMEDY}") from error
+    if given.shape != (rows, 2, 2):
+        raise InputError(f"metrics have the shape {given.shape}, not ({rows}, 2, 2): {_REMEDY}")
+    flat = as_floats(unmasked(given.reshape(rows, 4), "metrics"), "metrics")
+    matrices = np.array(flat, dtype=np.float64).reshape(rows, 2, 2)
+    _check(matrices)
+    return matrices
+
+
+def _check(matrices: Floats) -> None:
+    finite = np.isfinite(matrices).all((1, 2))
+    if not finite.all():
+        row = int(finite.argmin())
+        raise NonFiniteError(f"{_named(matrices, row)}, which is not finite: {_REMEDY}", row=row)
+    symmetric = matrices[:, 0, 1] == matrices[:, 1, 0]
+    if not symmetric.all():
+        row = int(symmetric.argmin())
+        raise InputError(f"{_named(matrices, row)}, which is not symmetric: {_REMEDY}")
+    for row in np.flatnonzero(~_surely_definite(matrices)).tolist():
+        a, b, _, c = (Fraction(value) for value in matrices[row].ravel().tolist())
+        if not (a > 0 and a * c > b * b):
+            raise InputError(f"{_named(matrices, row)}, which is not positive definite: {_REMEDY}")
+
+
+def _surely_definite(matrices: Floats) -> Mask:
+    """Return where rounding, and underflow, cannot have decided."""
+    a, b, _, c = matrices.reshape(-1, 4).T
+    with np.errstate(over="ignore", under="ignore"):
+        product = a * c
+        sure: Mask = (a > 0) & (product > b * b * (1 + 1e-15))
+        sure &= (product > 1e-290) & (product < 1e300)
+    return sure
+
+
+def _named(matrices: Floats, row: int) -> str:
+    return f"row {row} has the metric {matrices[row].tolist()}"

@@ -1,0 +1,202 @@
+"""`ApolloniusGraph`: triangles of disks, the circles that touch these, and what is hidden."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats, Rows
+from liftmesh.arrays import as_reals
+from liftmesh.choices import as_count, shown
+from liftmesh.errors import InputError
+from liftmesh.frozen import constructed_from, freeze
+from liftmesh.planar.apollonius_cells import Place, branch_between, clipped, sides
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ApolloniusGraph:
+    """The Delaunay graph of disks, as returned by `apollonius`.
+
+    Every index is a row of the caller's arrays. It is no triangulation of the centres: triangles
+    may be degenerate or turned over as triangles of these, and two may have the same corners, one
+    for each order. A disk may have two neighbours only, and share two edges with one of them. All
+    arrays are read-only.
+
+    Parameters
+    ----------
+    centers : (n, 2) ndarray of float64
+        The centres.
+    radii : (n,) ndarray of float64
+        The radii.
+    simplices : (m, 3) ndarray of int32
+        The triangles, in ascending order, each from its lowest row on: the order in which a circle
+        that no disk enters touches its three disks, counter-clockwise about the circle's centre.
+    neighbors : (m, 3) ndarray of int32
+        The triangle across the edge opposite corner k; -1 outside. If two triangles share two
+        edges, each names the other twice.
+    circles : (m, 3) ndarray of float64
+        Centre and radius of these circles, rounded. The radius is negative if the circle is
+        touched from its inside, in the overlap of three disks.
+    convex_hull : (h, 2) ndarray of int32
+        Pairs of disks with a common tangent that no disk crosses, counter-clockwise, each from the
+        second of the one before to the first of the next. A large disk may occur several times.
+    hidden : (k, ) ndarray of int32
+        Rows within a disk of another row, in ascending order: also those that touch its boundary
+        from inside. They have no cell.
+    duplicates : (j, 2) ndarray of int32
+        Rows equal to a row before, each with the first such row, which stands for them.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> graph = liftmesh.apollonius([[-4, 0], [4, 0], [0, 0]], [3, 3, 0.5])
+    >>> graph.simplices.tolist()  # the circles above and below
+    [[0, 1, 2], [0, 2, 1]]
+    >>> graph.circles[0].round(6).tolist()
+    [0.0, -1.95, 1.45]
+    >>> graph.edges.tolist()
+    [[0, 1], [0, 1], [0, 2], [1, 2]]
+    """
+
+    centers: Floats
+    radii: Floats
+    simplices: Rows
+    neighbors: Rows
+    circles: Floats
+    convex_hull: Rows
+    hidden: Rows
+    duplicates: Rows
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<ApolloniusGraph: {len(self.simplices):,} triangles over {len(self.radii):,} disks, "
+            f"{len(self.hidden):,} hidden, {len(self.duplicates):,} duplicates>"
+        )
+
+    @property
+    def edges(self) -> Rows:
+        """Pairs of disks whose cells share a side, (e, 2) int32, in ascending order.
+
+        A pair stands there once for each side: disks between which another stands may share two.
+        """
+        # Of its two sides, of triangles or of the hull, one is in ascending order.
+        sides = self.simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
+        pairs = np.concatenate([sides, self.convex_hull[:, ::-1]])
+        pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+        return pairs[np.lexsort(pairs.T[::-1])]
+
+    def neighbors_of(self, row: int) -> Rows:
+        """Return the disks whose cells meet that of a disk.
+
+        Parameters
+        ----------
+        row : int
+            A row.
+
+        Returns
+        -------
+        (k,) ndarray of int32
+            In ascending order, each once; empty for a hidden row or a duplicate.
+
+        Raises
+        ------
+        InputError
+            It is no number of a row, or there is no such row.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.apollonius([[0, 0], [5, 0], [0, 5]], [1, 1, 1]).neighbors_of(2)
+        array([0, 1], dtype=int32)
+        """
+        if as_count("row", row, 0) >= len(self.radii):
+            raise InputError(f"there is no row {row} among {len(self.radii):,} disks")
+        edges = self.edges
+        return np.unique(edges[:, ::-1][edges == row])
+
+    def cell_sides(self, box: ArrayLike, tolerance: float) -> list[tuple[tuple[int, int], Floats]]:
+        """Return the sides of all cells in a box, as polylines.
+
+        A side is an arc of a hyperbola, or a segment between equal disks. The points are rounded;
+        between them, chords are at most `tolerance` off the arc.
+
+        Parameters
+        ----------
+        box : (4,) array_like
+            The least x and y, and the greatest. Sides are cut off there.
+        tolerance : float
+            Positive, as long as coordinates.
+
+        Returns
+        -------
+        list of tuple
+            For each piece the two disks whose cells share it, the lower row first, and its points,
+            (k, 2) float64.
+
+        Raises
+        ------
+        InputError
+            They are no numbers, the box is not finite or has no area, or the tolerance is not
+            positive.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> graph = liftmesh.apollonius([[0, 0], [4, 0]], [1, 1])
+        >>> [(disks, line)] = graph.cell_sides((0, -1, 4, 1), 0.1)
+        >>> disks, line.round(9).tolist()
+        ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
+        """
+        limits, length = _as_limits(box), _as_length(tolerance)
+        found = []
+        for a, b, left, right in sides(self.simplices, self.neighbors, self.convex_hull):
+            line = self._side(a, b, left, right, limits, length)
+            found += [((min(a, b), max(a, b)), piece) for piece in clipped(line, limits)]
+        return found
+
+    def _side(
+        self, a: int, b: int, left: int, right: int, box: tuple[float, ...], tolerance: float
+    ) -> list[Place]:
+        """Return a side within the distance at which nothing of the box is left."""
+        branch, is_turned = branch_between(self.centers, self.radii, a, b)
+        corners = ((box[i], box[j]) for i in (0, 2) for j in (1, 3))
+        farthest = max(np.hypot(x - branch.x, y - branch.y) for x, y in corners)
+        widest = branch.widest(1.01 * float(farthest))
+        first, last = (left, right) if is_turned else (right, left)
+        start = -widest if first < 0 else branch.turn_of(self.circles[first, :2])
+        end = widest if last < 0 else branch.turn_of(self.circles[last, :2])
+        start, end = max(start, -widest), min(end, widest)
+        return branch.polyline(start, end, tolerance) if start < end else []
+
+
+def _numbers(name: str, value: ArrayLike) -> Floats:
+    try:
+        return as_reals(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is {shown(value)}: give real numbers") from error
+
+
+def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
+    values = _numbers("box", box)
+    if values.shape != (4,) or not np.isfinite(values).all():
+        raise InputError(f"box is {shown(box)}: give four finite numbers")
+    x, y, right, upper = values.tolist()
+    if not (x < right and y < upper):
+        raise InputError(f"box is {shown(box)}: give the least x and y, then the greatest")
+    return x, y, right, upper
+
+
+def _as_length(tolerance: float) -> float:
+    value = _numbers("tolerance", tolerance)
+    if value.shape != () or not value > 0:
+        raise InputError(f"tolerance is {shown(tolerance)}: give a positive number")
+    return float(value)
