@@ -1,0 +1,1 @@
+"""Voronoi and power cells inside a domain: polygons, measured."""

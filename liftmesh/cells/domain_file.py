@@ -1,0 +1,65 @@
+"""A domain that is a file: the union of its polygons, and their coordinate system."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from liftmesh.cells.domain import united
+from liftmesh.cells.systems import text_of
+from liftmesh.errors import FormatError, InputError
+from liftmesh.optional import load
+
+_DEGREES = np.array([180.0, 90.0])
+
+
+def read_domain(path: Path) -> tuple[Any, str | None]:
+    """Read the polygons of a file.
+
+    Parameters
+    ----------
+    path : Path
+        Any file that geopandas reads.
+
+    Returns
+    -------
+    shape : shapely.Geometry
+        The union of all polygons.
+    crs : str or None
+        Their coordinate system. That of a GeoJSON file is degrees by the standard; if its
+        coordinates are none, and it says nothing else, it is not known.
+
+    Raises
+    ------
+    FormatError
+        The file cannot be read, or holds something else than polygons.
+    InputError
+        A polygon is not valid.
+    MissingDependencyError
+        geopandas is missing.
+    """
+    geopandas = load("geopandas", extra="shapes")
+    try:
+        shapes = geopandas.read_file(path).get("geometry")
+    except Exception as error:  # of whatever kind GDAL's reader makes
+        first = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise FormatError(f"{path}: cannot be read as a domain: {first}") from error
+    if shapes is None:
+        raise FormatError(f"{path}: there are no polygons in it: a domain is made of these")
+    try:
+        shape = united(shapes.to_numpy())
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    return shape, _system(shapes.crs, shape)
+
+
+def _system(crs: Any, shape: Any) -> str | None:
+    if crs is None or (crs.is_geographic and not _is_degrees(shape.bounds)):
+        return None
+    return text_of(crs)
+
+
+def _is_degrees(bounds: tuple[float, ...]) -> bool:
+    return bool((np.abs(np.reshape(bounds, (2, 2))) <= 2 * _DEGREES).all())

@@ -1,0 +1,227 @@
+"""The triangulation behind cells, or the chain of rows where all of them lie on one line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Reals, Rows
+from liftmesh.arrays import as_coordinates, non_finite, widened
+from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
+from liftmesh.planar import delaunay, regular
+from liftmesh.planar.diagram import Diagram, diagram_of, regions_of
+from liftmesh.planar.meshes import rows_of
+from liftmesh.planar.power_cells import rows_without_area
+from liftmesh.planar.regular_triangulation import RegularTriangulation
+from liftmesh.planar.weights import ONE_EACH, as_weights
+
+_NOTHING = np.empty((0, 3), dtype=np.int32)
+_NO_ROWS = np.empty(0, dtype=np.int32)
+_NO_PAIRS = np.empty((0, 2), dtype=np.int32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dual:
+    """Sites, and which of their cells have a ridge between them.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        The rows.
+    kind : {"plain", "weights", "radii"}
+        What lowers them.
+    values : (n,) ndarray of float64
+        The weights or radii; empty if there are none.
+    simplices, neighbors : (m, 3) ndarray of int32
+        The triangles.
+    chain : (c,) ndarray of int32
+        If there are none, the rows with a cell, in the order on their line.
+    vertices : (v, 2) ndarray of float64
+        The vertices of the diagram, rounded correctly.
+    simplex_to_vertex : (m,) ndarray of int32
+        The vertex of each triangle.
+    duplicates : (k, 2) ndarray of int32
+        Rows of the same position and value as another, each with the first of them.
+    hidden : (h,) ndarray of int32
+        Rows without a cell because others are heavier.
+    degenerate : (d,) ndarray of int32
+        Rows whose cell is a segment, a ray, a line or a point. They are in no triangle.
+    """
+
+    points: Floats
+    kind: str
+    values: Floats
+    simplices: Rows = field(default_factory=lambda: _NOTHING)
+    neighbors: Rows = field(default_factory=lambda: _NOTHING)
+    chain: Rows = field(default_factory=lambda: _NO_ROWS)
+    vertices: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    simplex_to_vertex: Rows = field(default_factory=lambda: _NO_ROWS)
+    duplicates: Rows = field(default_factory=lambda: _NO_PAIRS)
+    hidden: Rows = field(default_factory=lambda: _NO_ROWS)
+    degenerate: Rows = field(default_factory=lambda: _NO_ROWS)
+
+
+def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
+    """Triangulate sites of any number and position.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2) or (n, 3)
+        As for `delaunay`.
+    kind : {"plain", "weights", "radii"}
+        What `given` is.
+    given : (n,) array_like, optional
+        The values.
+
+    Returns
+    -------
+    Dual
+        The triangulation or the chain.
+
+    Raises
+    ------
+    InputError
+        As for `regular`, or there are no rows.
+    NonFiniteError
+        A row or a value is not finite.
+    """
+    rows = as_coordinates(rows_of(points))
+    planar = _own(rows[:, :2])
+    if not len(planar):
+        raise InputError("there are no points: give one at least")
+    values = _values(kind, given, len(planar))
+    try:
+        found = delaunay.solve(planar) if kind == "plain" else regular.solve(planar, kind, values)
+    except DegenerateInputError:
+        return _chained(planar, kind, values)
+    except NonFiniteError as error:  # whose remedy is an option that cells have not
+        raise _unskippable(error, planar, kind, values) from None
+    triangles = found["simplices"], found["neighbors"]
+    diagram = diagram_of(planar, *triangles, values, kind)
+    degenerate = _NO_ROWS if kind == "plain" else _without_area(found, diagram)
+    if len(degenerate):
+        triangles = _without(degenerate, planar, kind, values, triangles[0])
+        diagram = diagram_of(planar, *triangles, values, kind)
+    return Dual(
+        planar,
+        kind,
+        values,
+        *triangles,
+        vertices=diagram.vertices,
+        simplex_to_vertex=diagram.simplex_to_vertex,
+        duplicates=found["duplicates"],
+        hidden=found.get("hidden", _NO_ROWS),
+        degenerate=degenerate,
+    )
+
+
+def _without_area(found: dict[str, Any], diagram: Diagram) -> Rows:
+    """Find degenerate rows: their triangles share vertices, and they have at most two ridges."""
+    rows, simplices = len(found["points"]), found["simplices"]
+    if len(diagram.vertices) == len(simplices):
+        return _NO_ROWS
+    regions = regions_of(rows, simplices, found["neighbors"], diagram.simplex_to_vertex)
+    ridges = np.bincount(regions.ridge_points.reshape(-1), minlength=rows)
+    is_vertex = np.zeros(rows, dtype=np.bool_)
+    is_vertex[simplices.reshape(-1)] = True
+    few = np.flatnonzero(is_vertex & (ridges <= 2))
+    return rows_without_area(RegularTriangulation(**found)) if len(few) else _NO_ROWS
+
+
+def _without(
+    degenerate: Rows, planar: Floats, kind: str, values: Floats, simplices: Rows
+) -> tuple[Rows, Rows]:
+    """Triangulate the vertices but for some; the cells of the others stay as they are."""
+    kept = np.setdiff1d(simplices, degenerate).astype(np.int32)
+    found = regular.solve(planar[kept], kind, values[kept])
+    return kept[found["simplices"]], found["neighbors"]
+
+
+def _values(kind: str, given: Any, rows: int) -> Floats:
+    if kind == "plain":
+        return np.empty(0)
+    return _own(as_weights(kind, given, rows).values)
+
+
+def _own(given: Reals) -> Floats:
+    """Return a copy, which no other thread can write between the triangulation and its use."""
+    return np.array(widened(given), dtype=np.float64, order="C")
+
+
+def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
+    row = error.row
+    if np.isfinite(planar[row]).all():
+        return NonFiniteError(
+            f"row {row} has the {ONE_EACH[kind]} {float(values[row])!r}: remove such rows first",
+            row=row,
+        )
+    return non_finite(row, planar[row], skippable=False)
+
+
+def _chained(planar: Floats, kind: str, values: Floats) -> Dual:
+    """Order rows on one line, and leave out those that the others hide: a lower hull."""
+    planar = planar + 0.0
+    heaviness = values if len(values) else np.zeros(len(planar))
+    order = np.lexsort((np.arange(len(planar)), -heaviness, planar[:, 1], planar[:, 0]))
+    kept: list[int] = []
+    duplicates: list[tuple[int, int]] = []
+    hidden: list[int] = []
+    for row in order.tolist():
+        if not kept or (planar[row] != planar[kept[-1]]).any():
+            kept.append(row)
+        elif heaviness[row] == heaviness[kept[-1]]:
+            duplicates.append((row, kept[-1]))
+        else:
+            hidden.append(row)
+    line = _Line(planar, kind, values)
+    chain = line.lower_hull(kept) if len(values) else kept
+    degenerate = line.on_hull(kept, chain) if len(chain) < len(kept) else []
+    hidden += {*kept} - {*chain} - {*degenerate}
+    pairs = np.array(sorted(duplicates), dtype=np.int32).reshape(-1, 2)
+    return Dual(
+        planar,
+        kind,
+        values,
+        chain=np.array(chain, dtype=np.int32),
+        duplicates=pairs,
+        hidden=np.array(sorted(hidden), dtype=np.int32),
+        degenerate=np.array(sorted(degenerate), dtype=np.int32),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """Weighted rows on one line."""
+
+    planar: Floats
+    kind: str
+    values: Floats
+
+    def height(self, *three: int) -> int:
+        """Where the lift of the second row is: 1 above the segment of the others, -1 below."""
+        sign = np.empty(1, dtype=np.int8)
+        a, b, c = (self.planar[[row]] for row in three)
+        _kernel.height_between(a, b, c, self.values[[*three]].reshape(1, 3), self.kind, sign)
+        return int(sign[0])
+
+    def lower_hull(self, rows: list[int]) -> list[int]:
+        """Leave out, of rows in their order, those on the hull of the others, or above it."""
+        hull: list[int] = []
+        for row in rows:
+            while len(hull) > 1 and self.height(*hull[-2:], row) >= 0:
+                hull.pop()
+            hull.append(row)
+        return hull
+
+    def on_hull(self, rows: list[int], hull: list[int]) -> list[int]:
+        """Return the rows that are on a segment of the hull, between its ends."""
+        found, place = [], 0
+        for row in rows:
+            if row == hull[place]:
+                place = min(place + 1, len(hull) - 1)
+            elif self.height(hull[place - 1], row, hull[place]) == 0:
+                found.append(row)
+        return found

@@ -1,0 +1,132 @@
+"""Corners of clipped cells as exact rationals, from where they come from.
+
+Nearly all corners are known well enough without. These are for the few whose rounding is in doubt,
+and for rings in which corners seem to coincide, or sides to overlap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from liftmesh._typing import Rows
+
+if TYPE_CHECKING:
+    from liftmesh.cells.domain import Domain
+    from liftmesh.cells.dual import Dual
+
+Exact = tuple[Fraction, Fraction]
+
+
+def turn(a: Exact, b: Exact, c: Exact) -> Fraction:
+    """Twice the signed area of a triangle.
+
+    >>> turn((0, 0), (1, 0), (0, 1))
+    1
+    """
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def doubled_area(ring: Sequence[Exact]) -> Fraction:
+    """Twice the signed area of a polygon.
+
+    >>> int(doubled_area([(0, 0), (1, 0), (1, 1), (0, 1)]))
+    2
+    """
+    pairs = zip(ring, (*ring[1:], *ring[:1]), strict=True)
+    return sum((a[0] * b[1] - a[1] * b[0] for a, b in pairs), Fraction(0))
+
+
+def is_within(point: Exact, a: Exact, b: Exact) -> bool:
+    """Whether a point on the line through two others is strictly between them.
+
+    >>> is_within((1, 1), (0, 0), (2, 2)), is_within((2, 2), (0, 0), (2, 2))
+    (True, False)
+    """
+    return all(
+        (point[i] - p[i]) * (q[i] - p[i]) >= 0 and point != p
+        for p, q in ((a, b), (b, a)) for i in (0, 1)
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExactCorners:
+    """Corners of clipped cells.
+
+    Parameters
+    ----------
+    dual : Dual
+        The sites.
+    domain : Domain
+        What they are clipped to.
+    next_corner : (k,) ndarray of int32
+        The corner of the domain that follows each.
+    """
+
+    dual: Dual
+    domain: Domain
+    next_corner: Rows
+
+    def at(self, cell: int, edge: int, other: int) -> Exact:
+        """Compute a corner.
+
+        Parameters
+        ----------
+        cell, edge, other : int
+            The cell, and where the corner comes from, as the kernel tells it.
+
+        Returns
+        -------
+        tuple of Fraction
+            Its coordinates.
+        """
+        if edge < 0:
+            return self._centre(self.dual.simplices[other].tolist())
+        start, end = self.ends(edge)
+        return start if other < 0 else self._crossing(start, end, cell, other)
+
+    def ends(self, edge: int) -> tuple[Exact, Exact]:
+        """Return the ends of an edge of the domain.
+
+        Parameters
+        ----------
+        edge : int
+            Its number.
+
+        Returns
+        -------
+        tuple
+            The corner of that number, and the next one of its ring.
+        """
+        corners = self.domain.corners
+        return _exact(corners[edge]), _exact(corners[self.next_corner[edge]])
+
+    def _crossing(self, start: Exact, end: Exact, cell: int, other: int) -> Exact:
+        a, b, c = self._axis(cell, other)
+        first, last = a * start[0] + b * start[1] - c, a * end[0] + b * end[1] - c
+        share = first / (first - last)
+        return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+
+    def _centre(self, rows: Sequence[int]) -> Exact:
+        a, b, p = self._axis(rows[0], rows[1])
+        c, d, q = self._axis(rows[0], rows[2])
+        determinant = a * d - b * c
+        return (p * d - b * q) / determinant, (a * q - p * c) / determinant
+
+    def _axis(self, row: int, other: int) -> tuple[Fraction, Fraction, Fraction]:
+        """Coefficients a, b, c of the line a x + b y = c of equal power to two rows."""
+        (x, y), (u, v) = _exact(self.dual.points[row]), _exact(self.dual.points[other])
+        height = u * u + v * v - x * x - y * y - self._lowering(other) + self._lowering(row)
+        return 2 * (u - x), 2 * (v - y), height
+
+    def _lowering(self, row: int) -> Fraction:
+        if self.dual.kind == "plain":
+            return Fraction(0)
+        value = Fraction(float(self.dual.values[row]))
+        return value * value if self.dual.kind == "radii" else value
+
+
+def _exact(point: Sequence[float]) -> Exact:
+    return Fraction(float(point[0])), Fraction(float(point[1]))

@@ -1,0 +1,72 @@
+"""Cells as a GeoPackage, by geopandas."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.cells.columns import free_name
+from liftmesh.errors import FormatError
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.cells.cells import Cells
+
+_MOST = np.iinfo(np.int64).max
+
+
+def write_geopackage(
+    stream: BinaryIO, cells: Cells, columns: Mapping[str, Array], crs: str | None = None
+) -> tuple[str, ...]:
+    """Write cells as one layer: a writer of `files.write_cells`.
+
+    Rows without an area have no geometry. Returned is what the file does not keep: a coordinate
+    system that pyproj does not know. Names that differ in upper and lower case alone, and integers
+    beyond 64 bits with a sign, are errors.
+    """
+    geopandas = load("geopandas", extra="shapes")
+    _check_names(columns)
+    shapes = cells.to_shapely()
+    shapes[cells.empty] = None
+    values = {name: _signed(name, column) for name, column in columns.items()}
+    system = _known(crs)
+    frame = geopandas.GeoDataFrame(values, geometry=shapes, crs=system)
+    written = io.BytesIO()
+    names = {"FID": free_name("fid", columns), "GEOMETRY_NAME": free_name("geom", columns)}
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*'crs' was not provided", UserWarning)
+        frame.to_file(written, driver="GPKG", layer="cells", engine="pyogrio", **names)
+    stream.write(written.getbuffer())
+    return ("crs",) if crs is not None and system is None else ()
+
+
+def _check_names(columns: Mapping[str, Array]) -> None:
+    name, count = Counter(map(str.casefold, columns)).most_common(1)[0] if columns else ("", 0)
+    if count > 1:
+        both = " and ".join(repr(each) for each in columns if each.casefold() == name)
+        raise FormatError(f"a GeoPackage takes columns {both} for one: rename one")
+
+
+def _signed(name: str, values: Array) -> Array:
+    if values.dtype != np.uint64:
+        return values
+    if values.max(initial=0) > _MOST:
+        raise FormatError(
+            f"column {name!r} has the value {values.max()}: a GeoPackage has no integers beyond "
+            "2**63"
+        )
+    return values.astype(np.int64)
+
+
+def _known(crs: str | None) -> Any:
+    pyproj = load("pyproj", extra="shapes")
+    try:
+        return None if crs is None else pyproj.CRS.from_user_input(crs)
+    except pyproj.exceptions.CRSError:
+        return None

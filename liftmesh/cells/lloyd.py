@@ -1,0 +1,166 @@
+"""lloyd(): points relaxed towards the centroids of their cells.
+
+S. P. Lloyd, "Least squares quantization in PCM" (1982): each step moves every point to the centroid
+of its Voronoi cell, and none increases the energy, the integral over the domain of the squared
+distance to the nearest point. With a density the points become stipples of it: A. Secord, "Weighted
+Voronoi Stippling", NPAR 2002.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats
+from liftmesh.arrays import read_only
+from liftmesh.cells.cells import Cells
+from liftmesh.cells.density import as_density
+from liftmesh.cells.domain import as_domain
+from liftmesh.cells.dual import dual_of
+from liftmesh.cells.measure import Measure, check_extent, total_mass
+from liftmesh.cells.sites import sites_of
+from liftmesh.choices import as_count, shown
+from liftmesh.errors import InputError
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Relaxed:
+    """Points relaxed by `lloyd`.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        The points after the last step, in the order of the rows.
+    cells : Cells
+        Their cells.
+    energies : (s + 1,) ndarray of float64
+        The energy before each step, and at the end.
+    largest_move : float
+        How far the last step moved the point that it moved most.
+    converged : bool
+        Whether that was within the tolerance.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> relaxed = liftmesh.lloyd([[0.1, 0.5], [0.2, 0.5]], domain=(0, 0, 1, 1), tolerance=1e-6)
+    >>> relaxed.points.round(3), relaxed.converged
+    (array([[0.25, 0.5 ],
+           [0.75, 0.5 ]]), True)
+    """
+
+    points: Floats
+    cells: Cells
+    energies: Floats
+    largest_move: float
+    converged: bool
+
+    def __repr__(self) -> str:
+        steps = len(self.energies) - 1
+        state = f"{'converged' if self.converged else 'not converged'} after {steps:,} steps"
+        return f"<Relaxed: {len(self.points):,} rows, {state}, the last of {self.largest_move:.3g}>"
+
+
+def lloyd(
+    points: ArrayLike,
+    *,
+    domain: Any = None,
+    density: Any = None,
+    steps: int = 100,
+    tolerance: float = 1e-3,
+) -> Relaxed:
+    """Relax points inside a domain by Lloyd's method, towards evenly spread ones.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2) or (n, 3)
+        Planar points, as for `voronoi`.
+    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+        As for `voronoi`.
+    density : (h, w) array_like, or a tuple of one and (xmin, ymin, xmax, ymax), optional
+        How much each place counts, from 0: an image, constant in each pixel, whose first row is the
+        highest; and the box that it fills, by default that of the domain. It is 0 outside. Points
+        crowd where it is high.
+    steps : int, default 100
+        How many steps are made at most.
+    tolerance : float, default 1e-3
+        The steps end once none moves a point by more than this share of the side of a square of the
+        mean area of a cell.
+
+    Returns
+    -------
+    Relaxed
+        The points, their cells, and how the energy fell. Rows whose cell has no area, or no mass,
+        stay where they are: those at the position of an earlier one, and those far outside of the
+        domain.
+
+    Raises
+    ------
+    InputError
+        As for `voronoi`; or steps is no whole number, tolerance is negative, density is no image or
+        is 0 in the whole domain, or the domain is so large or small that float64 does not hold the
+        energy.
+    NonFiniteError
+        A row is not finite.
+
+    Examples
+    --------
+    >>> found = lloyd(np.random.default_rng(1).random((50, 2)), domain=(0, 0, 1, 1))
+    >>> bool((np.diff(found.energies) <= 0).all()), bool(found.cells.areas.min() > 0.01)
+    (True, True)
+    """
+    most = as_count("steps", steps, 0)
+    relative = as_tolerance(tolerance, np.inf)
+    dual = dual_of(sites_of(points, domain))
+    inside = as_domain(domain, dual.points)
+    check_extent(inside, dual.points)
+    image = None if density is None else as_density(density, inside)
+    here = Measure(Cells(dual, inside), image)
+    total_mass(here)
+    limit = relative * float(np.sqrt(here.cells.areas.sum() / len(dual.points)))
+    energies, move = [here.energy], np.inf
+    while len(energies) <= most and move > limit:
+        moved = here.cells.points.copy()
+        full = here.masses > 0
+        moved[full] = here.centroids[full]
+        move = float(np.hypot(*(moved - here.cells.points).T).max())
+        here = Measure(Cells(dual_of(moved), inside), image)
+        energies.append(here.energy)
+    cells = here.cells
+    return Relaxed(cells.points, cells, read_only(np.array(energies)), move, move <= limit)
+
+
+def as_tolerance(value: object, most: float) -> float:
+    """Convert the option ``tolerance``.
+
+    Parameters
+    ----------
+    value : object
+        The value given.
+    most : float
+        What it must be less than; if that is finite, 0 is not allowed either.
+
+    Returns
+    -------
+    float
+        The number.
+
+    Raises
+    ------
+    InputError
+        It is no such number.
+
+    Examples
+    --------
+    >>> as_tolerance(np.float32(0.5), 1)
+    0.5
+    """
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if is_number and 0 <= (number := float(value)) < most and (number or most == np.inf):  # type: ignore[arg-type]
+        return number
+    allowed = "from 0" if most == np.inf else f"between 0 and {most}"
+    raise InputError(f"tolerance is {shown(value)}: give a number {allowed}")

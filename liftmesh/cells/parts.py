@@ -1,0 +1,172 @@
+"""From rings to parts: which ring is a hole, and of which outer ring.
+
+A ring that turns clockwise is a hole. Signs of areas are taken from rounded corners where these
+leave no doubt, and from exact ones otherwise. A hole belongs to the innermost outer ring of its
+cell around it; boxes of rounded corners say which come into question, as rounding keeps the order
+of numbers, and exact coordinates decide between several.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh._typing import Floats, Mask
+from liftmesh.cells.exact import Exact, ExactCorners, doubled_area, turn
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.cells.rings import Rings
+
+
+def binary_scale(values: Floats) -> int:
+    """Return the exponent by which values are divided for products to stay within range.
+
+    Parameters
+    ----------
+    values : ndarray of float64
+        Any numbers.
+
+    Returns
+    -------
+    int
+        That of the power of two above the greatest.
+
+    Examples
+    --------
+    >>> binary_scale(np.array([1.5, -5.0]))
+    3
+    """
+    return int(np.frexp(np.abs(values).max(initial=0.0))[1])
+
+
+def parts_of(rings: Rings, exact: ExactCorners) -> tuple[NDArray[np.int64], Mask]:
+    """Find the part that each ring bounds, and which rings are holes.
+
+    Parameters
+    ----------
+    rings : Rings
+        All rings.
+    exact : ExactCorners
+        Their corners.
+
+    Returns
+    -------
+    part : (r,) ndarray of int64
+        Parts are numbered by cell, then in the order of their outer rings.
+    is_hole : (r,) ndarray of bool
+        Which rings are holes.
+    """
+    is_hole = np.zeros(len(rings.cells), dtype=np.bool_)
+    is_hole[: rings.cut] = _turn_clockwise(rings.of_the_domain(), exact)
+    outer = np.flatnonzero(~is_hole)
+    outer = outer[np.argsort(rings.cells[outer], kind="stable")]
+    part = np.empty(len(rings.cells), dtype=np.int64)
+    part[outer] = np.arange(len(outer))
+    holes = np.flatnonzero(is_hole)
+    if len(holes):
+        part[holes] = part[_around(holes, outer, rings, exact)]
+    return part, is_hole
+
+
+def _turn_clockwise(rings: Rings, exact: ExactCorners) -> Mask:
+    if not len(rings.cells):
+        return np.zeros(0, dtype=np.bool_)
+    of_ring, first = rings.ring_of, rings.starts[:-1]
+    step = rings.points - rings.points[first][of_ring]
+    extent = np.maximum.reduceat(np.abs(step).max(axis=1), first)
+    step = np.ldexp(step, -np.frexp(extent)[1][of_ring][:, None])
+    ahead = step[rings.following]
+    products = step[:, 0] * ahead[:, 1], step[:, 1] * ahead[:, 0]
+    area = np.bincount(of_ring, products[0] - products[1])
+    size = np.bincount(of_ring, np.abs(products[0]) + np.abs(products[1]))
+    length = np.bincount(of_ring, np.abs(ahead - step).sum(axis=1))
+    of_corners = np.maximum.reduceat(np.abs(rings.points).max(axis=1), first)
+    rounding = np.ldexp(of_corners, -50 - np.frexp(extent)[1])
+    doubt = (np.diff(rings.starts) + 8) * 2.0**-52 * size + rounding * (length + rounding)
+    for ring in np.flatnonzero(~(np.abs(area) > doubt)).tolist():
+        area[ring] = -1.0 if doubled_area(_corners(ring, rings, exact)) < 0 else 1.0
+    clockwise: Mask = area < 0
+    return clockwise
+
+
+def _around(
+    holes: NDArray[np.int64], outer: NDArray[np.int64], rings: Rings, exact: ExactCorners
+) -> list[int]:
+    """Return for each hole the innermost ring of its cell around it."""
+    shapely = load("shapely", extra="shapes")
+    boxes = _boxes(rings)
+    tree = shapely.STRtree(shapely.box(*boxes[outer].T))
+    hole, place = tree.query(shapely.box(*boxes[holes].T))
+    inner, around = boxes[holes[hole]], boxes[outer[place]]
+    is_around = (around[:, :2] <= inner[:, :2]).all(axis=1)
+    is_around &= (around[:, 2:] >= inner[:, 2:]).all(axis=1)
+    is_around &= rings.cells[holes[hole]] == rings.cells[outer[place]]
+    by_size = np.lexsort(((around[:, 2:] - around[:, :2]).sum(axis=1), hole))
+    by_size = by_size[is_around[by_size]]
+    among: list[list[int]] = [[] for _ in holes]
+    for i, ring in zip(hole[by_size].tolist(), outer[place[by_size]].tolist(), strict=True):
+        among[i].append(ring)
+    return [
+        _innermost(i, each, rings, exact) for i, each in zip(holes.tolist(), among, strict=True)
+    ]
+
+
+def _boxes(rings: Rings) -> Floats:
+    first = rings.starts[:-1]
+    low, high = (each.reduceat(rings.points, first) for each in (np.minimum, np.maximum))
+    return np.concatenate([low, high], axis=1)
+
+
+def _innermost(hole: int, among: Sequence[int], rings: Rings, exact: ExactCorners) -> int:
+    """Return the first of some rings, in the order of their size, that is around a hole."""
+    for ring in among[:-1]:
+        first, last = rings.starts[hole : hole + 2].tolist()
+        sides = (_side(corner, hole, ring, rings, exact) for corner in range(first, last))
+        if next((side for side in sides if side != 0), 0) > 0:
+            return ring
+    return among[-1]
+
+
+def _corners(ring: int, rings: Rings, exact: ExactCorners) -> list[Exact]:
+    return _at(range(*rings.starts[ring : ring + 2].tolist()), ring, rings, exact)
+
+
+def _at(corners: Iterable[int], ring: int, rings: Rings, exact: ExactCorners) -> list[Exact]:
+    cell = int(rings.cells[ring])
+    return [exact.at(cell, *rings.sources[corner, :2].tolist()) for corner in corners]
+
+
+def _side(corner: int, own: int, ring: int, rings: Rings, exact: ExactCorners) -> int:
+    """Say where a corner of one ring is: 1 inside another, -1 outside, 0 on it."""
+    (point,) = _at([corner], own, rings, exact)
+    starts, ends = _level_sides(rings.points[corner], ring, rings)
+    winding = 0
+    for a, b in zip(_at(starts, ring, rings, exact), _at(ends, ring, rings, exact), strict=True):
+        side = turn(a, b, point)
+        if side == 0 and _is_in_box(point, a, b):
+            return 0
+        if a[1] <= point[1] < b[1] and side > 0:
+            winding += 1
+        if b[1] <= point[1] < a[1] and side < 0:
+            winding -= 1
+    return 1 if winding else -1
+
+
+def _level_sides(point: Floats, ring: int, rings: Rings) -> tuple[list[int], list[int]]:
+    """Return the ends of all sides that are at the height of a point, and not to the left of it."""
+    first, last = rings.starts[ring : ring + 2].tolist()
+    here = rings.points[first:last]
+    ahead = np.roll(here, -1, axis=0)
+    low, high = np.minimum(here, ahead), np.maximum(here, ahead)
+    at = np.flatnonzero(
+        (low[:, 1] <= point[1]) & (point[1] <= high[:, 1]) & (point[0] <= high[:, 0])
+    )
+    return (first + at).tolist(), (first + (at + 1) % (last - first)).tolist()
+
+
+def _is_in_box(point: Exact, a: Exact, b: Exact) -> bool:
+    return all(min(p, q) <= value <= max(p, q) for value, p, q in zip(point, a, b, strict=True))

@@ -1,0 +1,225 @@
+"""``liftmesh voronoi``: Voronoi or power cells of a cloud, as polygons in a file."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
+
+import typer
+
+from liftmesh.cli import files, options, standard_streams, tables, terminal
+
+if TYPE_CHECKING:
+    from liftmesh.cells.cells import Cells
+    from liftmesh.cloud import Cloud
+
+SHORT_HELP = "Write the Voronoi or power cells of a cloud as polygons."
+HELP = (
+    "Cells of x and y are clipped to a domain, exactly, and carry the values of their rows. "
+    "OUT is GeoJSON, a GeoPackage (.gpkg), a mesh (.ply) or a picture (.svg)."
+)
+EXAMPLES = [
+    "liftmesh voronoi schools.csv districts.geojson --domain city.geojson",
+    "liftmesh voronoi wells.csv cells.gpkg --domain 0,0,1000,800",
+    "liftmesh voronoi trees.csv crowns.gpkg --radii crown_radius",
+]
+
+
+@tables.with_options
+def run(
+    source: options.Source,
+    target: Annotated[
+        Path,
+        typer.Argument(
+            metavar="OUT", help="Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."
+        ),
+    ],
+    domain: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DOMAIN",
+            help="A file of polygons, or a box XMIN,YMIN,XMAX,YMAX; by default the points' box, "
+            "widened by a tenth of its longer side.",
+        ),
+    ] = None,
+    weights: Annotated[
+        str | None,
+        typer.Option(metavar="COLUMN", help="Values of IN that are weights: makes power cells."),
+    ] = None,
+    radii: options.Radii = None,
+    source_format: options.SourceFormat = None,
+    target_format: Annotated[
+        str | None,
+        typer.Option("--format", metavar="FORMAT", help="geojson, gpkg, ply or svg, for stdout."),
+    ] = None,
+    table: Any = None,
+    max_bytes: options.MaxBytes = None,
+    json: options.Json = False,
+) -> None:
+    """Read a cloud, compute its cells, write them, and print a report.
+
+    Parameters
+    ----------
+    source, target : Path
+        IN and OUT.
+    domain : str, optional
+        A file or a box.
+    weights, radii : str, optional
+        Names of values of the rows, as in `liftmesh.regular`.
+    source_format, target_format : str, optional
+        Formats, instead of the suffixes.
+    table : dict
+        Options of tables, as in `liftmesh.read`: see `tables.with_options`.
+    max_bytes : str, optional
+        Limit of what the file may expand to.
+    json : bool
+        Print JSON.
+    """
+    if json:
+        standard_streams.check_stdout()
+    limit = options.parse_size(max_bytes)
+    kind = _kind(target, target_format)
+    files.check_place(target)
+    files.check_apart(source, target)
+    cloud = files.read(source, source_format, limit, _planar(source, source_format, table))
+    area, crs = _domain(domain, cloud)
+    with files.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
+        cells = _cells(cloud, area, weights, radii)
+    _note_rows_elsewhere(cells)
+    size, dropped = _write(target, cells, kind, cloud, crs)
+    is_stdout = files.is_stream(target)
+    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
+    with place, standard_streams.after_writing(target):
+        _report(target, kind, size, cells, dropped, as_json=json)
+
+
+def _kind(target: Path, name: str | None) -> str:
+    from liftmesh.cells.files import check_format, format_of  # noqa: PLC0415 - help does without
+
+    if name is not None:
+        return check_format(name)
+    if files.is_stream(target):
+        raise typer.BadParameter("stdout has no suffix: give the format with --format geojson")
+    return format_of(target)
+
+
+def _planar(source: Path, source_format: str | None, table: dict[str, Any]) -> dict[str, Any]:
+    """Options of a table: cells need x and y only."""
+    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - as above
+
+    kind = source_format or suffix_of(source.name)
+    is_table = bool(kind) and find_format(kind, str(source)).name == "text"
+    return {"flat": None, **table} if is_table else table
+
+
+def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
+    """The domain, and the coordinate system of the cells."""
+    if text is None:
+        return None, cloud.crs
+    if (box := options.parse_box(text)) is not None:
+        return box, cloud.crs
+    path = Path(text).expanduser()
+    if not path.exists():
+        raise typer.BadParameter(
+            f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
+        )
+    from liftmesh.cells.domain_file import read_domain  # noqa: PLC0415 - as above
+    from liftmesh.cells.systems import common_system  # noqa: PLC0415 - as above
+
+    shape, crs = read_domain(path)
+    return shape, common_system(cloud.crs, crs)
+
+
+def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> Cells:
+    import liftmesh  # noqa: PLC0415 - as above
+    from liftmesh.planar.weights import chosen, named_values  # noqa: PLC0415 - as above
+
+    planar = cloud.points[:, :2]
+    if weights is None and radii is None:
+        return liftmesh.voronoi(planar, domain=area)
+    kind, name = chosen(weights, radii)
+    return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
+
+
+def _note_rows_elsewhere(cells: Cells) -> None:
+    """Say so if no row is near the domain: most often it is in another coordinate system."""
+    low, high = cells.domain.corners.min(axis=0), cells.domain.corners.max(axis=0)
+    if not ((cells.points >= low) & (cells.points <= high)).all(axis=1).any():
+        terminal.note("no row lies in the box of the domain: are both in one coordinate system?")
+
+
+def _columns(cloud: Cloud) -> dict[str, Any]:
+    """The values of rows: the named ones, and heights if there are any."""
+    from liftmesh.cells.columns import free_name  # noqa: PLC0415 - as above
+
+    heights = cloud.points[:, 2]
+    named = {**cloud.attributes}
+    return {free_name("z", named): heights, **named} if heights.any() else named
+
+
+def _write(
+    target: Path, cells: Cells, kind: str, cloud: Cloud, crs: str | None
+) -> tuple[int, list[str]]:
+    """Write the cells; return the number of bytes, and what the file does not keep."""
+    from liftmesh.cells.files import own_names, write_cells  # noqa: PLC0415 - as above
+
+    columns = _columns(cloud)
+    with _opened(target) as stream:
+        counted = _Counting(stream)
+        dropped = write_cells(cast("BinaryIO", counted), cells, kind, columns, crs)
+    if kind != "svg":
+        for name, own in zip(("row", "area"), own_names(columns), strict=True):
+            if name != own:
+                terminal.note(f"{name} is a column of the points: that of cells is {own}")
+    lost = [part for part in ("colors", "normals") if getattr(cloud, part) is not None]
+    return counted.count, [*dropped, *lost]
+
+
+@contextmanager
+def _opened(target: Path) -> Iterator[Any]:
+    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - as above
+
+    if not files.is_stream(target):
+        with replacing(target) as stream:
+            yield stream
+        return
+    # A separate stream: an unbuffered sys.stdout may write a part without an error.
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
+        yield stream
+
+
+class _Counting:
+    """A stream that counts the bytes written to it."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream, self.count = stream, 0
+
+    def write(self, data: Any) -> None:
+        self.count += len(data)
+        self._stream.write(data)
+
+
+def _report(
+    target: Path, kind: str, size: int, cells: Cells, dropped: list[str], *, as_json: bool
+) -> None:
+    counts = {
+        "rows": len(cells.points),
+        "cells": len(cells.points) - len(cells.empty),
+        "duplicates": len(cells.duplicates),
+        "hidden": len(cells.hidden),
+        "empty": len(cells.empty),
+    }
+    if as_json:
+        told = {"path": str(target), "format": kind, "bytes": size, "domain": cells.domain.text}
+        terminal.as_json({**told, **counts, "dropped": dropped})
+        return
+    bytes_text = terminal.bytes_text(size)
+    line = f"{target}: {counts['cells']:,} cells in {cells.domain.text}, {bytes_text}"
+    if dropped:
+        line += f"; {kind} does not keep {', '.join(dropped)}"
+    terminal.sentence(line, "good")
+    terminal.table([(name, f"{count:,}") for name, count in counts.items()])
