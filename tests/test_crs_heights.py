@@ -10,7 +10,8 @@ from lidar import encoded, geo_keys, record, records, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning
-from liftmesh.crs import described, transformed
+from liftmesh.crs import described
+from liftmesh.transformation import transformed
 
 FEET = np.array([[6_000_000.0, 2_000_000.0, 1000.0], [6_000_100.0, 2_000_000.0, 1001.0]])
 

@@ -193,3 +193,27 @@ def test_a_unit_of_heights_that_is_not_stated_is_said(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "raw.ply", scene(0.3048, crs=FEET)[0])
     done = command("triangulate", "raw.ply", "tin.ply", "--ground", "csf", cwd=tmp_path)
     assert "the unit of z is not stated, and taken to be that of x" in done.stderr
+
+
+def test_options_of_the_cloth(tmp_path: Path) -> None:
+    cloud, _ = scene()
+    liftmesh.write(tmp_path / "a.las", cloud)
+    words = ("--ground", "csf", "--cloth-resolution", "2", "--cloth-rigidness", "3", "--json")
+    done = command(
+        "triangulate", "a.las", "a.ply", *words, "--cloth-threshold", "0.2", cwd=tmp_path
+    )
+    expected = liftmesh.classify_ground(
+        liftmesh.read(tmp_path / "a.las"), resolution=2, rigidness=3, threshold=0.2
+    )
+    assert json.loads(done.stdout)["ground"] == expected.metadata["ground"]
+    for wrong in (("resolution", "0"), ("rigidness", "4"), ("threshold", "no")):
+        option = f"--cloth-{wrong[0]}"
+        done = command("triangulate", "a.las", "a.ply", *words[:2], option, wrong[1], cwd=tmp_path)
+        assert done.returncode == 2
+        assert f"{option} '{wrong[1]}' is not" in done.stderr
+    done = command("triangulate", "a.las", "a.ply", *words[2:4], cwd=tmp_path)
+    assert "--cloth-resolution is an option of --ground csf" in done.stderr
+    done = command(
+        "triangulate", "a.las", "a.ply", *words[:2], "--cloth-resolution", "0.001", cwd=tmp_path
+    )
+    assert "remove rows that are far away, or give a larger --cloth-resolution" in done.stderr

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,6 +32,56 @@ def test_rows_in_order_and_values_that_all_have() -> None:
         {"source": "cloud 0", "rows": 3, "overlap": 0},
         {"source": "cloud 1", "rows": 3, "overlap": 1},
     ]
+
+
+def strips() -> list[Cloud]:
+    """Two diagonal strips, whose boxes overlap nearly whole, and they in the middle alone."""
+    rng = np.random.default_rng(2)
+    along, across = rng.random((2, 40_000)) * [[2000], [100]]
+    flown = [(along - across, along + across), (along + across, 2000 - along + across)]
+    return [
+        Cloud(
+            np.column_stack([x + 500000, y + 5.4e6, x * 0]),
+            attributes={"point_source_id": np.full(40_000, k, np.uint16)},
+        )
+        for k, (x, y) in enumerate(flown)
+    ]
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_overlap_is_counted_where_rows_are(far: bool) -> None:
+    one, two = strips()
+    if far:  # one row that makes the box huge, and so cells
+        points = np.vstack([one.points, [[9e9, 9e9, 0], [np.nan, 0, 0]]])
+        ids = np.append(one.attributes["point_source_id"], [0, 0])
+        one = replace(one, points=points, attributes={"point_source_id": ids})
+    found = liftmesh.merge([one, two]).metadata
+    flown = found["flight_lines"]
+    assert flown["lines"] == 2
+    cell = flown["cell"]
+    low = np.nanmin(np.vstack([one.points, two.points])[:, :2], axis=0)
+    rows = [np.floor((each.points[:, :2] - low) / cell).tolist() for each in (one, two)]
+    cells = [{*map(tuple, each)} for each in rows]
+    expected = sum(tuple(each) in cells[0] for each in rows[1])
+    assert found["merged"][1]["overlap"] == expected
+    assert flown["overlap"] == expected + sum(tuple(each) in cells[1] for each in rows[0])
+    if not far:
+        assert 0.02 < expected / 40_000 < 0.2
+
+
+def test_merging_takes_the_memory_of_one_column_more() -> None:
+    rows = np.random.default_rng(1).random((100_000, 3))
+    values = {f"value {k}": rows[:, 0] * k for k in range(5)}
+    made = (Cloud(rows + k, attributes={n: v + k for n, v in values.items()}) for k in range(6))
+    tracemalloc.start()
+    try:
+        found = liftmesh.merge(made)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    held = found.points.nbytes + sum(each.nbytes for each in found.attributes.values())
+    assert len(found) == 600_000
+    assert peak < 1.5 * held
 
 
 def test_types_that_nothing_holds_are_left_out() -> None:
@@ -111,7 +162,12 @@ def test_the_command_merges_tiles(folder: Path) -> None:
     assert np.array_equal(mesh.points, np.vstack(ground))
     assert mesh.crs == "EPSG:25832"
     inside = np.count_nonzero(ground[1][:, 0] <= ground[0][:, 0].max())
-    assert report["merged"][1]["overlap"] >= inside - 5 > 0
+    assert inside / 2 < report["merged"][1]["overlap"] < 3 * inside
+    assert "flight lines" not in done.stderr  # one
+    for k, each in enumerate(strips()):
+        liftmesh.write(folder / f"strip{k}.las", each)
+    flown = command("triangulate", "strip0.las", "strip1.las", "tin.ply", cwd=folder)
+    assert ": 2 flight lines, " in flown.stderr
     assert "tile1.las: 100 rows, " in done.stderr
     assert report["rows"] == 300
     assert report["selection"] == {"rows": 600, "selected": 300, "classes": 300, "ground": 1}

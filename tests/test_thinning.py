@@ -111,7 +111,7 @@ def test_rows_that_are_not_finite_stay(options: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({}, "none of every, random, cell and distance are given: give one"),
+        ({}, "none of every, random, cell, distance and adaptive are given: give one"),
         ({"cell": 1.0, "distance": 1.0}, "cell and distance of every, .* are given: give one"),
         ({"cell": 0.0}, "cell is 0.0: give a positive number"),
         ({"distance": float("nan")}, "distance is nan"),
@@ -142,7 +142,10 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
         (("--cell", "0"), "--cell '0' is not a positive number"),
         (("--min-distance", "near"), "--min-distance 'near' is not a positive number"),
         (("--random", "0"), "--random is 0"),
-        (("--random", "3", "--cell", "1"), "give one of --random, --cell and --min-distance"),
+        (
+            ("--random", "3", "--cell", "1"),
+            "give one of --random, --cell, --min-distance and --adaptive",
+        ),
     ],
 )
 def test_the_command_checks_its_options(words: tuple[str, ...], cause: str, tmp_path: Any) -> None:

@@ -7,14 +7,11 @@ rows are kept from it, since the cloth would hang on them.
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import subprocess
-import sys
 from dataclasses import replace
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +21,7 @@ from liftmesh.choices import GroundMethod, as_count, check_option, shown
 from liftmesh.crs import described
 from liftmesh.errors import InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.files import read_cloud
+from liftmesh.io.interpreter import command
 from liftmesh.io.selection import class_column
 from liftmesh.terrain.cloth import PROGRAM
 
@@ -162,7 +160,7 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
             "pip install 'liftmesh[terrain]'"
         )
     options = map(str, (float(resolution), int(rigidness), float(threshold)))
-    words = [_interpreter(), "-I", "-c", PROGRAM, json.dumps(sys.path), *options]
+    words = [*command(PROGRAM, "CSF"), *options]
     done = subprocess.run(  # noqa: S603 - our own program and numbers
         words,
         input=points.tobytes(),
@@ -174,22 +172,6 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
         cause = " ".join(done.stderr.decode(errors="replace").split())[-200:]
         raise LiftmeshError(f"CSF ended with code {done.returncode}: {cause or 'no message'}")
     return np.frombuffer(done.stdout, np.uint8).astype(np.bool_)
-
-
-def _interpreter() -> str:
-    """Return the Python to run: in programs that embed it, sys.executable is the program."""
-    places = [
-        sys.executable, getattr(sys, "_base_executable", None),
-        *(str(Path(sys.prefix, *each)) for each in (("bin", "python3"), ("python.exe",))),
-        *(str(Path(sys.base_prefix, *each)) for each in (("bin", "python3"), ("python.exe",))),
-    ]  # fmt: skip
-    for each in filter(None, places):
-        if Path(each).name.lower().startswith(("python", "pypy")) and Path(each).is_file():
-            return str(each)
-    raise LiftmeshError(
-        f"CSF needs a Python interpreter, and none is found beside {sys.executable}: classify the "
-        "ground by the liftmesh command"
-    )
 
 
 def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:

@@ -22,9 +22,21 @@ from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import said
+from liftmesh.terrain.overlap import overlap_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
-_OF_A_FILE = ("source", "format", "skipped", "selection", "merged", "las_records", _LAYOUT)
+_LINE = "point_source_id"  # the flight line
+_POINTS, _NORMALS = 0, 1  # keys beside the names of attributes
+_OF_A_FILE = (
+    "source",
+    "format",
+    "skipped",
+    "selection",
+    "merged",
+    "flight_lines",
+    "las_records",
+    _LAYOUT,
+)
 
 
 def merge(clouds: Iterable[object]) -> Cloud:
@@ -33,14 +45,18 @@ def merge(clouds: Iterable[object]) -> Cloud:
     Parameters
     ----------
     clouds : iterable of path, Cloud or object
-        One or more of anything that `triangulate` takes.
+        One or more of anything that `triangulate` takes. Clouds that an iterator makes one by one
+        are given back column by column: memory grows by the largest one, not to twice the clouds.
 
     Returns
     -------
     Cloud
         All rows, without faces, with the colours, normals and named values that every cloud has.
-        ``metadata["merged"]`` has an entry for each: "source", "rows", and "overlap", its rows
-        inside the planar box of an earlier one. ``metadata["skipped"]`` names what is left out.
+        ``metadata["merged"]`` has an entry for each: "source", "rows", and "overlap", its rows in
+        square cells of the plane, twice as wide as rows are apart, where an earlier one has rows,
+        too. If rows have a ``point_source_id``, ``metadata["flight_lines"]`` has the number of
+        "lines", and "overlap", the rows in cells of several. ``metadata["skipped"]`` names what is
+        left out.
 
     Warns
     -----
@@ -56,7 +72,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
 
     Examples
     --------
-    >>> found = merge([[[0, 0, 1], [4, 0, 1]], [[2, 0, 1], [9, 3, 1]]])
+    >>> found = merge([[[0, 0, 1], [4, 4, 1]], [[4, 4, 1], [9, 0, 1]]])
     >>> len(found), [each["overlap"] for each in found.metadata["merged"]]
     (4, [0, 1])
     """
@@ -64,33 +80,50 @@ def merge(clouds: Iterable[object]) -> Cloud:
     if not parts:
         raise InputError("there is no cloud to merge: give one or more")
     names = [_name(each, k) for k, each in enumerate(parts)]
+    sizes = [len(each) for each in parts]
     crs = _common_system(parts, names)
     left_out: list[str] = []
     colors = _colors(parts, names, left_out)
-    normals = _stacked([each.normals for each in parts], names, "normals", left_out)
+    depth = kept_depth(colors)
     keys = dict.fromkeys(key for each in parts for key in each.attributes)
-    values = {
-        key: _stacked([each.attributes.get(key) for each in parts], names, key, left_out)
-        for key in keys
-    }
-    left_out += ["faces"] if any(each.faces is not None for each in parts) else []
-    entries = _entries(parts, left_out)
-    entries["merged"] = _account(parts, names)
+    columns = [_columns_of(each) for each in parts]
+    entries, notes = _entries(parts, left_out), len(left_out)
+    has_faces = any(each.faces is not None for each in parts)
+    del parts  # so that each column of the parts can be given back once it is merged
+    points = np.concatenate(_taken(columns, _POINTS))
+    normals = _stacked(_taken(columns, _NORMALS), names, "normals", left_out)
+    values = {key: _stacked(_taken(columns, key), names, key, left_out) for key in keys}
+    left_out += ["faces"] if has_faces else []
+    if new := left_out[notes:]:
+        entries["skipped"] = tuple(dict.fromkeys([*entries.get("skipped", ()), *new]))
+    entries |= _account(points, sizes, names, values.get(_LINE))
     return Cloud(
-        np.concatenate([each.points for each in parts]),
+        points,
         colors=colors,
         normals=normals,
         attributes={key: each for key, each in values.items() if each is not None},
         metadata=entries,
         crs=crs,
-        color_depth=kept_depth(colors),
+        color_depth=depth,
     )
 
 
-def _listed(clouds: object) -> list[Any]:
+def _columns_of(cloud: Cloud) -> dict[object, Array | None]:
+    """Return the arrays of a cloud but colours: attributes by name, the others by numbers."""
+    found: dict[object, Array | None] = {_POINTS: cloud.points, _NORMALS: cloud.normals}
+    return found | {name: each for name, each in cloud.attributes.items()}  # noqa: C416 - types
+
+
+def _taken(columns: Sequence[dict[object, Array | None]], key: object) -> list[Any]:
+    """Take a column out of all parts."""
+    return [each.pop(key, None) for each in columns]
+
+
+def _listed(clouds: object) -> Iterable[Any]:
+    """Return what there is to merge, one by one if it is made so."""
     is_one = isinstance(clouds, str | bytes | os.PathLike | Cloud)
     try:
-        return [] if is_one else [*clouds]  # type: ignore[misc]
+        return [] if is_one else iter(clouds)  # type: ignore[call-overload]
     except TypeError:
         raise InputError(f"clouds is {shown(clouds)}: give a list of clouds or paths") from None
 
@@ -267,17 +300,15 @@ def _counts(parts: Sequence[Cloud]) -> dict[str, int]:
     return total | ({} if None in grounds or len({*grounds}) > 1 else {"ground": grounds[0]})
 
 
-def _account(parts: Sequence[Cloud], names: Sequence[str]) -> list[dict[str, Any]]:
-    """Say of each cloud how many rows it has, and how many inside the box of an earlier one."""
-    boxes: list[tuple[Array, Array]] = []
-    found = []
-    for each, name in zip(parts, names, strict=True):
-        plane = each.points[:, :2]
-        inside = np.zeros(len(plane), np.bool_)
-        for low, high in boxes:
-            inside |= ((plane >= low) & (plane <= high)).all(axis=1)
-        finite = plane[np.isfinite(plane).all(axis=1)]
-        if len(finite):
-            boxes.append((finite.min(axis=0), finite.max(axis=0)))
-        found.append({"source": name, "rows": len(each), "overlap": int(inside.sum())})
-    return found
+def _account(
+    points: Array, sizes: Sequence[int], names: Sequence[str], lines: Array | None
+) -> dict[str, Any]:
+    """Say of each cloud how many rows it has, and how many where earlier ones have some."""
+    is_number = lines is not None and lines.ndim == 1 and lines.dtype.kind in "iu"
+    found = overlap_of(points, sizes, lines if is_number else None)
+    each = zip(names, sizes, found.rows, strict=True)
+    merged = [{"source": name, "rows": rows, "overlap": count} for name, rows, count in each]
+    if not is_number:
+        return {"merged": merged}
+    flown = {"lines": found.lines, "overlap": found.between, "cell": found.cell}
+    return {"merged": merged, "flight_lines": flown}

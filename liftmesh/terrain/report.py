@@ -47,6 +47,8 @@ class Report:
         numbers were taken to mean; see `Cloud`.
     hidden : int
         Rows not used because weights or radii hide them.
+    unused : int
+        Rows in no face of the mesh that `as_surface` was given.
 
     Examples
     --------
@@ -72,6 +74,7 @@ class Report:
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)
     color_depth: int | None = field(default=None, repr=False)
     hidden: int = 0
+    unused: int = 0
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -86,7 +89,7 @@ class Report:
             f"{counted(self.triangles, 'triangle')}. "
             f"Left out: {self._omissions()}. {self._columns()}{self._colors()}"
             f"{sum(self.seconds.values()):.3f} s: {stages}."
-        )
+        ).removesuffix(" 0.000 s: .")
 
     def _columns(self) -> str:
         said = described(self.columns)
@@ -106,6 +109,8 @@ class Report:
             parts.append(f"{counted(self.skipped, 'row')} not finite")
         if self.hidden:
             parts.append(f"{counted(self.hidden, 'row')} hidden")
+        if self.unused:
+            parts.append(f"{counted(self.unused, 'row')} in no face")
         return ", ".join(parts) or "none"
 
 

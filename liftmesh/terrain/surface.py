@@ -19,8 +19,16 @@ from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import writing
 from liftmesh.io.objects import matplotlib, open3d, trimesh
 from liftmesh.terrain import changes
+from liftmesh.terrain.contours import Contouring
+from liftmesh.terrain.earthwork import Comparing
+from liftmesh.terrain.measures import Measuring
 from liftmesh.terrain.parts import as_parts
+from liftmesh.terrain.profile import Profiling
+from liftmesh.terrain.raster import Rasterizing
 from liftmesh.terrain.report import counted
+from liftmesh.terrain.sampling import Sampling
+from liftmesh.terrain.solid import Closing
+from liftmesh.terrain.trimming import Trimming
 
 if TYPE_CHECKING:
     import os
@@ -38,7 +46,9 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Surface:
+class Surface(
+    Sampling, Profiling, Rasterizing, Trimming, Contouring, Measuring, Comparing, Closing
+):
     """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
 
     Parameters
@@ -49,8 +59,9 @@ class Surface:
     faces : (m, 3) ndarray of int32
         Triangles as rows of ``vertices``, counter-clockwise seen from above the plane.
     triangulation : Triangulation
-        The planar problem and its solution. Its ``simplices`` are the faces: at a shared planar
-        position it has the row that ``report`` names, whose height is the surface's.
+        The planar problem and its solution. Its ``simplices`` are the faces, unless some are left
+        out: at a shared planar position it has the row that ``report`` names, whose height is the
+        surface's.
     frame : Frame
         The projection plane and its axes.
     report : Report
@@ -65,6 +76,9 @@ class Surface:
         Information about the input as a whole.
     crs : str, optional
         The coordinate reference system of the input: WKT or ``EPSG:n``.
+    mask : (t,) ndarray of bool, optional
+        True for the triangles of ``triangulation`` that are no faces, as `trim` leaves them out;
+        None if all are.
 
     Examples
     --------
@@ -83,6 +97,7 @@ class Surface:
     attributes: Mapping[str, Array] = field(default_factory=dict)
     metadata: Mapping[str, Any] = field(default_factory=dict)
     crs: str | None = None
+    mask: Array | None = None
 
     def __post_init__(self) -> None:
         freeze(self)

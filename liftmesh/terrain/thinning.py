@@ -20,6 +20,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.choices import CellRow, as_count, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.io.files import read_cloud
+from liftmesh.terrain.adaptive_thinning import most_significant
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -40,8 +41,9 @@ def thin(
     cell: float | None = None,
     keep: CellRow = "lowest",
     distance: float | None = None,
+    adaptive: int | None = None,
 ) -> Cloud:
-    """Thin a cloud by one of four ways.
+    """Thin a cloud by one of five ways.
 
     Parameters
     ----------
@@ -59,6 +61,11 @@ def thin(
         Which row of a cell: by its height, or the nearest to the centre of the cell.
     distance : float, optional
         Keep rows so that no two are nearer to each other in the plane, and no other fits between.
+    adaptive : int, optional
+        Keep so many rows: those without which a surface would lose most (adaptive thinning, L.
+        Demaret and A. Iske, 2006). The next to go is always the one without which the squares of
+        the vertical distances of all that are gone grow least. Corners of the hull stay; of rows at
+        one planar position the first counts, and each row must be finite.
 
     Returns
     -------
@@ -69,7 +76,10 @@ def thin(
     Raises
     ------
     InputError
-        None or several of the four are given, or a value is invalid.
+        None or several of the five are given, a value is invalid, or `adaptive` is less than the
+        number of corners of the hull.
+    NonFiniteError, DegenerateInputError
+        Of `adaptive`: as for `triangulate`.
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
 
@@ -80,11 +90,13 @@ def thin(
     ([4.0, 6.0], {'rows': 3, 'kept': 2, 'cell': 1.0, 'keep': 'lowest'})
     """
     given = {"every": every, "random": random, "cell": cell, "distance": distance}
+    given["adaptive"] = adaptive
     way, value = _one_of(given)
     check_option("keep", keep, CellRow)
     seed = as_count("seed", seed, 0)
     source = read_cloud(cloud)
     how: dict[str, object] = {way: value}
+    rows: Array
     if way == "every":
         rows = np.arange(0, len(source), min(as_count("every", value, 1), max(len(source), 1)))
     elif way == "random":
@@ -93,6 +105,8 @@ def thin(
     elif way == "cell":
         rows = _of_cells(source.points, _size("cell", value), keep)
         how["keep"] = keep
+    elif way == "adaptive":
+        rows = most_significant(source, as_count("adaptive", value, 3))
     else:
         rows = _apart(source.points, _size("distance", value))
     counts = {"rows": len(source), "kept": len(rows), **how}
@@ -103,7 +117,9 @@ def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
     found = {key: value for key, value in given.items() if value is not None}
     if len(found) != 1:
         several = " and ".join(found) or "none"
-        raise InputError(f"{several} of every, random, cell and distance are given: give one")
+        raise InputError(
+            f"{several} of every, random, cell, distance and adaptive are given: give one"
+        )
     return next(iter(found.items()))
 
 

@@ -1,0 +1,375 @@
+"""Contours: lines of equal height over the faces of a surface, with their levels.
+
+The kernel follows each line from face to face (`_core/surface/contours.hpp`). A corner is above a
+level if its height is at least the level: with that one rule a line is closed, or ends where the
+faces end, wherever corners are at the level themselves.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import as_reals
+from liftmesh.choices import as_count, shown
+from liftmesh.crs import looked_up
+from liftmesh.errors import InputError
+from liftmesh.frozen import constructed_from, freeze
+from liftmesh.io import geojson_writer, geopackage_writer
+from liftmesh.io.atomic import replacing
+from liftmesh.io.places import check_suffix
+from liftmesh.optional import load
+from liftmesh.terrain.decimals import as_decimal, as_thousands
+from liftmesh.terrain.sampling import relief_of
+from liftmesh.threads import as_threads
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface import Surface
+
+_MOST_LEVELS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contour:
+    """One line of `Contours`.
+
+    Attributes
+    ----------
+    level : float
+        Its height.
+    points : (k, 2) ndarray of float64
+        Its points; what is above is on the left.
+    closed : bool
+        Whether it is closed: then the last point is the first.
+    index : bool
+        Whether it is an index contour.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+    >>> slope.contours([2])[0].closed
+    False
+    """
+
+    level: float
+    points: Floats
+    closed: bool
+    index: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Contours:
+    """Contours of a surface, as `Surface.contours` returns them: a sequence of lines; read-only.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        The points of all lines, one after the other, in the plane of the surface. What is above is
+        on the left. A closed line has its first point at its end, too.
+    starts : (k + 1,) ndarray of int64
+        Where each line begins in ``points``, and where the last ends.
+    levels : (k,) ndarray of float64
+        The level of each line.
+    closed : (k,) ndarray of bool
+        Whether it is closed.
+    index : (k,) ndarray of bool
+        Whether it is an index contour, which maps draw thicker.
+    crs : str, optional
+        The coordinate reference system.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 8]])
+    >>> lines = hill.contours(interval=4)
+    >>> len(lines), lines[0].level, lines[0].points.tolist()
+    (1, 4.0, [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0], [1.0, 1.0]])
+    """
+
+    points: Floats
+    starts: Array
+    levels: Floats
+    closed: Array
+    index: Array
+    crs: str | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
+
+    def __repr__(self) -> str:
+        return f"<Contours: {len(self):,} lines at {len(np.unique(self.levels)):,} levels>"
+
+    def __len__(self) -> int:
+        return len(self.levels)
+
+    def __getitem__(self, number: int) -> Contour:
+        number = range(len(self))[number]
+        points = self.points[self.starts[number] : self.starts[number + 1]]
+        level, closed, index = self.levels[number], self.closed[number], self.index[number]
+        return Contour(float(level), points, bool(closed), bool(index))
+
+    def __iter__(self) -> Iterator[Contour]:
+        return (self[number] for number in range(len(self)))
+
+    @property
+    def lengths(self) -> Floats:
+        """The length of each line in the plane, (k,) float64."""
+        steps = np.zeros(len(self.points))
+        if len(steps):
+            across = np.diff(self.points, axis=0)
+            steps[1:] = np.sqrt(across[:, 0] ** 2 + across[:, 1] ** 2)
+            steps[self.starts[:-1]] = 0  # from the line before
+            return np.add.reduceat(steps, self.starts[:-1])
+        return np.zeros(0)
+
+    def longer_than(self, length: float) -> Contours:
+        """Select the lines of at least a length.
+
+        Parameters
+        ----------
+        length : float
+            In the plane.
+
+        Returns
+        -------
+        Contours
+            Those lines, in the same order.
+
+        Raises
+        ------
+        InputError
+            The length is no number.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 8]])
+        >>> hill.contours(interval=2).longer_than(5).levels
+        array([2., 4.])
+        """
+        try:
+            least = float(as_reals(length))
+        except (TypeError, ValueError, OverflowError):
+            least = math.nan
+        if math.isnan(least):
+            raise InputError(f"length is {shown(length)}: give a number")
+        kept = self.lengths >= least
+        counts = np.diff(self.starts)
+        return replace(
+            self,
+            points=self.points[np.repeat(kept, counts)],
+            starts=np.concatenate([[0], np.cumsum(counts[kept])]),
+            levels=self.levels[kept],
+            closed=self.closed[kept],
+            index=self.index[kept],
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the lines with height, index and closed as properties.
+
+        Parameters
+        ----------
+        path : path
+            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
+
+        Raises
+        ------
+        FormatError
+            The name does not end in .geojson, .json or .gpkg.
+        InputError
+            The coordinate system is unknown to GeoPackage.
+        MissingDependencyError
+            GeoPackage needs geopandas: ``pip install 'liftmesh[shapes]'``.
+        OSError
+            The file cannot be written.
+
+        Notes
+        -----
+        In GeoJSON the coordinate system stands in the member ``crs``, as GDAL writes and reads it:
+        as its number, or as WKT if that does not name one. GeoPackage has a layer "contours".
+
+        Examples
+        --------
+        >>> import liftmesh, tempfile
+        >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 8]])
+        >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").name
+        'lines.geojson'
+        """
+        found = Path(path)
+        check_name(found)
+        with replacing(found) as stream:
+            if found.suffix.lower() == ".gpkg":
+                self._write_geopackage(stream)
+            else:
+                self._write_geojson(stream)
+        return found
+
+    def _write_geojson(self, stream: BinaryIO) -> None:
+        features = (
+            ({"height": x.level, "index": x.index, "closed": x.closed}, x.points) for x in self
+        )
+        geojson_writer.write(stream, features, self.crs)
+
+    def _write_geopackage(self, stream: BinaryIO) -> None:
+        if self.crs is not None:
+            looked_up(load("pyproj", extra="shapes"), self.crs)
+        columns = {"height": self.levels, "index": self.index, "closed": self.closed}
+        geopackage_writer.write(stream, self.points, self.starts, columns, self.crs, "contours")
+
+
+def check_name(path: Path) -> None:
+    """Raise if contours cannot be written to a file of this name.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    FormatError
+        Its suffix is that of another format.
+    MissingDependencyError
+        What writes it is not installed.
+    """
+    kinds = (".geojson", ".json", ".gpkg")
+    check_suffix(path, kinds, "contours are written as GeoJSON or GeoPackage (.gpkg)")
+    if path.suffix.lower() == ".gpkg":
+        load("geopandas", extra="shapes")
+
+
+class Contouring:
+    """The method of a `Surface` that makes contours."""
+
+    __slots__ = ()
+
+    def contours(
+        self: Any,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        base: float = 0.0,
+        index_every: int = 5,
+        threads: int | None = None,
+    ) -> Contours:
+        """Compute lines of equal height.
+
+        Parameters
+        ----------
+        levels : array_like of float, optional
+            The heights.
+        interval : float, optional
+            In place of levels: all multiples of it, counted from the base, that the surface has.
+            They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
+        base : float, default 0
+            Where the interval is counted from.
+        index_every : int, default 5
+            Every so many multiples of the interval are index contours.
+        threads : int, optional
+            As for `delaunay`. Threads share the levels.
+
+        Returns
+        -------
+        Contours
+            The lines, by ascending level. They do not depend on the order of the rows.
+
+        Raises
+        ------
+        InputError
+            Neither levels nor interval are given, or both; a number is not finite, or the interval
+            not positive; there are more than a million levels.
+
+        Notes
+        -----
+        A corner at a level is above it. So a plateau at the level has a line around it, a ridge one
+        there and back, and a summit none; no line has a point twice in succession.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+        >>> slope.contours([2])[0].points.tolist()
+        [[1.0, 3.0], [1.0, 0.0]]
+        """
+        if (levels is None) == (interval is None):
+            raise InputError("give either levels or an interval")
+        if interval is None:
+            wanted = _levels("levels", levels)
+            is_index = np.zeros(len(wanted), dtype=np.bool_)
+        else:
+            wanted, is_index = _multiples(
+                self, interval, base, as_count("index_every", index_every, 1)
+            )
+        limit = as_threads(threads, len(self.faces))
+        points, starts, places, closed = relief_of(self).contours(wanted, *limit)
+        crs = self.crs if self.frame.name == "xy" else None
+        return Contours(
+            points, starts, wanted[places], closed.view(np.bool_), is_index[places], crs
+        )
+
+
+def _levels(name: str, values: Any) -> Floats:
+    """Convert levels to finite numbers, ascending, each once."""
+    try:
+        found = np.unique(as_reals(values))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
+    if found.ndim != 1 or not np.isfinite(found).all():
+        raise InputError(f"{name} are {shown(values)}: give finite heights")
+    return found
+
+
+def _multiples(
+    surface: Surface, interval: float, base: float, index_every: int
+) -> tuple[Floats, Array]:
+    """Return the levels within the heights of a surface, and which of them are index contours."""
+    step, start = (_decimal(*each) for each in (("interval", interval), ("base", base)))
+    if step <= 0:
+        raise InputError(f"interval is {shown(interval)}: give a positive height")
+    low, high = _heights_of(surface)
+    first, last = math.floor((low - start) / step), math.ceil((high - start) / step)
+    if last - first > _MOST_LEVELS:
+        raise InputError(
+            f"interval is {shown(interval)}, which makes {as_thousands(last - first)} levels: give "
+            "a larger one"
+        )
+    numbers = range(first, last + 1)
+    levels = np.array([float(start + step * number) for number in numbers])
+    return levels, np.array([number % index_every == 0 for number in numbers])
+
+
+def _heights_of(surface: Surface) -> tuple[Fraction, Fraction]:
+    """Return the least and the greatest height of a face."""
+    heights = surface.frame.heights(surface.vertices)[surface.faces]
+    low, high = float(heights.min()), float(heights.max())
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise InputError(
+            "a height of a face is not finite: the array of the vertices was written since"
+        )
+    return Fraction(low), Fraction(high)
+
+
+def _decimal(name: str, value: Any) -> Fraction:
+    """Convert a height to the decimal that it is printed as."""
+    try:
+        return as_decimal(value)
+    except ValueError as error:
+        raise InputError(f"{name} is {shown(value)}: give a finite height") from error

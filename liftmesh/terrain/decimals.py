@@ -1,0 +1,73 @@
+"""Numbers as people write them: 0.6 is three times 0.2.
+
+Of two doubles that are printed as 0.6 and 0.2, the quotient is less than 3. A step that someone
+gives is meant as the decimal that it is printed as; multiples of it are counted in rationals, and
+rounded once.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from numpy.typing import ArrayLike
+
+from liftmesh.arrays import as_reals
+
+_LONG = 10**15
+
+
+def as_decimal(value: ArrayLike) -> Fraction:
+    """Convert a number to the decimal that it is printed as.
+
+    Parameters
+    ----------
+    value : array_like
+        A finite number.
+
+    Returns
+    -------
+    fractions.Fraction
+        The decimal.
+
+    Raises
+    ------
+    ValueError
+        It is no finite number.
+
+    Examples
+    --------
+    >>> as_decimal(0.1)
+    Fraction(1, 10)
+    """
+    try:
+        found = float(as_reals(value))
+    except (TypeError, OverflowError) as error:
+        raise ValueError from error
+    if not math.isfinite(found):
+        raise ValueError
+    return Fraction(repr(found))
+
+
+def as_thousands(count: int) -> str:
+    """Show a number, which may be of any size, in a message.
+
+    Parameters
+    ----------
+    count : int
+        The number, 0 or more.
+
+    Returns
+    -------
+    str
+        With commas, or only its first digit and a power of ten.
+
+    Examples
+    --------
+    >>> as_thousands(12345), as_thousands(3 * 10**40)
+    ('12,345', '3e+40')
+    """
+    if count < _LONG:
+        return f"{count:,}"
+    digits = str(count)
+    return f"{digits[0]}e+{len(digits) - 1}"

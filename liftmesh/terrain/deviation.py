@@ -1,0 +1,164 @@
+"""How far points are from a surface along its normal, checked by arithmetic of its own.
+
+The height of the surface at a point is that of the plane of the triangle that contains it, found
+exactly. The distance is computed in doubles by barycentric coordinates, with a bound on its error.
+Where that leaves open whether it exceeds the bound that is asked for, rational numbers decide. None
+of it is shared with the engine that simplifies.
+
+With e = 2^-53, and d the doubled area of the triangle, which is a sum of two products of
+differences: it is off by at most 4 e D, where D is the sum of the magnitudes. The doubled areas a
+and b of the parts opposite two corners are off by 4 e A and 4 e B. So a / d is off by
+(4 e A + |a / d| 4 e D) / (|d| - 4 e D) and two roundings. The distance
+(z - z_c) - ((z_a - z_c) a / d + (z_b - z_c) b / d) has the errors of the two quotients times the
+differences of heights, and six roundings. A factor of 2 covers terms of higher order, 1e-300
+underflow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.planar.positions import pieces
+
+if TYPE_CHECKING:
+    from liftmesh.planar.triangulation import Triangulation
+
+_E = 2.0**-53
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """The largest distance of points from a surface.
+
+    Parameters
+    ----------
+    largest : float
+        Not less than the largest distance.
+    beyond : int
+        How many points are further away than the bound, exactly.
+    """
+
+    largest: float
+    beyond: int
+
+
+def deviation(
+    triangulation: Triangulation, heights: Floats, points: Floats, z: Floats, bound: float
+) -> Deviation:
+    """Compare points with a surface.
+
+    Parameters
+    ----------
+    triangulation : Triangulation
+        The planar triangles, which cover the points.
+    heights : (n,) ndarray of float64
+        Of its rows.
+    points : (m, 2) ndarray of float64
+        The planar points.
+    z : (m,) ndarray of float64
+        Their heights.
+    bound : float
+        The distance that none should exceed.
+
+    Returns
+    -------
+    Deviation
+        The largest distance, and how many exceed the bound.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> tri = liftmesh.delaunay([[0, 0], [4, 0], [0, 4]])
+    >>> found = deviation(tri, np.zeros(3), np.array([[1.0, 1.0]]), np.array([0.5]), 0.5)
+    >>> found.beyond, round(found.largest, 9)
+    (0, 0.5)
+    """
+    largest, beyond = 0.0, 0
+    corners = np.column_stack([triangulation.points, heights])
+    for part in pieces(len(points)):
+        rows = triangulation.simplices[triangulation.find_simplex(points[part])]
+        sample = np.column_stack([points[part], z[part]])
+        with np.errstate(all="ignore"):
+            distance, error = _distances(corners[rows], sample)
+            is_open = ~((distance + error <= bound) | (distance - error > bound))
+            beyond += int(np.count_nonzero((distance - error > bound) & ~is_open))
+        exact = list(_exactly(corners[rows[is_open]], sample[is_open]))
+        beyond += sum(each > Fraction(bound) for each in exact)
+        upper = (distance + error)[~is_open]
+        largest = max([largest, *upper.max(initial=0.0, keepdims=True), *map(_upwards, exact)])
+    return Deviation(float(largest), beyond)
+
+
+def _distances(corners: Array, sample: Floats) -> tuple[Floats, Floats]:
+    """Compute distances, and a bound on the error of each."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    whole, of_whole = _doubled_area(a - c, b - c)
+    first, of_first = _doubled_area(sample - c, b - c)
+    second, of_second = _doubled_area(a - c, sample - c)
+    u, v = first / whole, second / whole
+    rise = sample[:, 2] - c[:, 2]
+    to_a, to_b = a[:, 2] - c[:, 2], b[:, 2] - c[:, 2]
+    distance = np.abs(rise - (to_a * u + to_b * v))
+    sure = np.abs(whole) - of_whole
+    of_u = (of_first + np.abs(u) * of_whole) / sure + 4 * _E * np.abs(u)
+    of_v = (of_second + np.abs(v) * of_whole) / sure + 4 * _E * np.abs(v)
+    rounding = 8 * _E * (np.abs(rise) + np.abs(to_a * u) + np.abs(to_b * v))
+    error = 2 * (np.abs(to_a) * of_u + np.abs(to_b) * of_v + rounding) + 1e-300
+    return distance, np.where(sure > of_whole, error, np.inf)
+
+
+def _doubled_area(one: Floats, other: Floats) -> tuple[Floats, Floats]:
+    left, right = one[:, 0] * other[:, 1], one[:, 1] * other[:, 0]
+    return left - right, 4 * _E * (np.abs(left) + np.abs(right)) + 1e-300
+
+
+def _exactly(corners: Array, sample: Floats) -> Iterator[Fraction]:
+    """Yield distances as rational numbers."""
+    for triangle, point in zip(corners.tolist(), sample.tolist(), strict=True):
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (map(Fraction, each) for each in triangle)
+        x, y, z = map(Fraction, point)
+        whole = (ax - cx) * (by - cy) - (ay - cy) * (bx - cx)
+        u = ((x - cx) * (by - cy) - (y - cy) * (bx - cx)) / whole
+        v = ((ax - cx) * (y - cy) - (ay - cy) * (x - cx)) / whole
+        yield abs(z - cz - u * (az - cz) - v * (bz - cz))
+
+
+def _upwards(value: Fraction) -> float:
+    """Round to a double that is not less."""
+    try:
+        found = float(value)
+    except OverflowError:
+        return math.inf
+    return found if Fraction(found) >= value else math.nextafter(found, math.inf)
+
+
+def of_rows(heights: Floats, left_out: Rows, representatives: Rows) -> float:
+    """Return the largest distance of merged rows from the row that stands for them.
+
+    Parameters
+    ----------
+    heights : (n,) ndarray of float64
+        Of all rows.
+    left_out, representatives : (k,) ndarray of int32
+        As in a `Report`.
+
+    Returns
+    -------
+    float
+        0 if no rows are merged.
+
+    Examples
+    --------
+    >>> of_rows(np.array([1.0, 4.0]), np.array([1]), np.array([0]))
+    3.0
+    """
+    merged = representatives >= 0
+    apart = heights[left_out[merged]] - heights[representatives[merged]]
+    return float(np.abs(apart).max(initial=0.0))

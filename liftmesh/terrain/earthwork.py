@@ -1,0 +1,173 @@
+"""Cut and fill: the volumes between two surfaces, where both have faces.
+
+The kernel lays the triangulations over each other (`_core/surface/overlay.hpp`); it begins with a
+face of each that touch, which are found here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.crs import are_different
+from liftmesh.errors import InputError
+from liftmesh.predicates import orient2d
+from liftmesh.terrain.measures import cubic_metres_of
+from liftmesh.terrain.sampling import relief_of
+from liftmesh.terrain.within import between_within
+
+if TYPE_CHECKING:
+    from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.terrain.surface import Surface
+
+
+@dataclass(frozen=True, slots=True)
+class Earthwork:
+    """The volumes between two surfaces, as `Surface.cut_and_fill` returns them.
+
+    Attributes
+    ----------
+    cut : float
+        Where the second surface is below the first.
+    fill : float
+        Where it is above.
+    area : float
+        The area in the plane on which both have faces.
+    cubic_metres : float or None
+        As in `Volume`.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> level = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+    >>> slope = liftmesh.triangulate([[0, 0, -1], [4, 0, 3], [0, 4, -1], [4, 4, 3]])
+    >>> found = level.cut_and_fill(slope)
+    >>> found.cut, found.fill, found.net
+    (2.0, 18.0, 16.0)
+    """
+
+    cut: float
+    fill: float
+    area: float
+    cubic_metres: float | None = None
+
+    @property
+    def net(self) -> float:
+        """The fill less the cut."""
+        return self.fill - self.cut
+
+
+class Comparing:
+    """The method of a `Surface` that measures the way to another one."""
+
+    __slots__ = ()
+
+    def cut_and_fill(self: Any, other: Surface, *, polygon: object = None) -> Earthwork:
+        """Compute the volumes between this surface and another one.
+
+        Parameters
+        ----------
+        other : Surface
+            What this one becomes, over the same plane. The surfaces need not have the same points,
+            nor cover the same area.
+        polygon : object, optional
+            Measure inside of it alone, cut at its border: as for `trim`, and valid. Of several,
+            what they cover together; it needs ``pip install 'liftmesh[shapes]'``.
+
+        Returns
+        -------
+        Earthwork
+            What is to be cut, and to be filled; only where both have faces.
+
+        Raises
+        ------
+        InputError
+            The surfaces are over different planes or in different coordinate systems, or have no
+            area in common; or the polygon is invalid.
+        FormatError
+            A file of a polygon is invalid.
+        MissingDependencyError
+            shapely is not installed.
+        OSError
+            A file of a polygon cannot be opened.
+
+        Notes
+        -----
+        Which faces overlap is decided exactly; their common parts are rounded, in coordinates
+        relative to a corner.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> flat = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+        >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 6]])
+        >>> round(flat.cut_and_fill(hill).fill, 9), round(hill.cut_and_fill(flat).cut, 9)
+        (32.0, 32.0)
+        """
+        _check(self, other)
+        if polygon is not None:
+            fill, cut, area = between_within(self, other, polygon)
+            return Earthwork(cut, fill, area, cubic_metres_of(self))
+        pair = _touching(self.triangulation, other.triangulation)
+        fill, cut, area = 0.0, 0.0, 0.0
+        if pair is not None:
+            fill, cut, area = relief_of(self).between(relief_of(other), *pair)
+        if not area > 0:
+            raise InputError("the surfaces have no area in common")
+        return Earthwork(cut, fill, area, cubic_metres_of(self))
+
+
+def _check(surface: Surface, other: Surface) -> None:
+    if not hasattr(other, "triangulation") or not hasattr(other, "frame"):
+        raise InputError(f"a {type(other).__name__} is no surface: triangulate it, or as_surface")
+    one, two = surface.frame, other.frame
+    if not (np.array_equal(one.axes, two.axes) and np.array_equal(one.origin, two.origin)):
+        raise InputError("the surfaces are over different planes: give both the same")
+    if are_different(surface.crs, other.crs):
+        raise InputError(
+            "the surfaces have different coordinate systems: read one with to_crs= that of the "
+            "other, or replace(crs=None) if they are the same"
+        )
+
+
+def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Return a face of each triangulation that touch; None if none do."""
+    if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
+        return None
+    found = _of_a_vertex(one, two)
+    if found is None:
+        turned = _of_a_vertex(two, one)
+        found = None if turned is None else (turned[1], turned[0])
+    return found or _of_crossing_sides(one, two)
+
+
+def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find a vertex of one in the other: a face at it, and the face that contains it."""
+    rows = np.flatnonzero(one.vertex_to_simplex >= 0)
+    place = two.find_simplex(one.points[rows])
+    inside = np.flatnonzero(place >= 0)
+    if not len(inside):
+        return None
+    return int(one.vertex_to_simplex[rows[inside[0]]]), int(place[inside[0]])
+
+
+def _of_crossing_sides(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find sides of the hulls that cross, where no vertex of one is in the other."""
+    others, starts, ends = _hull(two)
+    for face, tail, head in zip(*_hull(one), strict=True):
+        apart = orient2d(tail, head, starts) * orient2d(tail, head, ends) > 0
+        apart |= orient2d(starts, ends, tail) * orient2d(starts, ends, head) > 0
+        if not apart.all():
+            return int(face), int(others[np.argmin(apart)])
+    return None
+
+
+def _hull(tri: Triangulation) -> tuple[Array, Array, Array]:
+    """Return the faces at the sides of the hull, and the ends of these sides."""
+    faces, corner = np.nonzero(tri.neighbors < 0)
+    ends = (tri.simplices[faces, (corner + step) % 3] for step in (1, 2))
+    tails, heads = (tri.points[rows] for rows in ends)
+    return faces, tails, heads

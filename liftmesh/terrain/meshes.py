@@ -1,0 +1,169 @@
+"""Surfaces from meshes: the triangles of a file, with the triangulation that they are part of.
+
+A triangle of a Delaunay triangulation is one of every subset of the points that holds its corners,
+and of a regular one, too, by whose weights the metadata of a file say that it was made. So the
+corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
+faces: it is made again, and what the mesh does not have is masked.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.arrays import used_rows
+from liftmesh.errors import InputError
+from liftmesh.io.faces import checked_faces
+from liftmesh.io.files import read_cloud
+from liftmesh.io.metadata import lifted_by
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.regular import regular
+from liftmesh.planar.weights import named_values
+from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.report import Report
+from liftmesh.terrain.surface import Surface
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+    from liftmesh.planar.triangulation import Triangulation
+
+
+def as_surface(
+    mesh: object, *, plane: str | ArrayLike = "xy", threads: int | None = None
+) -> Surface:
+    """Make a surface of a mesh, such as one that `triangulate` has written to a file.
+
+    Parameters
+    ----------
+    mesh : object
+        A file or an object with faces, as for `verify`; a `Surface` is returned as it is.
+    plane : str or array_like, default "xy"
+        The plane that it was triangulated on, as for `triangulate`.
+    threads : int, optional
+        As for `delaunay`.
+
+    Returns
+    -------
+    Surface
+        All rows of the mesh are its vertices; rows in no face are skipped by its triangulation.
+        Triangles that the mesh does not have, as one that was trimmed, are masked.
+
+    Raises
+    ------
+    InputError
+        The mesh has no faces, faces share a planar position but no row, or one is no triangle of
+        the triangulation of their corners: the Delaunay triangulation, or the one by the weights,
+        radii or metric that the metadata say.
+    UnsupportedTypeError
+        No adapter can convert the object to a cloud.
+    FormatError
+        A file cannot be read.
+    OSError
+        A file does not exist or cannot be opened.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1], [9, 2, 1]]
+    >>> trimmed = liftmesh.triangulate(points).trim(max_edge=2)
+    >>> as_surface(trimmed.to_cloud())
+    <Surface of 2 triangles over 5 vertices>
+    """
+    if isinstance(mesh, Surface):
+        return mesh
+    cloud = read_cloud(mesh)
+    if cloud.faces is None or not len(cloud.faces):
+        raise InputError("there are no faces: triangulate the points")
+    faces = checked_faces(cloud.faces, len(cloud), "the mesh")
+    frame = resolve_plane(plane, cloud.points)
+    planar = frame.planar(cloud.points).copy()
+    used = used_rows(len(cloud), faces)
+    _check(cloud, planar, used)
+    planar[np.setdiff1d(np.arange(len(cloud)), used)] = np.nan
+    solved = _solved(cloud, planar, threads)
+    if len(solved.duplicates):
+        row, kept = solved.duplicates[0].tolist()
+        raise InputError(
+            f"rows {kept} and {row} of faces are at one planar position: triangulate the points"
+        )
+    mask = _absent(solved.simplices, faces, len(cloud))
+    kept_faces = solved.simplices if mask is None else solved.simplices[~mask]
+    return Surface(
+        vertices=cloud.points,
+        faces=kept_faces,
+        triangulation=solved,
+        frame=frame,
+        report=_report(solved, len(used), len(kept_faces), cloud),
+        colors=cloud.colors,
+        normals=cloud.normals,
+        attributes=cloud.attributes,
+        metadata=cloud.metadata,
+        crs=cloud.crs,
+        mask=mask,
+    )
+
+
+def _solved(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation:
+    """Triangulate the corners by what the mesh says that it was triangulated by."""
+    said = lifted_by(cloud.metadata)
+    if "metric" in said or not said:
+        form = said.get("metric")
+        return delaunay(planar, nonfinite="skip", order="canonical", threads=threads, metric=form)
+    ((kind, name),) = said.items()
+    values: dict[str, Any] = {kind: named_values(cloud, kind, name)}
+    return regular(planar, **values, nonfinite="skip", order="canonical", threads=threads)
+
+
+def _check(cloud: Cloud, planar: Floats, used: Rows) -> None:
+    """Raise for corners that are not finite."""
+    finite = np.isfinite(planar[used]).all(axis=1) & np.isfinite(cloud.points[used]).all(axis=1)
+    if not finite.all():
+        row = int(used[np.argmin(finite)])
+        raise InputError(f"row {row} of a face is not finite: {cloud.points[row].tolist()}")
+
+
+def _absent(simplices: Rows, faces: Rows, rows: int) -> Array | None:
+    """Tell which triangles the mesh does not have; raise if it has others."""
+    ours, theirs = (_names(each, rows) for each in (simplices, faces))
+    order = np.argsort(ours)
+    place = np.minimum(np.searchsorted(ours[order], theirs), len(ours) - 1)
+    strange = np.flatnonzero(ours[order][place] != theirs)
+    if len(strange):
+        number = int(strange[0])
+        raise InputError(
+            f"face {number}, of the rows {faces[number].tolist()}, is no triangle of the Delaunay "
+            "triangulation of the vertices: triangulate them"
+        )
+    absent = np.ones(len(simplices), dtype=np.bool_)
+    absent[order[place]] = False
+    return absent if absent.any() else None
+
+
+def _names(triangles: Rows, rows: int) -> Array:
+    """Name triangles by their corners, whatever the first: as records that can be sorted."""
+    corners = np.sort(triangles, axis=1).astype(np.int64)
+    named = np.empty(len(corners), dtype=[("pair", np.int64), ("last", np.int64)])
+    named["pair"] = corners[:, 0] * rows + corners[:, 1]
+    named["last"] = corners[:, 2]
+    return named
+
+
+def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
+    rows = len(cloud)
+    return Report(
+        rows=rows,
+        used=used,
+        duplicates=0,
+        overhangs=0,
+        skipped=0,
+        triangles=triangles,
+        policy="error",
+        seconds={},
+        left_out=solved.skipped,
+        representatives=np.full(rows - used, -1, dtype=np.int32),
+        color_depth=cloud.color_depth,
+        unused=rows - used,
+    )

@@ -1,0 +1,132 @@
+"""Polygons with holes, from GeoJSON and objects of other libraries; which points are inside.
+
+A point is inside a polygon if a ray from it in the direction of x crosses its rings an odd number
+of times, so holes need no mark; of several polygons, which may overlap, it has to be inside one.
+The rule is half-open: an edge has its lower end, not its upper one. On which side of an edge a
+point is, exact orientation decides; one exactly on an edge is inside if what is just to its right
+is. So polygons that share edges share no point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import as_pairs, as_reals
+from liftmesh.choices import shown
+from liftmesh.errors import InputError
+from liftmesh.predicates import orient2d
+
+Polygon: TypeAlias = list[Floats]
+
+_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+
+
+def as_polygons(polygon: object) -> list[Polygon]:
+    """Convert what is given to polygons, each as its rings.
+
+    Parameters
+    ----------
+    polygon : object
+        GeoJSON as a dict, an object with ``__geo_interface__``, or an array of corners.
+
+    Returns
+    -------
+    list of list of (k, 2) ndarray of float64
+        For each polygon its rings, closed or not.
+
+    Raises
+    ------
+    InputError
+        It holds no polygon, or a corner is not finite.
+
+    Examples
+    --------
+    >>> triangle = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1]]]}
+    >>> [[ring.shape for ring in each] for each in as_polygons(triangle)]
+    [[(3, 2)]]
+    """
+    described = getattr(polygon, "__geo_interface__", polygon)
+    try:
+        found = _rings(described) if isinstance(described, Mapping) else [[polygon]]
+    except (TypeError, AttributeError, RecursionError) as error:
+        raise InputError("the polygon is no GeoJSON: give type and coordinates") from error
+    if not found:
+        raise InputError("there is no polygon in what is given: give Polygon or MultiPolygon")
+    return [[_ring(ring) for ring in each] for each in found]
+
+
+def contains(polygons: list[Polygon], points: Floats) -> Array:
+    """Tell which points are inside one of several polygons.
+
+    Parameters
+    ----------
+    polygons : list of list of (k, 2) ndarray of float64
+        As from `as_polygons`.
+    points : (n, 2) ndarray of float64
+        The points.
+
+    Returns
+    -------
+    (n,) ndarray of bool
+        True inside.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> contains([[square, square / 4 + 0.5]], np.array([[0.2, 0.2], [0.7, 0.7], [3.0, 1.0]]))
+    array([ True, False, False])
+    """
+    order = np.argsort(points[:, 1], kind="stable")
+    lined = np.ascontiguousarray(points[order])
+    is_inside = np.zeros(len(points), dtype=np.bool_)
+    for rings in polygons:
+        heights = np.concatenate([ring[:, 1] for ring in rings])
+        first, last = np.searchsorted(lined[:, 1], (heights.min(), heights.max()))
+        is_inside[first:last] |= _is_in(rings, lined[first:last])
+    found = np.empty_like(is_inside)
+    found[order] = is_inside
+    return found
+
+
+def _is_in(rings: Polygon, lined: Floats) -> Array:
+    """Tell which points, by ascending y, are inside one polygon."""
+    is_inside = np.zeros(len(lined), dtype=np.bool_)
+    for ring in rings:
+        for tail, head in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+            low, high = (tail, head) if tail[1] < head[1] else (head, tail)
+            first, last = np.searchsorted(lined[:, 1], (low[1], high[1]))
+            if first < last:
+                is_inside[first:last] ^= orient2d(low, high, lined[first:last]) > 0
+    return is_inside
+
+
+def _rings(tree: Mapping[str, Any]) -> list[list[Any]]:
+    """Collect the polygons of a tree of GeoJSON; what has no area counts for nothing."""
+    kind = tree.get("type")
+    if kind in _PARTS:
+        parts = tree.get(_PARTS[kind]) or ()
+        return [rings for part in parts if isinstance(part, Mapping) for rings in _rings(part)]
+    if kind == "Feature":
+        geometry = tree.get("geometry")
+        return _rings(geometry) if isinstance(geometry, Mapping) else []
+    coordinates = tree.get("coordinates") or ()
+    if kind == "Polygon":
+        return [list(coordinates)] if coordinates else []
+    return [list(part) for part in coordinates if part] if kind == "MultiPolygon" else []
+
+
+def _ring(corners: Any) -> Floats:
+    """Convert a ring to planar corners; heights, which GeoJSON allows, are left out."""
+    try:
+        array = as_reals(corners)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"a ring of the polygon cannot be read: {shown(corners)}") from error
+    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < 3:
+        raise InputError(f"a ring needs three corners x, y or more, not the shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError("a corner of the polygon is not finite")
+    return as_pairs(array[:, :2])

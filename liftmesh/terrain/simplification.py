@@ -1,0 +1,204 @@
+"""`simplify`: a surface of few triangles that keeps within a distance of every point.
+
+The kernel chooses the vertices. The surface is triangulated of these alone, so it is the canonical
+one of its points, and `deviation` checks it against every position, by arithmetic of its own.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh import _kernel
+from liftmesh._typing import Progress, Rows
+from liftmesh.choices import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
+from liftmesh.errors import InputError
+from liftmesh.planar.delaunay import solve
+from liftmesh.planar.triangulation import Triangulation
+from liftmesh.terrain.deviation import Deviation, deviation, of_rows
+from liftmesh.terrain.positions import positions_of
+from liftmesh.terrain.report import Report
+from liftmesh.terrain.surface import Surface
+from liftmesh.terrain.triangulate import triangulate
+
+_DONE_AFTER = {"triangulate": 0.1, "choose": 0.9}
+
+
+def simplify(
+    cloud: object,
+    *,
+    max_error: float | None = None,
+    max_points: int | None = None,
+    prune: bool = True,
+    plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
+    duplicates: Duplicates = "first",
+    nonfinite: NonFinite = "error",
+    progress: Progress | None = None,
+) -> Surface:
+    """Approximate a terrain by few triangles, within a vertical distance of every point.
+
+    Parameters
+    ----------
+    cloud : path, Cloud, Surface or object
+        Anything that `triangulate` takes, as a raster of heights; or a `Surface`.
+    max_error : float, optional
+        The vertical distance, in the units of the heights, that no position exceeds: exactly, not
+        within rounding. 0 leaves out what lies on the planes of the others.
+    max_points : int, optional
+        The most vertices. Without `max_error`, as many are taken, or as few as lose nothing.
+    prune : bool, default True
+        Whether vertices are removed again that the distance does not need: a tenth to a fifth of
+        them, for about half as much time again.
+    plane, duplicates, nonfinite
+        As for `triangulate`; not for a `Surface`, which has them already.
+    progress : callable, optional
+        As for `triangulate`.
+
+    Returns
+    -------
+    Surface
+        The rows that are left, in their order, with their colours, normals and named values, and
+        the canonical Delaunay triangles of these. ``metadata["simplification"]`` has "rows" of the
+        cloud, their distinct "positions", how many of these are "kept", "max_error" as asked for,
+        "error", which no distance of a position exceeds, whether it is "within" `max_error`, and
+        "merged": the largest distance of a row from the one that stands for its position.
+
+    Raises
+    ------
+    InputError
+        Neither `max_error` nor `max_points` is given, or one is invalid; there are fewer
+        `max_points` than corners of the hull; or the surface has weights, radii or a metric.
+    NonFiniteError, DuplicateHeightError, DegenerateInputError, UnsupportedTypeError, FormatError
+        As for `triangulate`.
+
+    Notes
+    -----
+    Greedy insertion: M. Garland and P. S. Heckbert, "Fast polygonal approximation of terrains and
+    height fields", 1995. From the corners of the hull on, the position with the largest distance,
+    of several the lexicographically least, becomes a vertex, until none is beyond `max_error`. Then
+    vertices are removed, one after the other the one without which distances grow least, as long as
+    none is beyond it. So the result depends on the positions alone, not on the order of rows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x, y = (each.ravel() for each in np.meshgrid(np.arange(9.0), np.arange(9.0)))
+    >>> ridge = simplify(np.column_stack([x, y, -abs(x - 4)]), max_error=0.0)
+    >>> len(ridge.vertices), ridge.metadata["simplification"]["error"]
+    (6, 0.0)
+    """
+    bound, most = _limits(max_error, max_points)
+    prunes = as_switch("prune", prune)
+    check_progress(progress)
+    start = time.perf_counter()
+    stages = _scaled(progress)
+    if isinstance(cloud, Surface):
+        whole = cloud
+    else:
+        given: Any = {"plane": plane, "duplicates": duplicates, "nonfinite": nonfinite}
+        whole = triangulate(cloud, **given, progress=stages(0.0, _DONE_AFTER["triangulate"]))
+    _check_member(whole)
+    heights = whole.frame.heights(whole.vertices)
+    used, positions, hull = positions_of(whole)
+    between = stages(_DONE_AFTER["triangulate"], _DONE_AFTER["choose"])
+    altitudes = np.ascontiguousarray(heights[used], np.float64) + 0.0
+    chosen = _kernel.simplify(positions, altitudes, hull, bound, most, prunes, between)
+    kept, is_within = np.sort(used[chosen[0]]), chosen[1]
+    _check_count(len(kept), most)
+    found = _surface(whole, kept, start)
+    checked = deviation(found.triangulation, heights[kept], positions, altitudes, bound)
+    _check_bound(checked, bound, is_within)
+    told = {
+        "rows": len(whole.vertices),
+        "positions": len(used),
+        "kept": len(kept),
+        "max_error": max_error,
+        "error": checked.largest,
+        "within": is_within,
+        "merged": of_rows(heights, whole.report.left_out, whole.report.representatives),
+    }
+    if progress is not None:
+        progress(1.0)
+    return replace(found, metadata={**whole.metadata, "simplification": told})
+
+
+def _limits(max_error: object, max_points: object) -> tuple[float, int]:
+    if max_error is None and max_points is None:
+        raise InputError("neither max_error nor max_points is given: give one of them, or both")
+    bound = 0.0
+    if max_error is not None:
+        is_number = isinstance(max_error, int | float | np.number)
+        if not is_number or isinstance(max_error, bool) or not 0 <= max_error <= sys.float_info.max:  # type: ignore[operator]
+            message = f"max_error is {shown(max_error)}: give a distance, in the units of heights"
+            raise InputError(message)
+        bound = float(max_error)  # type: ignore[arg-type]
+    most = 0 if max_points is None else as_count("max_points", max_points, 3)
+    return bound, min(most, _kernel.MOST_ROWS)
+
+
+def _check_member(surface: Surface) -> None:
+    tri = surface.triangulation
+    if hasattr(tri, "hidden") or tri.metric is not None:
+        raise InputError(
+            "the surface has weights, radii or a metric: a simplified one is a Delaunay "
+            "triangulation; triangulate its vertices without them"
+        )
+
+
+def _check_bound(checked: Deviation, bound: float, is_within: bool) -> None:
+    if is_within and checked.beyond:
+        raise AssertionError(f"{checked.beyond} positions are beyond {bound}: a bug of liftmesh")
+
+
+def _scaled(progress: Progress | None) -> Any:
+    """Make callbacks that scale a stage's progress to the whole run."""
+
+    def stage(first: float, last: float) -> Progress | None:
+        if progress is None:
+            return None
+        return lambda done: progress(first + done * (last - first))
+
+    return stage
+
+
+def _check_count(found: int, most: int) -> None:
+    if most and found > most:
+        raise InputError(f"max_points is {most}, and the hull has {found} corners: give more")
+
+
+def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
+    """Triangulate the rows that stay; their order and their coordinates are those of the whole."""
+    cloud = whole.to_cloud().select(kept)
+    triangulation = Triangulation(**solve(whole.triangulation.points[kept], nonfinite="error"))
+    nothing = np.empty(0, np.int32)
+    report = Report(
+        rows=len(kept),
+        used=len(kept),
+        duplicates=0,
+        overhangs=0,
+        skipped=0,
+        triangles=triangulation.nsimplex,
+        policy=whole.report.policy,
+        seconds={**whole.report.seconds, "simplify": time.perf_counter() - start},
+        left_out=nothing,
+        representatives=nothing,
+        columns=whole.report.columns,
+        color_depth=whole.report.color_depth,
+    )
+    return Surface(
+        vertices=cloud.points,
+        faces=triangulation.simplices,
+        triangulation=triangulation,
+        frame=whole.frame,
+        report=report,
+        colors=cloud.colors,
+        normals=cloud.normals,
+        attributes=cloud.attributes,
+        metadata=whole.metadata,
+        crs=whole.crs,
+    )

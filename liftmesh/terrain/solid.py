@@ -1,0 +1,243 @@
+"""Solids: a surface closed by walls and a base, for printing and for whatever needs a volume.
+
+The walls stand on the rings of the boundary. Where two parts of the surface touch in a vertex only,
+four walls would meet in one line there, and no program agrees on what is inside: such vertices are
+refused, or the faces at them left out. Under a surface that is not trimmed a flat base needs no
+more corners than the rim has, since the triangulation of these fills a convex region. A corner may
+be at the height of the base: on the rim it is a corner of the base, too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.arrays import as_reals, used_rows
+from liftmesh.choices import Pinched, check_option, shown
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.trimming import mask_of, masked
+from liftmesh.terrain.units import rise_of
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface import Surface
+
+
+class Closing:
+    """The method of a `Surface` that makes a solid of it."""
+
+    __slots__ = ()
+
+    def solid(
+        self: Any,
+        base: float | None = None,
+        *,
+        thickness: float | None = None,
+        pinched: Pinched = "error",
+        longest: float | None = None,
+        z_factor: float | None = None,
+    ) -> Cloud:
+        """Close the faces by walls and a base.
+
+        Parameters
+        ----------
+        base : float, optional
+            The height of a flat base, below all faces; they may touch it in single corners.
+        thickness : float, optional
+            In place of it: the base is the surface itself, lower by so much.
+        pinched : {"error", "trim"}, default "error"
+            Where faces touch in a vertex only, which no solid can: refuse, or leave out all faces
+            at such vertices.
+        longest : float, optional
+            Scale the solid to this length in x or y, whichever is longer, in millimetres to print
+            it, and move it: it begins at 0 in all directions. Without it, it stays in its place.
+        z_factor : float, optional
+            With ``longest``: what heights are multiplied by before, as for `slope`.
+
+        Returns
+        -------
+        Cloud
+            A closed mesh: the rows of the faces, then those of the base. Faces are
+            counter-clockwise from outside. Colours and named values are not part of it.
+
+        Raises
+        ------
+        InputError
+            There is not either a base or a thickness, a number is none that it can be, the surface
+            reaches its base, or faces touch in a vertex only.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> hill = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [2, 2, 4]])
+        >>> block = hill.solid(base=0)
+        >>> block.points.shape, block.faces.shape
+        ((9, 3), (14, 3))
+        """
+        check_option("pinched", pinched, Pinched)
+        depth = _depth(base, thickness)
+        scale = None if longest is None else _length("longest", longest)
+        if scale is None and z_factor is not None:
+            raise InputError("z_factor goes with longest: without it, no height changes")
+        surface = _unpinched(self, pinched)
+        top = used_rows(len(surface.vertices), surface.faces)
+        heights = surface.frame.heights(surface.vertices[top])
+        lower = heights - depth if base is None else np.full(len(top), depth)
+        parts = _Parts(surface, top, heights, lower, is_flat=base is not None)
+        parts.check()
+        points = parts.points() if scale is None else parts.scaled(scale, z_factor)
+        crs = surface.crs if scale is None else None
+        return Cloud(points, faces=parts.faces(), crs=crs)
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """The rows of a surface that are corners of faces, their heights, and those below them."""
+
+    surface: Surface
+    top: Rows
+    heights: Floats
+    lower: Floats
+    is_flat: bool
+
+    def check(self) -> None:
+        """Raise unless the surface is above its base, but for single corners."""
+        gap = self.heights - self.lower
+        worst = int(np.argmin(gap))
+        if gap[worst] > 0:
+            return
+        if gap[worst] < 0 or not self.is_flat:
+            raise InputError(
+                f"the surface reaches its base: row {self.top[worst]} has the height "
+                f"{self.heights[worst]}, the base {self.lower[worst]}: give a lower one"
+            )
+        touching = (gap == 0)[self._above()].sum(axis=1)
+        if touching.max() > (2 if self._is_convex() else 1):
+            rows = self.surface.faces[np.argmax(touching)].tolist()
+            raise InputError(
+                f"the face of the rows {rows} touches the base along a side: give a lower base"
+            )
+
+    def faces(self) -> Rows:
+        """Return the faces of the surface, of the walls and of the base."""
+        rings = [np.searchsorted(self.top, ring) for ring in self.surface.boundary()]
+        kept, own = self._kept(), self._own()
+        below = np.arange(len(self.top))  # where they touch
+        below[own] = len(self.top) + np.arange(len(own))
+        walls = np.concatenate([_wall(ring, below[ring]) for ring in rings])
+        has_area = (walls[:, 0] != walls[:, 2]) & (walls[:, 1] != walls[:, 2])
+        parts = [self._above(), walls[has_area], below[self._base(kept)]]
+        return np.concatenate(parts).astype(np.int32)
+
+    def points(self) -> Floats:
+        """Return the rows of the surface, then those of the base, where they are."""
+        frame, own = self.surface.frame, self._own()
+        upper = self.surface.vertices[self.top]
+        lower = frame.raised(upper[own], self.heights[own], self.lower[own])
+        return np.concatenate([upper, lower])
+
+    def scaled(self, longest: float, z_factor: float | None) -> Floats:
+        """Return them in the plane of the surface, scaled, from 0 on."""
+        planar = self.surface.triangulation.points[self.top]
+        rise, _ = rise_of(self.surface, z_factor)
+        low, high = planar.min(axis=0), planar.max(axis=0)
+        with np.errstate(all="ignore"):
+            scale = longest / (high - low).max()
+            upper, lower = (
+                np.column_stack([planar - low, (each - self.lower.min()) * rise]) * scale
+                for each in (self.heights, self.lower)
+            )
+        found: Floats = np.concatenate([upper, lower[self._own()]])
+        if not np.isfinite(found).all():
+            raise InputError("the solid is beyond the largest double: give a smaller length")
+        return found
+
+    def _above(self) -> Array:
+        return np.searchsorted(self.top, self.surface.faces)
+
+    def _own(self) -> Array:
+        """Return which corners have a row of the base below them, and do not touch it."""
+        kept = self._kept()
+        return kept[self.heights[kept] > self.lower[kept]]
+
+    def _is_convex(self) -> bool:
+        return self.is_flat and self.surface.mask is None
+
+    def _kept(self) -> Array:
+        """Return which corners the base has: those of the rim, if they fill it, or all."""
+        if not self._is_convex():
+            return np.arange(len(self.top))
+        return np.unique(np.searchsorted(self.top, np.concatenate(self.surface.boundary())))
+
+    def _base(self, kept: Array) -> Array:
+        """Return the faces of the base, counter-clockwise from below."""
+        if not self._is_convex():
+            return self._above()[:, ::-1]
+        rim = self.surface.triangulation.points[self.top[kept]]
+        return kept[delaunay(rim, order="canonical").simplices][:, ::-1]
+
+
+def _wall(above: Array, below: Array) -> Array:
+    """Return two faces for each side of a ring that has the surface on its left."""
+    then_above, then_below = np.roll(above, -1), np.roll(below, -1)
+    return np.concatenate(
+        [
+            np.column_stack([below, then_below, then_above]),
+            np.column_stack([below, then_above, above]),
+        ]
+    )
+
+
+def _depth(base: Any, thickness: Any) -> float:
+    """Return the height of the base, or how much lower it is."""
+    if (base is None) == (thickness is None):
+        raise InputError("give either a base or a thickness")
+    return _height("base", base) if thickness is None else _length("thickness", thickness)
+
+
+def _height(name: str, value: Any) -> float:
+    try:
+        number = float(as_reals(value))
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f"{name} is {shown(value)}: give a finite height")
+    return number
+
+
+def _length(name: str, value: Any) -> float:
+    try:
+        number = _height(name, value)
+    except InputError:
+        number = 0.0
+    if not number > 0:
+        raise InputError(f"{name} is {shown(value)}: give a positive length")
+    return number
+
+
+def _unpinched(surface: Surface, pinched: Pinched) -> Surface:
+    """Return a surface whose faces touch in sides only: itself, or without some faces."""
+    while len(rows := _pinched_rows(surface)):
+        if pinched == "error":
+            place = surface.triangulation.points[rows[0]].tolist()
+            others = f", and at {len(rows) - 1:,} more" if len(rows) > 1 else ""
+            raise InputError(
+                f"faces touch in a vertex only at row {rows[0]}, {place}{others}, where no solid "
+                "can be closed: give pinched='trim' to leave out the faces there"
+            )
+        flags = np.zeros(surface.triangulation.npoints, dtype=np.bool_)
+        flags[rows] = True
+        at_them = flags[surface.triangulation.simplices].any(axis=1)
+        surface = masked(surface, mask_of(surface) | at_them)
+    return surface
+
+
+def _pinched_rows(surface: Surface) -> Rows:
+    """Return the rows that rings share, ascending."""
+    rows, counts = np.unique(np.concatenate(surface.boundary()), return_counts=True)
+    return rows[counts > 1]

@@ -1,0 +1,96 @@
+"""Units of x, y and heights: what they are in metres, and how steep that makes a gradient.
+
+Surveys with metres in the plane and feet in height exist, and in feet of two kinds. Angles and
+areas in space compare heights with lengths, so heights are converted first, as far as the
+coordinate system says the units; where it does not, the caller may.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from liftmesh.arrays import as_reals
+from liftmesh.choices import shown
+from liftmesh.crs import described
+from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface import Surface
+
+_AXES = {"xy": (0, 1, 2), "xz": (0, 2, 1), "yz": (1, 2, 0)}
+
+
+def metres_of(surface: Surface) -> tuple[float, float, float] | None:
+    """Return how many metres the units of both planar coordinates and of heights have.
+
+    Parameters
+    ----------
+    surface : Surface
+        Its coordinate system says the units of x, y and z, or does not.
+
+    Returns
+    -------
+    tuple of three float, or None
+        None if a unit is not known, or if a turned plane mixes different ones.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    >>> metres_of(liftmesh.triangulate(points, crs="EPSG:7415"))
+    (1.0, 1.0, 1.0)
+    """
+    system = described(surface.crs)
+    units = () if system is None else system.units
+    metres = [each.metres for each in units if each is not None and each.metres is not None]
+    if len(metres) != 3:
+        return None
+    axes = _AXES.get(surface.frame.name)
+    if axes is None:
+        return (metres[0],) * 3 if len({*metres}) == 1 else None
+    x, y, z = (metres[axis] for axis in axes)
+    return x, y, z
+
+
+def rise_of(surface: Surface, z_factor: float | None) -> tuple[float, float]:
+    """Return what gradients are multiplied by before they become angles.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    z_factor : float, optional
+        As in `Surface.slope`.
+
+    Returns
+    -------
+    (float, float)
+        For dz/dx and for dz/dy; both are 1 if nothing is known or given.
+
+    Raises
+    ------
+    InputError
+        The factor is not positive.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> rise_of(liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), 0.5)
+    (0.5, 0.5)
+    """
+    if z_factor is not None:
+        factor = _positive(z_factor)
+        return factor, factor
+    x, y, z = metres_of(surface) or (1.0, 1.0, 1.0)
+    return z / x, z / y
+
+
+def _positive(value: Any) -> float:
+    try:
+        factor = float(as_reals(value))
+    except (TypeError, ValueError, OverflowError):
+        factor = math.nan
+    if not 0 < factor < math.inf:
+        raise InputError(f"z_factor is {shown(value)}: give a positive number")
+    return factor

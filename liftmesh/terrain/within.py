@@ -1,0 +1,138 @@
+"""Polygons as triangles: what is measured inside of them is cut exactly at their borders.
+
+The triangles of a polygon, which shapely makes of its own corners, are laid over two surfaces as
+these are over each other (`_core/surface/overlay.hpp`), so each common part of three triangles is
+counted once. A level is a surface of two triangles.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Rows
+from liftmesh.errors import InputError
+from liftmesh.optional import load
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.polygon_files import polygons_in
+from liftmesh.terrain.sampling import relief_of
+
+if TYPE_CHECKING:
+    from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.terrain.surface import Surface
+
+
+def level_within(surface: Surface, level: float, polygon: object) -> tuple[float, float, float]:
+    """Measure the volumes between a level and a surface in polygons.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    level : float
+        The level.
+    polygon : object
+        As for `Surface.trim`.
+
+    Returns
+    -------
+    (float, float, float)
+        Above the level, below it, and the area of the faces in the polygons.
+
+    Raises
+    ------
+    InputError
+        The polygons are invalid, or have no area in common with the faces.
+    """
+    solved = surface.triangulation
+    low, high = solved.min_bound, solved.max_bound
+    room = (high - low).max()
+    (left, bottom), (right, top) = low - room, high + room
+    square = delaunay([[left, bottom], [right, bottom], [left, top], [right, top]])
+    flat = _kernel.Relief(
+        square.points, square.simplices, square.neighbors, np.full(4, float(level)), None
+    )
+    below, above, area = _measured(
+        (relief_of(surface), solved), (flat, square), _triangles(surface, polygon)
+    )
+    return above, below, area
+
+
+def between_within(surface: Surface, other: Surface, polygon: object) -> tuple[float, float, float]:
+    """Measure the volumes between two surfaces in polygons.
+
+    Parameters
+    ----------
+    surface, other : Surface
+        The surfaces.
+    polygon : object
+        As for `Surface.trim`.
+
+    Returns
+    -------
+    (float, float, float)
+        Where the second is above, where it is below, and the area that has faces of both.
+
+    Raises
+    ------
+    InputError
+        The polygons are invalid, or have no area in common with the faces.
+    """
+    first = relief_of(surface), surface.triangulation
+    second = relief_of(other), other.triangulation
+    parts = _triangles(surface, polygon, other.triangulation)
+    if first[1].nsimplex >= second[1].nsimplex:
+        return _measured(first, second, parts)
+    below, above, area = _measured(second, first, parts)
+    return above, below, area
+
+
+def _measured(
+    first: tuple[Any, Triangulation], second: tuple[Any, Triangulation], parts: Floats
+) -> tuple[float, float, float]:
+    """Measure in triangles, the finer surface first.
+
+    Triangles that are slivers outside of a hull by rounding count nothing.
+    """
+    middles = parts.mean(axis=1)
+    faces, others = (_faces_at(solved, middles) for _, solved in (first, second))
+    inside = (faces >= 0) & (others >= 0)
+    chosen = (np.ascontiguousarray(each[inside]) for each in (parts, faces, others))
+    above, below, area = first[0].between_within(second[0], *chosen)
+    if not area > 0:
+        raise InputError("the polygon has no area in common with the faces")
+    return above, below, area
+
+
+def _faces_at(solved: Triangulation, points: Floats) -> Rows:
+    return np.asarray(solved.find_simplex(points), dtype=np.int32)
+
+
+def _triangles(surface: Surface, polygon: object, *others: Triangulation) -> Floats:
+    """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
+    shapely = load("shapely", extra="shapes")
+    crs = surface.crs if surface.frame.name == "xy" else None
+    shapes = [shapely.Polygon(each[0], each[1:]) for each in polygons_in(crs, polygon)]
+    for number, shape in enumerate(shapes):
+        if not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            raise InputError(f"polygon {number} is not valid: {reason}")
+    area = shapely.union_all(shapes)
+    for solved in (surface.triangulation, *others):
+        used = solved.points[solved.vertex_to_simplex >= 0]
+        area = area.intersection(shapely.MultiPoint(used).convex_hull)
+    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygonal(shapely, area)))
+    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
+    (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
+    turned = bx * cy < by * cx
+    corners[turned] = corners[turned, ::-1]
+    return np.ascontiguousarray(corners)
+
+
+def _polygonal(shapely: Any, area: Any) -> Any:
+    """Leave out points and lines, in which areas may touch."""
+    parts = shapely.get_parts(area)
+    parts = shapely.get_parts(parts)  # of collections, too
+    return shapely.MultiPolygon([each for each in parts if each.geom_type == "Polygon"])

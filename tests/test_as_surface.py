@@ -1,0 +1,100 @@
+"""Surfaces from meshes: the faces of a file, found again in a triangulation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from clouds import FAMILIES
+from hypothesis import given, settings
+from test_sampling import LATTICE, with_heights
+from test_trimming import LIMITS, drawn, meadow, trimmed
+
+import liftmesh
+
+
+def names(surface: liftmesh.Surface) -> set[tuple[int, ...]]:
+    return {tuple(sorted(face)) for face in surface.faces.tolist()}
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_mesh_is_the_surface_that_it_was(family: str) -> None:
+    points = with_heights(FAMILIES[family](60, np.random.default_rng(2)))
+    surface = liftmesh.triangulate(points, duplicates="lowest")
+    found = liftmesh.as_surface(surface.to_cloud())
+    assert names(found) == names(surface)
+    assert found.mask is None
+    used = np.unique(surface.faces)
+    np.testing.assert_array_equal(found.sample(points[used, :2]), surface.sample(points[used, :2]))
+
+
+@settings(max_examples=50)
+@given(LATTICE, LIMITS)
+def test_faces_that_were_trimmed_stay_away(points, limit: float) -> None:
+    surface = drawn(points)
+    surface = surface and trimmed(surface, max_edge=limit)
+    if surface is None:
+        return
+    found = liftmesh.as_surface(surface.to_cloud())
+    assert names(found) == names(surface)
+    queries = np.stack(np.meshgrid(np.arange(0, 5.5, 0.25), np.arange(0, 5.5, 0.25)), axis=-1)
+    np.testing.assert_array_equal(found.sample(queries), surface.sample(queries))
+    assert [len(ring) for ring in found.boundary()] == [len(r) for r in surface.boundary()]
+
+
+@pytest.mark.parametrize("suffix", ["ply", "obj", "off", "npz"])
+def test_files_are_read_whole(tmp_path, suffix: str) -> None:
+    surface = liftmesh.triangulate(meadow(), crs="EPSG:25832").trim(max_edge=14)
+    surface.save(tmp_path / f"tin.{suffix}")
+    found = liftmesh.as_surface(tmp_path / f"tin.{suffix}")
+    assert names(found) == names(surface)
+    lines, expected = found.contours(interval=1), surface.contours(interval=1)
+    np.testing.assert_array_equal(lines.points, expected.points)
+    np.testing.assert_array_equal(found.raster(1).values, surface.raster(1).values)
+
+
+def test_other_planes_and_rows_in_no_face() -> None:
+    points = np.vstack([meadow(), [[50, 50, 99]]])[:, [0, 2, 1]]
+    mesh = liftmesh.triangulate(points[:-1], plane="xz").to_cloud()
+    mesh = liftmesh.Cloud(points, faces=mesh.faces)
+    found = liftmesh.as_surface(mesh, plane="xz")
+    assert found.report.unused == 1
+    assert found.report.left_out.tolist() == [len(points) - 1]
+    assert "1 row in no face" in str(found.report)
+    assert liftmesh.as_surface(found) is found
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "said"),
+    [
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], None, "there are no faces: triangulate"),
+        (
+            [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
+            [[0, 1, 2], [0, 2, 3]],
+            r"face 0, of the rows \[0, 1, 2\], is no triangle of the Delaunay",
+        ),
+        (
+            [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 5], [1, 1, 0]],
+            [[0, 1, 2], [1, 4, 3]],
+            "rows 2 and 3 of faces are at one planar position",
+        ),
+        ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "row 2 of a face is not finite"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, np.inf]], [[0, 1, 2]], "row 2 of a face is not finite"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]], "7"),
+    ],
+)
+def test_other_meshes_are_refused(points, faces, said: str) -> None:
+    corners = None if faces is None else np.array(faces, dtype=np.int32)
+    with pytest.raises(liftmesh.LiftmeshError, match=said):
+        liftmesh.as_surface(liftmesh.Cloud(np.array(points, dtype=float), faces=corners))
+
+
+@pytest.mark.parametrize("given", ["weights", "radii", "metric"])
+def test_meshes_by_weights_or_in_a_metric_are_found_again(tmp_path, given: str) -> None:
+    points = meadow()
+    sizes = np.random.default_rng(8).uniform(0, 4, len(points))
+    by = {given: [[2.0, 0.5], [0.5, 1.0]] if given == "metric" else sizes}
+    surface = liftmesh.triangulate(points, **by).trim(max_edge=14)
+    surface.save(tmp_path / "tin.ply")
+    found = liftmesh.as_surface(tmp_path / "tin.ply")
+    assert names(found) == names(surface) != names(liftmesh.triangulate(points).trim(max_edge=14))
+    np.testing.assert_array_equal(found.raster(2).values, surface.raster(2).values)

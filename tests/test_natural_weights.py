@@ -1,0 +1,150 @@
+"""`natural_neighbors`: Sibson's weights."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from rational_cells import cell_area, exact_point
+
+import liftmesh
+from liftmesh.cells import natural
+
+RNG = np.random.default_rng(1808)
+FEW = st.integers(0, 8)
+SITES = st.lists(st.tuples(FEW, FEW), min_size=4, max_size=14, unique=True)
+HALVES = st.tuples(*[st.integers(0, 16).map(lambda each: each / 2)] * 2)
+
+
+@given(SITES, HALVES)
+@settings(max_examples=40)
+def test_weights_are_what_a_cell_takes_from_others(sites, query) -> None:
+    points = np.array(sites, dtype=float)
+    hull = shapely.MultiPoint(points).convex_hull
+    if hull.geom_type != "Polygon":
+        return
+    found = liftmesh.natural_neighbors(points, [query])
+    assert found.indptr.tolist() == [0, len(found.rows)]
+    at = shapely.Point(query)
+    assert bool(len(found.rows)) == hull.covers(at)
+    if not len(found.rows):
+        return
+    np.testing.assert_allclose(found.weights @ points[found.rows], query, atol=1e-12)
+    if hull.boundary.covers(at) or query in sites:
+        assert len(found.rows) == 1 + (query not in sites)
+        return
+    far = 10**6
+    square = [
+        [exact_point(np.array(c)) for c in ((-far, -far), (far, -far), (far, far), (-far, far))]
+    ]
+    rows = [exact_point(point) for point in points]
+    more = [*rows, exact_point(np.array(query))]
+    zero = [0] * len(more)
+    before = [cell_area(row, rows, zero[:-1], square) for row in range(len(rows))]
+    after = [cell_area(row, more, zero, square) for row in range(len(more))]
+    taken = [a - b for a, b in zip(before, after, strict=False)]
+    assert found.rows.tolist() == [row for row, area in enumerate(taken) if area]
+    weights = [float(taken[row] / after[-1]) for row in found.rows]
+    np.testing.assert_allclose(found.weights, weights, rtol=1e-9)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6, 1e8])
+def test_linear_functions_are_reproduced(offset: float) -> None:
+    points = np.round(RNG.random((500, 2)) * 1024) / 64
+    queries = points[:300] * 0.5 + points[200:] * 0.5
+    found = liftmesh.natural_neighbors(points + offset, queries + offset)
+    near = liftmesh.natural_neighbors(points, queries)
+    np.testing.assert_array_equal(found.rows, near.rows)
+    np.testing.assert_allclose(found.weights, near.weights, atol=1e-12)
+    np.testing.assert_allclose(near.interpolate(points), queries, atol=1e-9)
+    tri = liftmesh.delaunay(points)
+    np.testing.assert_array_equal(liftmesh.natural_neighbors(tri, queries).weights, near.weights)
+
+
+def test_at_rows_on_the_hull_and_outside() -> None:
+    points = [[0, 0], [4, 0], [0, 4], [4, 0], [1, 1]]
+    found = liftmesh.natural_neighbors(points, [[4, 0], [1, 0], [9, 9], [2, 2]])
+    assert found.rows.tolist() == [1, 0, 1, 1, 2]
+    assert found.weights.tolist() == [1, 0.75, 0.25, 0.5, 0.5]
+    assert found.indptr.tolist() == [0, 1, 3, 3, 5]
+    values = found.interpolate([[0, 1], [4, 5], [8, 9], [0, 0], [0, 0]])
+    np.testing.assert_array_equal(values, [[4, 5], [1, 2], [np.nan, np.nan], [6, 7]])
+    none = liftmesh.natural_neighbors(points, np.empty((0, 2)))
+    assert (none.indptr.tolist(), len(none.rows), none.interpolate(np.ones(5)).shape) == (
+        [0],
+        0,
+        (0,),
+    )
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-150, 1e150, 1e300])
+def test_every_magnitude(scale: float) -> None:
+    points = np.round(RNG.random((30, 2)) * 64) / 64
+    near = liftmesh.natural_neighbors(points, [[0.4, 0.5]])
+    found = liftmesh.natural_neighbors(
+        points * 2.0 ** np.log2(scale).round(),
+        np.array([[0.4, 0.5]]) * 2.0 ** np.log2(scale).round(),
+    )
+    np.testing.assert_array_equal(found.rows, near.rows)
+    np.testing.assert_allclose(found.weights, near.weights)
+
+
+def test_near_the_hull_weights_become_linear() -> None:
+    points = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
+    found = liftmesh.natural_neighbors(points, [[0.25, 1e-310], [0.25, 1e-100]])
+    np.testing.assert_allclose(found.interpolate(points), [[0.25, 0], [0.25, 0]], atol=1e-15)
+
+
+def test_bad_input_is_named() -> None:
+    points = RNG.random((9, 2))
+    with pytest.raises(liftmesh.NonFiniteError, match="row 1 is not finite"):
+        liftmesh.natural_neighbors(points, [[0, 0], [np.nan, 0]])
+    with pytest.raises(liftmesh.InputError, match="points are triangulated by radii"):
+        liftmesh.natural_neighbors(liftmesh.regular(points, radii=np.ones(9)), points)
+    with pytest.raises(liftmesh.InputError, match="points are triangulated by metric"):
+        liftmesh.natural_neighbors(liftmesh.delaunay(points, metric=[[1, 0], [0, 2]]), points)
+    with pytest.raises(liftmesh.DegenerateInputError):
+        liftmesh.natural_neighbors([[0, 0], [1, 1], [2, 2]], [[1, 1]])
+    near = liftmesh.natural_neighbors(points, points[:2])  # whose neighbours are rows 0 and 1
+    for count in (2, 8, 10):
+        message = rf"values have the shape \({count},\): give one for each of the 9 rows"
+        with pytest.raises(liftmesh.InputError, match=message):
+            near.interpolate(np.arange(count))
+
+
+def test_points_that_changed_since_are_refused() -> None:
+    rng = np.random.default_rng(0)
+    points, queries = rng.random((2000, 2)), rng.random((200, 2))
+    tri = liftmesh.delaunay(points)
+    before = liftmesh.natural_neighbors(tri, queries).weights
+    points[:] = np.random.default_rng(5).permutation(points)
+    with pytest.raises(liftmesh.InputError, match="changed since; triangulate them again"):
+        liftmesh.natural_neighbors(tri, queries)
+    assert len(before) > 500
+
+
+def test_a_search_that_returns_to_triangles_ends() -> None:
+    tri = liftmesh.delaunay(RNG.random((30, 2)))
+    query, simplex = np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.int32)
+    cavities = natural._Cavities(tri, tri.points[:1], query, simplex)
+    taken, count = np.ones(1, dtype=np.int64), len(tri.simplices)
+    edge = np.array([[0, 0, 0, 0, int(tri.neighbors[0].max())]])
+    cavities._check_cavities(np.repeat(edge, count - 1, axis=0), taken)
+    with pytest.raises(liftmesh.InputError, match="changed since"):
+        cavities._check_cavities(edge, taken)
+    assert taken[0] == count + 1
+
+
+def test_a_border_that_does_not_close_is_refused() -> None:
+    closed = np.array([[0, 1, 2, 0, 1], [0, 2, 3, 0, 1], [0, 3, 1, 0, 1]])
+    assert natural._Sums(closed).edge_into.tolist() == [2, 0, 1]
+    for row in range(3):
+        for wrong in (1, 2, 3, 9):
+            border = closed.copy()
+            if border[row, 2] == wrong:
+                continue
+            border[row, 2] = wrong
+            with pytest.raises(liftmesh.InputError, match="changed since"):
+                natural._Sums(border)

@@ -1,0 +1,137 @@
+"""`simplify`: few triangles, none of the points further away than asked, whatever the order."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import liftmesh
+from liftmesh._typing import Floats
+
+Generator = np.random.Generator
+
+
+def distances(surface: liftmesh.Surface, points: Floats) -> list[Fraction]:
+    """Vertical distances in rational numbers; a point is in the triangle that its signs choose."""
+    corners = [[[*map(Fraction, row)] for row in each] for each in surface.vertices[surface.faces]]
+    return [min(_above(triangle, [*map(Fraction, p)]) for triangle in corners) for p in points]
+
+
+def _above(triangle: list[list[Fraction]], p: list[Fraction]) -> Fraction:
+    def turn(a: list[Fraction], b: list[Fraction], c: list[Fraction]) -> Fraction:
+        return (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0])
+
+    a, b, c = triangle
+    parts = turn(b, c, p), turn(c, a, p), turn(a, b, p)
+    if min(parts) < 0:
+        return Fraction(10**30)
+    height = sum(w * q[2] for w, q in zip(parts, triangle, strict=True)) / sum(parts)
+    return abs(p[2] - height)
+
+
+def grid(rng: Generator) -> Floats:
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(10.0), np.arange(8.0)))
+    return np.column_stack([x, y, np.rint(3 * np.sin(x / 3) + y / 4 + rng.integers(0, 2, len(x)))])
+
+
+def scattered(rng: Generator) -> Floats:
+    plane = rng.random((90, 2)) * (30, 1e-3) + (450000, 5200000)
+    return np.column_stack([plane, np.sin(plane[:, 0]) + rng.random(90) / 4])
+
+
+def far_scales(rng: Generator) -> Floats:
+    return rng.random((45, 3)) * np.ldexp(1.0, rng.integers(-900, 900, (45, 3)))
+
+
+def tiny(rng: Generator) -> Floats:
+    return rng.integers(0, 12, (80, 3)) * 5e-324
+
+
+@pytest.mark.parametrize(
+    ("made", "bound"),
+    [(grid, 1), (grid, 2), (grid, 0), (scattered, 0.3), (far_scales, 1e200), (tiny, 5e-324)],
+)
+@pytest.mark.parametrize("prune", [False, True])
+def test_no_point_is_beyond_the_bound(made: object, bound: float, prune: bool) -> None:
+    points = made(np.random.default_rng(4))  # type: ignore[operator]
+    found = liftmesh.simplify(points, max_error=bound, prune=prune, duplicates="highest")
+    used = np.setdiff1d(
+        np.arange(len(points)), liftmesh.triangulate(points, duplicates="highest").report.left_out
+    )
+    worst = max(distances(found, points[used]))
+    told = found.metadata["simplification"]
+    assert worst <= Fraction(bound)
+    assert worst <= told["error"]
+    assert told["within"]
+    assert (told["positions"], told["kept"]) == (len(used), len(found.vertices))
+    assert found.triangulation.verify().canonical
+
+
+def test_the_order_of_rows_does_not_count() -> None:
+    rng = np.random.default_rng(8)
+    points = np.concatenate([grid(rng), grid(rng) + np.array([0, 8, 0])])
+    ways = [points, points[rng.permutation(len(points))], points[::-1]]
+    found = [liftmesh.simplify(each, max_error=1, duplicates="lowest") for each in ways]
+    sets = [{*map(tuple, each.vertices.tolist())} for each in found]
+    assert sets[0] == sets[1] == sets[2]
+    assert len(sets[0]) < len(points) / 2
+
+
+def test_fewer_points_and_a_surface() -> None:
+    points = grid(np.random.default_rng(1))
+    surface = liftmesh.triangulate(points, attributes={"row": np.arange(len(points))})
+    found = liftmesh.simplify(surface, max_points=20)
+    assert len(found.vertices) == 20
+    np.testing.assert_array_equal(points[found.attributes["row"]], found.vertices)
+    told = found.metadata["simplification"]
+    assert not told["within"]
+    assert told["max_error"] is None
+    assert max(distances(found, points)) == pytest.approx(told["error"])
+    both = liftmesh.simplify(surface, max_points=20, max_error=5)
+    assert both.metadata["simplification"]["within"]
+    assert len(both.vertices) < 20
+
+
+def test_vertices_that_are_not_needed_go_again() -> None:
+    points = grid(np.random.default_rng(2))
+    whole, pruned = (liftmesh.simplify(points, max_error=1, prune=p) for p in (False, True))
+    assert len(pruned.faces) < len(whole.faces)
+
+
+def test_merged_rows_are_told_apart() -> None:
+    points = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [0, 0, 7], [2, 2, 0.0]])
+    told = liftmesh.simplify(points, max_error=0).metadata["simplification"]
+    assert (told["merged"], told["error"], told["kept"]) == (7.0, 0.0, 4)
+    up = liftmesh.simplify(points, max_error=0, duplicates="mean")
+    assert up.vertices[:, 2].max() == 3.5
+    assert up.metadata["simplification"]["merged"] == 3.5
+
+
+def test_what_is_asked_wrongly() -> None:
+    points = grid(np.random.default_rng(3))
+    for options in ({}, {"max_error": -1}, {"max_error": np.nan}, {"max_error": "2"}):
+        with pytest.raises(liftmesh.InputError, match="max_error"):
+            liftmesh.simplify(points, **options)  # type: ignore[arg-type]
+    ring = np.column_stack([np.cos(np.arange(40)), np.sin(np.arange(40)), np.zeros(40)])
+    with pytest.raises(liftmesh.InputError, match="the hull has 40 corners"):
+        liftmesh.simplify(ring, max_points=9)
+    weighted = liftmesh.triangulate(points, weights=np.ones(len(points)))
+    with pytest.raises(liftmesh.InputError, match="weights"):
+        liftmesh.simplify(weighted, max_error=1)
+
+
+def test_progress_rises_and_can_end_the_run() -> None:
+    points = np.random.default_rng(0).random((60000, 3))
+    seen: list[float] = []
+    liftmesh.simplify(points, max_error=0.4, progress=seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1
+
+    def stop(done: float) -> None:
+        if done > 0.15:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        liftmesh.simplify(points, max_error=0, progress=stop)

@@ -1,0 +1,86 @@
+"""Surfaces whose rows other threads write meanwhile: nothing is read or written beyond its array.
+
+Vertices are views of the caller's array, and the interpreter is free during long calls. What comes
+out then is of no use, but it comes.
+"""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+import liftmesh
+
+RNG = np.random.default_rng(4)
+SOUND = RNG.random((8000, 3)) * (1000, 1000, 50)
+QUERIES = RNG.uniform(-10, 1010, (3000, 2))
+
+SPOILT = {
+    "swapped": SOUND[:, ::-1],
+    "turned": SOUND[RNG.permutation(len(SOUND))],
+    "NaN": np.full_like(SOUND, np.nan),
+    "infinite": SOUND * (np.inf, -np.inf, np.inf),
+    "one place": np.full_like(SOUND, 25),
+}
+
+CALLS: dict[str, Callable[[liftmesh.Surface, int], np.ndarray]] = {
+    "heights": lambda surface, n: surface.raster(10, bounds=(0, 0, 1000, 1000), threads=n).values,
+    "slopes": lambda surface, n: (
+        surface.raster(10, bounds=(0, 0, 1000, 1000), quantity="slope", threads=n).values
+    ),
+    "contours": lambda surface, n: surface.contours(np.arange(50.0), threads=n).points,
+    "boundary": lambda surface, _: np.concatenate(surface.boundary()),
+    "linear": lambda surface, n: surface.sample(QUERIES, threads=n),
+    "nearest": lambda surface, n: surface.sample(QUERIES, "nearest", threads=n),
+    "sibson": lambda surface, n: surface.sample(QUERIES, "sibson", threads=n),
+    "gradient": lambda surface, n: surface.gradient(QUERIES, threads=n),
+}
+
+
+@contextmanager
+def written_meanwhile(rows: np.ndarray, spoilt: np.ndarray) -> Iterator[None]:
+    """Let a thread write rows all the time; in the end they are as they were."""
+    done = threading.Event()
+
+    def write() -> None:
+        for first in itertools.cycle(range(7)):
+            rows[first::7] = spoilt[first::7]
+            rows[first::3] = SOUND[first::3]
+            if done.is_set():
+                break
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        yield
+    finally:
+        done.set()
+        writer.join()
+        rows[:] = SOUND
+
+
+@pytest.mark.parametrize(("kind", "threads"), [("swapped", 1), *((each, 2) for each in SPOILT)])
+def test_rows_that_a_thread_writes_all_the_time(kind: str, threads: int) -> None:
+    rows = SOUND.copy()
+    whole = liftmesh.triangulate(rows)
+    assert np.shares_memory(whole.vertices, rows)
+    surface = whole.trim(max_edge=45)  # with many gaps
+    with written_meanwhile(rows, SPOILT[kind]):
+        found = {name: call(surface, threads) for name, call in CALLS.items()}
+        assert found["heights"].shape == (100, 100)
+        assert not np.isnan(found["contours"]).any()
+        assert found["boundary"].min() >= 0
+        assert found["boundary"].max() < len(rows)
+
+
+def test_cut_and_fill_of_rows_that_a_thread_writes() -> None:
+    rows = SOUND.copy()
+    surface, other = liftmesh.triangulate(rows), liftmesh.triangulate(SOUND[::-1] * (1, 1, 2))
+    with written_meanwhile(rows, SPOILT["swapped"]):
+        surface.cut_and_fill(other)
+    assert surface.cut_and_fill(other).fill > 0

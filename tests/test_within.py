@@ -1,0 +1,102 @@
+"""Volumes inside of polygons, cut at their borders."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+from commands import failed, liftmesh as run
+from hypothesis import given, settings, strategies as st
+from test_trimming import meadow
+
+import liftmesh
+
+SQUARE = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0], [10, 10, 0]])
+SLOPE = SQUARE + SQUARE[:, :1] * (0, 0, 1)  # z = x
+RING = [[1.0, 2.0], [7.0, 2.0], [7.0, 5.0], [1.0, 5.0]]
+HOLE = [[2.0, 3.0], [3.0, 3.0], [3.0, 4.0], [2.0, 4.0]]
+
+
+def test_a_rectangle_with_a_hole_under_a_slope() -> None:
+    area = {"type": "Polygon", "coordinates": [RING, HOLE]}
+    surface = liftmesh.triangulate(SLOPE)
+    found = surface.volume(polygon=area)
+    assert (found.above, found.below) == (pytest.approx(6 * 3 * 4 - 2.5), 0)
+    assert found.area == pytest.approx(17)
+    split = surface.volume(4, polygon=RING)
+    assert (split.above, split.below) == (pytest.approx(3 * 4.5), pytest.approx(3 * 4.5))
+    work = liftmesh.triangulate(SQUARE + np.array([0, 0, 4])).cut_and_fill(surface, polygon=RING)
+    assert (work.cut, work.fill) == (pytest.approx(13.5), pytest.approx(13.5))
+
+
+POINTS = st.lists(st.tuples(*[st.integers(0, 8).map(float)] * 2), min_size=3, max_size=7)
+
+
+@settings(max_examples=40, deadline=None)
+@given(POINTS, st.integers(0, 2**32 - 1))
+def test_polygons_and_what_is_around_them_make_the_whole(ring, seed: int) -> None:
+    shape = shapely.Polygon(ring)
+    if not shape.is_valid or shape.area == 0:
+        return
+    rng = np.random.default_rng(seed)
+    one, other = (
+        liftmesh.triangulate(
+            np.column_stack([rng.integers(-1, 10, (40, 2)), rng.normal(size=40)])
+        ).trim(max_edge=6)
+        for _ in range(2)
+    )
+    around = shapely.box(-2, -2, 11, 11).difference(shape)
+    whole = one.cut_and_fill(other)
+    parts = [measured(one, other, each) for each in (shape, around)]
+    for name in ("cut", "fill", "area"):
+        total = sum(getattr(each, name) for each in parts)
+        assert total == pytest.approx(getattr(whole, name), rel=1e-9, abs=1e-9)
+
+
+def measured(one: liftmesh.Surface, other: liftmesh.Surface, area) -> liftmesh.Earthwork:
+    """Nothing, where polygons are outside of the faces."""
+    try:
+        return one.cut_and_fill(other, polygon=area)
+    except liftmesh.InputError:
+        return liftmesh.Earthwork(0.0, 0.0, 0.0)
+
+
+def test_several_polygons_count_once_where_they_overlap() -> None:
+    surface = liftmesh.triangulate(meadow())
+    one, other = shapely.box(10, 10, 50, 50), shapely.box(30, 20, 80, 60)
+    found = surface.volume(polygon=shapely.MultiPolygon([one]).union(other))
+    tree = {
+        "type": "GeometryCollection",
+        "geometries": [each.__geo_interface__ for each in (one, other)],
+    }
+    both = surface.volume(polygon=tree)
+    assert both.above == pytest.approx(found.above, rel=1e-12)
+    apart = [surface.volume(polygon=each).above for each in (one, other, one & other)]
+    assert both.above == pytest.approx(apart[0] + apart[1] - apart[2], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("polygon", "said"),
+    [
+        ([[0, 0], [2, 2], [2, 0], [0, 2]], "polygon 0 is not valid: Self-intersection"),
+        ([[20, 20], [30, 20], [20, 30]], "no area in common with the faces"),
+        ([[0, 0], [1, 1]], "three corners"),
+    ],
+)
+def test_other_polygons_are_refused(polygon, said: str) -> None:
+    with pytest.raises(liftmesh.InputError, match=said):
+        liftmesh.triangulate(SLOPE).volume(polygon=polygon)
+
+
+def test_the_command_measures_inside(tmp_path) -> None:
+    liftmesh.triangulate(SLOPE).save(tmp_path / "tin.ply")
+    liftmesh.triangulate(SQUARE).save(tmp_path / "flat.ply")
+    area = tmp_path / "area.geojson"
+    area.write_text(json.dumps({"type": "Polygon", "coordinates": [RING]}))
+    done = run("volume", tmp_path / "tin.ply", "--within", area, "--json")
+    assert json.loads(done.stdout)["above"] == pytest.approx(72)
+    words = (tmp_path / "flat.ply", tmp_path / "tin.ply", "--within", area, "--json")
+    assert json.loads(run("volume", *words).stdout)["fill"] == pytest.approx(72)
+    failed(run("volume", tmp_path / "tin.ply", "--within", tmp_path / "none.json"), 3, "none.json")
