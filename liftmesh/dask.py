@@ -1,0 +1,262 @@
+"""Triangulations in tiles on the workers of Dask: the triangles of one call.
+
+The files are those of `liftmesh.tile`, byte for byte. Workers exchange them through the scratch
+folder, which all must see, so only a sample of the points, names and counts go through the
+scheduler. A worker that dies loses the task it was at; a client that dies can begin again and finds
+what is done.
+
+Examples
+--------
+>>> import liftmesh.dask
+>>> liftmesh.dask.delaunay.__name__
+'delaunay'
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from itertools import accumulate
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from liftmesh.choices import NonFinite, check_progress
+from liftmesh.errors import InputError
+from liftmesh.io.registry import as_cloud
+from liftmesh.optional import load
+from liftmesh.tiles.parquet import planar_columns
+from liftmesh.tiles.run import TILE_ROWS, Options, rows_within, triangulated
+from liftmesh.tiles.schedule import Meter, in_order
+from liftmesh.tiles.sources import (
+    Origin,
+    files_of,
+    in_file,
+    in_files,
+    parts_of,
+    parts_of_file,
+)
+from liftmesh.tiles.stages import label, node
+
+if TYPE_CHECKING:
+    from liftmesh._typing import Progress
+    from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.sources import Part
+    from liftmesh.tiles.stages import Done, Folders
+    from liftmesh.tiles.tiled import Tiled
+
+_TRIES = 3  # of a task that raises OSError, as a network disk may
+
+
+def delaunay(
+    source: object,
+    out: str | os.PathLike[str],
+    *,
+    client: Any = None,
+    tile_rows: int | Literal["auto"] = "auto",
+    scratch: str | os.PathLike[str] | None = None,
+    nonfinite: NonFinite = "error",
+    resume: bool = True,
+    progress: Progress | None = None,
+) -> Tiled:
+    """Triangulate more points than fit in memory, on the workers of Dask.
+
+    The triangles are exactly those of `liftmesh.delaunay` for all points, and the files those of
+    `liftmesh.tile`. Needs ``liftmesh[dask]``.
+
+    Parameters
+    ----------
+    source : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
+        As for `liftmesh.tile`; also arrays of Dask with two or three columns, and DataFrames with
+        columns x and y. Paths must lead to the same files on all workers.
+    out : str or path
+        The folder to write to, which all workers see.
+    client : distributed.Client, optional
+        By default the current client; if there is none, a `LocalCluster` for this call, with a
+        worker of one thread for each core. A script must then begin with
+        ``if __name__ == "__main__":``.
+    tile_rows : int or "auto", default "auto"
+        How many rows a tile has, about. "auto" means 1,500,000, or fewer if 60 % of a worker's
+        memory limit would not hold a tile for each of its threads; or as many as in the run that is
+        resumed.
+    scratch : str or path, optional
+        Where to make a folder for 24 bytes a row, which all workers see; by default `out`.
+    nonfinite, resume, progress
+        As for `liftmesh.tile`.
+
+    Returns
+    -------
+    Tiled
+        The triangles in shards.
+
+    Raises
+    ------
+    InputError, NonFiniteError, DegenerateInputError, FormatError, OSError
+        As for `liftmesh.tile`.
+    MissingDependencyError
+        Dask is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from dask.distributed import Client
+    >>> points = np.random.default_rng(0).random((1000, 2))
+    >>> with Client(n_workers=1, processes=False, dashboard_address=":0") as client:
+    ...     tiled = delaunay(points, tempfile.mkdtemp(), tile_rows=300, client=client)
+    >>> tiled
+    <Tiled: 1980 triangles over 1000 rows in 7 shards>
+    """
+    check_progress(progress)
+    options = Options.checked(out, tile_rows, scratch, nonfinite, resume)
+    with _client(client) as used:
+        workers = _Workers(used, progress)
+        fitting = _tile_rows(used)
+        found = triangulated(source, options, workers, fitting=fitting, cut=workers.parts)
+    if progress is not None:
+        progress(1.0)
+    return found
+
+
+class _Workers:
+    """Hands tasks to workers, under names that the dashboard groups by stage."""
+
+    def __init__(self, client: Any, progress: Progress | None) -> None:
+        self._client = client
+        self._distributed = load("dask.distributed", extra="dask")
+        self._meter = Meter(progress)
+        self._run = os.urandom(4).hex()  # no other run has the same names
+        self._rounds = 0  # nor has another round of the same stage
+
+    def parts(self, source: object, rows: int, scratch: Path) -> list[Part]:
+        """Cut a source into parts that all workers can read."""
+        files = files_of(source)
+        if files is not None:
+            calls = [(each, os.path.abspath(each.source), rows, scratch) for each in files]  # noqa: PTH100 - links stay
+            return [part for parts in self.each("spool", parts_of_file, calls) for part in parts]
+        blocks = _blocks(source, rows)
+        if blocks is None:
+            return in_files(parts_of(source, rows, scratch), scratch)
+        write = load("dask", extra="dask").delayed(_tried, pure=False)
+        places = [scratch / f"points-{number:05d}.npy" for number in range(len(blocks))]
+        tasks = [
+            write(_in_file, block, place, dask_key_name=self._key("spool", number))
+            for number, (block, place) in enumerate(zip(blocks, places, strict=True))
+        ]
+        found: list[Part] = self._gathered("spool", self._client.compute(tasks))
+        return _numbered(found)
+
+    def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
+        """Call a task with each of some arguments, on any worker."""
+        self._rounds += 1
+        return self._gathered(
+            stage,
+            [self._submit(stage, number, task, *call) for number, call in enumerate(calls)],
+        )
+
+    def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
+        """Submit all nodes: large tiles first, and merges before tiles."""
+        futures: dict[int, Any] = {}
+        for name, children in in_order(plan):
+            below = [futures[child] for child in children]
+            priority = 2 if name >= 0 else sizes[~name] / max(1, *sizes)
+            futures[name] = self._client.submit(
+                _tried, node, folders, name, below, 1,
+                key=f"{label(name)}-{self._run}", priority=priority, pure=False,
+            )  # fmt: skip
+        return self._gathered("triangulate", list(futures.values()))
+
+    def _submit(self, stage: str, number: int, task: Callable[..., Any], *arguments: Any) -> Any:
+        key = self._key(stage, number)
+        return self._client.submit(_tried, task, *arguments, key=key, pure=False)
+
+    def _key(self, stage: str, number: int) -> str:
+        return f"{stage}-{number:05d}-{self._run}-{self._rounds}"
+
+    def _gathered(self, stage: str, futures: Sequence[Any]) -> list[Any]:
+        """Wait for all; the first error ends the others."""
+        found: dict[str, Any] = {}
+        done = self._distributed.as_completed(futures, with_results=True, raise_errors=True)
+        try:
+            for future, result in done:
+                found[future.key] = future.result() if future.cancelled() else result
+                self._meter.show(stage, len(found) / len(futures))
+        except BaseException:
+            self._client.cancel(list(futures))
+            raise
+        return [found[future.key] for future in futures]
+
+
+@contextmanager
+def _client(given: Any) -> Iterator[Any]:
+    """Use a client, the current one, or a cluster of this machine for as long as it is needed."""
+    distributed = load("dask.distributed", extra="dask")
+    if given is not None and not isinstance(given, distributed.Client):
+        raise InputError(f"client is a {type(given).__name__}: give a dask.distributed.Client")
+    used = given if given is not None else _current(distributed)
+    if used is not None:
+        if used.asynchronous:
+            raise InputError("the client is asynchronous: give one made with asynchronous=False")
+        yield used
+        return
+    options = {"threads_per_worker": 1, "dashboard_address": ":0"}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as made:
+        yield made
+
+
+def _current(distributed: Any) -> Any:
+    try:
+        return distributed.Client.current()
+    except ValueError:
+        return None
+
+
+def _tile_rows(client: Any) -> int:
+    """Return how many rows of a tile fit the least of the workers."""
+    workers = client.scheduler_info(n_workers=-1)["workers"].values()
+    fitting = [
+        rows_within(int(worker["memory_limit"]), worker["nthreads"])
+        for worker in workers
+        if worker["memory_limit"]
+    ]
+    return min([TILE_ROWS, *fitting])
+
+
+def _blocks(source: object, rows: int) -> list[Any] | None:
+    """Return the blocks of an array or a DataFrame of Dask, delayed; None for anything else."""
+    kind = type(source).__module__.partition(".")[0]
+    if kind not in ("dask", "dask_expr"):
+        return None
+    whole: Any = source
+    if hasattr(whole, "columns"):
+        return list(whole[list(planar_columns("DataFrame", whole.columns.tolist()))].to_delayed())
+    if whole.ndim != 2 or whole.shape[1] not in (2, 3):
+        raise InputError(f"points need the shape (n, 2) or (n, 3), not {whole.shape}")
+    known = not any(np.isnan(length) for length in whole.chunks[0])
+    return list(whole.rechunk({0: rows, 1: -1} if known else {1: -1}).to_delayed().reshape(-1))
+
+
+def _in_file(block: Any, path: Path) -> Part:
+    """Write a block to a file; only its name goes back, so the block can be released."""
+    points = as_cloud(block).points if hasattr(block, "columns") else block
+    return in_file(points, path, Origin("Dask"))
+
+
+def _numbered(parts: Sequence[Any]) -> list[Part]:
+    """Tell each part which row of all is its first."""
+    firsts = [0, *accumulate(part.rows for part in parts)]
+    return [
+        replace(part, origin=replace(part.origin, row=first))
+        for part, first in zip(parts, firsts, strict=False)
+    ]
+
+
+def _tried(task: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a task again if a disk fails; other errors would come again."""
+    for _ in range(_TRIES - 1):
+        with suppress(OSError):
+            return task(*arguments)
+    return task(*arguments)

@@ -1,0 +1,1 @@
+"""Triangulations in tiles: more points than memory holds, and the triangles of one call."""

@@ -1,0 +1,154 @@
+"""Points of Parquet: two columns, read by row groups."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import widened
+from liftmesh.errors import FormatError
+from liftmesh.floats import as_floats
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.sources import Origin
+
+
+@dataclass(frozen=True)
+class ParquetPart:
+    """Row groups of a Parquet file."""
+
+    origin: Origin
+    place: str
+    groups: tuple[int, ...]
+    columns: tuple[str, str]
+    rows: int
+
+    def read(self) -> Array:
+        """Read the two columns, each of its own type; missing values are NaN."""
+        parquet = load("pyarrow.parquet", extra="dask")
+        with parquet.ParquetFile(self.place) as file:
+            table = file.read_row_groups(list(self.groups), columns=list(self.columns))
+        rows: Array = np.stack([_floats(table.column(name), name) for name in self.columns], axis=1)
+        return rows
+
+
+def parquet_files(name: str) -> list[str]:
+    """List the files of a folder of Parquet in the order of their numbers, as Dask wrote them.
+
+    Parameters
+    ----------
+    name : str
+        Any path.
+
+    Returns
+    -------
+    list of str
+        The path itself if it is no such folder.
+
+    Raises
+    ------
+    FormatError
+        The folder holds no Parquet.
+    """
+    if not (name.lower().rstrip("/").endswith((".parquet", ".pq")) and Path(name).is_dir()):
+        return [name]
+    found = [str(path) for path in Path(name).glob("*.parquet")]
+    if not found:
+        raise FormatError(f"{name}: the folder holds no *.parquet")
+    return sorted(found, key=_numbers)
+
+
+def _numbers(name: str) -> tuple[list[int], str]:
+    return [int(digits) for digits in re.findall(r"\d+", Path(name).name)], name
+
+
+def parquet_parts(origin: Origin, name: str, rows: int) -> list[ParquetPart]:
+    """Cut a Parquet file into parts.
+
+    Parameters
+    ----------
+    origin : Origin
+        The file.
+    name : str
+        Its path.
+    rows : int
+        How many rows a part may have, if it has more than one row group.
+
+    Returns
+    -------
+    list of ParquetPart
+        In the order of the rows.
+
+    Raises
+    ------
+    FormatError
+        There are no columns of coordinates.
+    """
+    parquet = load("pyarrow.parquet", extra="dask")
+    with parquet.ParquetFile(name) as file:
+        columns = planar_columns(name, file.schema_arrow.names)
+        sizes = [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)]
+    place = os.path.abspath(name)  # noqa: PTH100 - links stay as they are
+    found: list[ParquetPart] = []
+    first = 0
+    for groups in _grouped(sizes, rows):
+        count = sum(sizes[i] for i in groups)
+        found.append(ParquetPart(replace(origin, row=first), place, groups, columns, count))
+        first += count
+    return found
+
+
+def _grouped(sizes: Sequence[int], rows: int) -> Iterator[tuple[int, ...]]:
+    """Put row groups together until they have so many rows."""
+    held: list[int] = []
+    for group, size in enumerate(sizes):
+        if held and sum(sizes[i] for i in held) + size > rows:
+            yield tuple(held)
+            held = []
+        held.append(group)
+    if held:
+        yield tuple(held)
+
+
+def _floats(column: Any, name: str) -> Floats:
+    """Convert a column of Arrow without rounding; integers become floats where some are missing."""
+    kinds = load("pyarrow.types", extra="dask")
+    if column.null_count and kinds.is_integer(column.type):
+        missing = column.is_null().to_numpy()
+        values = widened(as_floats(column.fill_null(0).to_numpy(), name))
+        return np.where(missing, np.nan, values)
+    return widened(as_floats(column.to_numpy(), name))
+
+
+def planar_columns(name: str, names: Sequence[str]) -> tuple[str, str]:
+    """Choose the columns of coordinates.
+
+    Parameters
+    ----------
+    name : str
+        The table, for messages.
+    names : sequence of str
+        Its columns.
+
+    Returns
+    -------
+    (str, str)
+        x and y, or X and Y.
+
+    Raises
+    ------
+    FormatError
+        Neither pair is there.
+    """
+    for pair in (("x", "y"), ("X", "Y")):
+        if all(names.count(column) == 1 for column in pair):
+            return pair
+    raise FormatError(f"{name}: columns x and y are needed, not {', '.join(names)}")

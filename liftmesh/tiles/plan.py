@@ -1,0 +1,284 @@
+"""Where the tiles are: a kd tree of cuts through a sample of the points.
+
+A cut compares both coordinates: a point goes right if it is not before the cut, by the coordinate
+across which the cut goes, then by the other. So equal points share a tile, however many there are.
+Each cut goes through the middle of its part of the sample, across the axis along which fewer
+edges of the sample's own triangulation lie: what crosses a cut is what the merge has to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Integers, Rows
+
+_EVERYWHERE = (-np.inf, -np.inf, np.inf, np.inf)
+_LEVELS = 5  # of cuts, below which the boxes of tiles count by themselves
+_FEW = 16  # points of a sample whose spread says as much as their triangulation
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A tree of cuts. Cut 0 is the root; a plan without cuts has one tile.
+
+    Attributes
+    ----------
+    axes : (c,) ndarray of uint8
+        Across which coordinate each cut goes: 0 for x, 1 for y.
+    at : (c, 2) ndarray of float64
+        The point that each cut compares with.
+    children : (c, 2) ndarray of int32
+        What is before and after each cut: a later cut, or ``~t`` for tile t.
+    repeated : (h, 2) ndarray of float64
+        Ascending positions at which very many rows are.
+    """
+
+    axes: Any
+    at: Floats
+    children: Rows
+    repeated: Floats = field(default_factory=lambda: np.empty((0, 2)))
+
+    @property
+    def tiles(self) -> int:
+        """The number of tiles."""
+        return len(self.axes) + 1
+
+    @cached_property
+    def cells(self) -> dict[int, tuple[float, float, float, float]]:
+        """The box of each cut and of each tile, ``~t``: x and y of its lower and upper corner."""
+        cells = {0 if len(self.axes) else ~0: _EVERYWHERE}
+        for cut, (axis, at, children) in enumerate(
+            zip(self.axes.tolist(), self.at.tolist(), self.children.tolist(), strict=True)
+        ):
+            low, high = list(cells[cut]), list(cells[cut])
+            low[2 + axis] = min(low[2 + axis], at[axis])
+            high[axis] = max(high[axis], at[axis])
+            for child, cell in zip(children, (low, high), strict=True):
+                cells[child] = (cell[0], cell[1], cell[2], cell[3])
+        return cells
+
+    def around(self, boxes: Floats) -> Floats:
+        """Find the boxes of all nodes from those of the tiles.
+
+        Parameters
+        ----------
+        boxes : (tiles, 4) ndarray of float64
+            The tight box of each tile's points.
+
+        Returns
+        -------
+        (2 tiles - 1, 4) ndarray of float64
+            Those of the cuts, then those of the tiles, the last tile first: node i is at index i.
+        """
+        found = np.concatenate((np.empty((len(self.axes), 4)), boxes[::-1]))
+        for cut in reversed(range(len(self.axes))):
+            before, after = found[self.children[cut]]
+            found[cut, :2] = np.minimum(before, after)[:2]
+            found[cut, 2:] = np.maximum(before, after)[2:]
+        return found
+
+    def others(self, name: int) -> list[int]:
+        """List nodes that together have all tiles but those of a node; few of them are far away.
+
+        Parameters
+        ----------
+        name : int
+            A cut, or ``~t`` for tile t.
+
+        Returns
+        -------
+        list of int
+            From each cut above the node, what is on its other side: as the tiles, if that is at
+            most five cuts deep.
+        """
+        found: list[int] = []
+        while name in self._above:
+            parent, sibling = self._above[name]
+            found += self._within(sibling, _LEVELS)
+            name = parent
+        return found
+
+    @cached_property
+    def _above(self) -> dict[int, tuple[int, int]]:
+        """The cut above each node, and the node on its other side."""
+        found = {}
+        for cut, (before, after) in enumerate(self.children.tolist()):
+            found[before], found[after] = (cut, after), (cut, before)
+        return found
+
+    def _within(self, name: int, levels: int) -> list[int]:
+        """List the nodes that are some cuts below a node, or tiles before that."""
+        nodes = [name]
+        for _ in range(levels):
+            nodes = [c for n in nodes for c in (self.children[n].tolist() if n >= 0 else [n])]
+        return nodes
+
+    def partition(self, rows: Floats, first: int) -> tuple[Integers, Integers, Floats, Integers]:
+        """Sort rows by tile.
+
+        Parameters
+        ----------
+        rows : (n, 2) ndarray of float64
+            Points that nobody else writes to.
+        first : int
+            The number of the first row.
+
+        Returns
+        -------
+        records : (m, 3) ndarray of int64
+            Number, x and y of each finite row, as 64-bit words.
+        begins : (tiles + 1,) ndarray of int64
+            Where the records of each tile begin, and the end.
+        boxes : (tiles, 4) ndarray of float64
+            The tight box of each tile's points; from infinity to -infinity if there are none.
+        skipped : (k,) ndarray of int64
+            The rows that are not finite.
+        """
+        return _kernel.partition(rows, first, self.axes, self.at, self.children, self.tiles)
+
+    def cut_again(self, tile: int, finer: Plan) -> Plan:
+        """Cut a tile by another plan.
+
+        Parameters
+        ----------
+        tile : int
+            The tile; its number goes to the first of the new ones, the others get new numbers.
+        finer : Plan
+            The cuts within it.
+
+        Returns
+        -------
+        Plan
+            This plan, with new cuts behind its own.
+        """
+        if not len(finer.axes):
+            return self
+        below = finer.children.copy()
+        is_tile = below < 0
+        numbers = np.r_[tile, np.arange(self.tiles, self.tiles + finer.tiles - 1)]
+        below[is_tile] = ~numbers[~below[is_tile]]
+        below[~is_tile] += len(self.axes)
+        children = np.where(self.children == ~tile, len(self.axes), self.children)
+        return replace(
+            self,
+            axes=np.concatenate((self.axes, finer.axes)),
+            at=np.concatenate((self.at, finer.at)),
+            children=np.concatenate((children, below)).astype(np.int32),
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return lists of numbers, for JSON.
+
+        Returns
+        -------
+        dict
+            The attributes.
+        """
+        return {
+            "axes": self.axes.tolist(),
+            "at": self.at.tolist(),
+            "children": self.children.tolist(),
+            "repeated": self.repeated.tolist(),
+        }
+
+    @classmethod
+    def from_dict(cls, lists: Mapping[str, Any]) -> Plan:
+        """Return the plan of such lists.
+
+        Parameters
+        ----------
+        lists : mapping
+            What `as_dict` returned.
+
+        Returns
+        -------
+        Plan
+            The same plan.
+        """
+        return cls(
+            np.array(lists["axes"], dtype=np.uint8),
+            np.array(lists["at"], dtype=np.float64).reshape(-1, 2),
+            np.array(lists["children"], dtype=np.int32).reshape(-1, 2),
+            np.array(lists.get("repeated", []), dtype=np.float64).reshape(-1, 2),
+        )
+
+
+def planned(sample: Floats, tiles: int) -> Plan:
+    """Cut a sample into tiles of nearly equal numbers of points.
+
+    Parameters
+    ----------
+    sample : (n, 2) ndarray of float64
+        Finite points.
+    tiles : int
+        How many are wanted. Equal points are not separated, so there may be fewer.
+
+    Returns
+    -------
+    Plan
+        A function of its arguments alone.
+    """
+    axes: list[int] = []
+    at: list[Floats] = []
+    children: list[list[int]] = []
+    found = 0
+    waiting = [(sample + 0.0, tiles, (-1, 0))]
+    while waiting:
+        part, wanted, (parent, side) = waiting.pop(0)
+        cut = _cut(part, wanted)
+        if cut is None:
+            name, found = ~found, found + 1
+        else:
+            name = len(axes)
+            axis, middle, ordered = cut
+            axes.append(axis)
+            at.append(ordered[middle])
+            children.append([0, 0])
+            waiting.append((ordered[:middle], wanted // 2, (name, 0)))
+            waiting.append((ordered[middle:], wanted - wanted // 2, (name, 1)))
+        if parent >= 0:
+            children[parent][side] = name
+    return Plan.from_dict({"axes": axes, "at": at, "children": children})
+
+
+def _cut(part: Floats, wanted: int) -> tuple[int, int, Floats] | None:
+    """Return the axis of a cut, and its place among the points in the order of that axis."""
+    if wanted < 2 or len(part) < 2:
+        return None
+    axis = _axis(part, wanted)
+    ordered = part[np.lexsort((part[:, 1 - axis], part[:, axis]))]
+    middle = len(part) * (wanted // 2) // wanted
+    equal = (ordered == ordered[middle]).all(axis=1)
+    begin = int(equal.argmax())
+    if begin == 0:  # nothing is before these
+        begin = int(len(equal) - equal[::-1].argmax())
+    return (axis, begin, ordered) if begin < len(ordered) else None
+
+
+def _axis(part: Floats, wanted: int) -> int:
+    spread = np.ptp(part / 2, axis=0)
+    widest = int(spread[1] > spread[0])
+    if len(part) < _FEW:
+        return widest
+    status, _, _, simplices, *_ = _kernel.delaunay(
+        np.ascontiguousarray(part), False, 1, False, None
+    )
+    if status != "ok":
+        return widest
+    crossings = [_crossings(part, simplices, axis, wanted) for axis in (0, 1)]
+    return widest if crossings[0] == crossings[1] else int(crossings[1] < crossings[0])
+
+
+def _crossings(part: Floats, simplices: Rows, axis: int, wanted: int) -> int:
+    """Count the triangles with corners on both sides of the middle."""
+    ordered = np.lexsort((part[:, 1 - axis], part[:, axis]))
+    is_after = np.ones(len(part), dtype=np.bool_)
+    is_after[ordered[: len(part) * (wanted // 2) // wanted]] = False
+    corners = is_after[simplices].sum(axis=1)
+    return int(((corners > 0) & (corners < 3)).sum())

@@ -1,0 +1,299 @@
+"""Whether the triangles of a folder are the canonical triangulation of its points, part by part.
+
+The argument of `verify` holds for parts, because half-edges cancel in any order. The points are
+read again and sorted by tile. Each tile pairs the half-edges of its own triangles and tests the
+edges between them; what has no partner goes up, with the points that have no triangle so far. Each
+cut adds the triangles that lie across it and pairs what came up from both sides. What is left at
+the root has to be the convex hull, edge by edge. No merge of `tile` is repeated: besides the
+predicates, only the sorting of points by tile is shared with it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.errors import FormatError
+from liftmesh.tiles.findings import Findings
+from liftmesh.tiles.repeated import positions_of, set_apart
+from liftmesh.tiles.schedule import in_order
+from liftmesh.tiles.stages import Folders, label, save_tables, tile_records
+from liftmesh.tiles.tiled import mapped
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.tiled import Tiled
+
+_BLOCK = 1 << 20  # triangles whose corners are looked up at once
+
+
+@dataclass(frozen=True)
+class Loose:
+    """What a part leaves to others.
+
+    Attributes
+    ----------
+    records : (k, 3) ndarray of int64
+        Row number, x and y of points, by ascending row.
+    edges : (e, 3) ndarray of int32
+        Tail, head and apex, as records, of edges with a triangle on their left only.
+    is_bare : (k,) ndarray of bool
+        Whether a point has no triangle yet.
+    """
+
+    records: Integers
+    edges: Rows
+    is_bare: Array
+
+    @property
+    def points(self) -> Floats:
+        """The coordinates, in place."""
+        return self.records.view(np.float64)[:, 1:]
+
+
+class Proof:
+    """Collects what is wrong with the triangles of a folder."""
+
+    def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> None:
+        self._tiled = tiled
+        self._plan = plan
+        self._folders = Folders(tiled.directory, scratch)
+        self._threads = threads
+        self._lowest = np.full(len(plan.repeated), -1, dtype=np.int64)
+        self._shards = {path.stem: path for path in tiled.shards}
+        self.found = Findings()
+        self.duplicates = 0
+
+    def read(self, chunks: Iterator[Floats]) -> tuple[int, str]:
+        """Sort the points by tile; return how many rows were skipped, and the hash of all.
+
+        Parameters
+        ----------
+        chunks : iterator of (n, 2) ndarray of float64
+            All rows.
+
+        Returns
+        -------
+        (int, str)
+            The count, and the SHA-256.
+        """
+        digest, number, first = hashlib.sha256(), 0, 0
+        for number, rows in enumerate(chunks, 1):
+            digest.update(rows.data)
+            stem = self._folders.scratch / f"run-{number - 1:05d}"
+            pairs = self._set_apart(rows, first)
+            *found, skipped = self._plan.partition(rows, first)
+            found.append(np.setdiff1d(skipped, pairs[:, 0]))
+            for what, array in zip(("", "-begins", "-boxes", "-skipped"), found, strict=True):
+                np.save(f"{stem}{what}.npy", array)
+            first += len(rows)
+        _, skipped = save_tables(self._folders, self._plan, number)
+        if not np.array_equal(skipped, self._tiled.skipped):
+            self.found.add("other_skipped", 1)
+        return len(skipped), digest.hexdigest()
+
+    def _set_apart(self, rows: Floats, first: int) -> Integers:
+        """Leave out rows at positions that are repeated very often; the lowest one is known."""
+        apart, which, firsts = set_apart(rows, self._plan.repeated)
+        is_new = (self._lowest < 0) & (firsts >= 0)
+        self._lowest[is_new] = first + firsts[is_new]
+        pairs: Integers = np.column_stack((first + apart, self._lowest[which]))
+        self._check_duplicates(pairs)
+        return pairs
+
+    def parts(self) -> Iterator[None]:
+        """Check one part after the other, and the boundary at the end.
+
+        Yields
+        ------
+        None
+            After each part.
+        """
+        waiting: dict[int, Loose] = {}
+        for name, children in in_order(self._plan):
+            if name < 0:
+                waiting[name] = self._tile(~name)
+            else:
+                waiting[name] = self._cut(name, [waiting.pop(child) for child in children])
+            yield
+        (root,) = waiting.values()
+        self.hull_edges = len(root.edges)
+        self.found.add_rows("missing_vertices", root.records[root.is_bare])
+        self._check_boundary(root)
+        if self.duplicates != len(self._tiled.duplicates):
+            self.found.add("other_duplicates", 1)
+
+    def _tile(self, tile: int) -> Loose:
+        records = tile_records(self._folders, tile)
+        corners = self._corners(records, ~tile)
+        is_bare = np.ones(len(records), dtype=np.bool_)
+        is_bare[corners.reshape(-1)] = False
+        places = duplicated(records.view(np.float64)[:, 1:], is_bare)
+        self.found.add("invalid_index", int((~is_bare[places[:, 0]]).sum()))
+        self._check_duplicates(records[places, 0])
+        is_bare[:] = True
+        is_bare[places[:, 0]] = False  # nothing may name them
+        loose = Loose(records, np.empty((0, 3), dtype=np.int32), is_bare)
+        return self._checked(loose, corners, ~tile)
+
+    def _check_duplicates(self, pairs: Integers) -> None:
+        stated = self._tiled.duplicates
+        at = np.searchsorted(stated[:, 0], pairs[:, 0])
+        at[at == len(stated)] = 0
+        if len(pairs) and (len(stated) == 0 or not np.array_equal(stated[at], pairs)):
+            self.found.add("other_duplicates", 1)
+        self.duplicates += len(pairs)
+
+    def _cut(self, name: int, children: Sequence[Loose]) -> Loose:
+        records = np.concatenate([child.records for child in children])
+        order = np.argsort(records[:, 0])
+        place = np.empty(len(order), dtype=np.int32)
+        place[order] = np.arange(len(order), dtype=np.int32)
+        begins = np.cumsum([0, *(len(child.records) for child in children)])
+        edges = [place[c.edges + begin] for c, begin in zip(children, begins, strict=False)]
+        is_bare = np.concatenate([child.is_bare for child in children])[order]
+        loose = Loose(records[order], np.concatenate(edges), is_bare)
+        return self._checked(loose, self._corners(loose.records, name), name)
+
+    def _checked(self, loose: Loose, corners: Rows, name: int) -> Loose:
+        """Add the triangles of a shard, and pair edges."""
+        flaws, interior, opened = _kernel.verify_part(loose.points, corners, self._threads, False)
+        self.found.add_flaws(flaws, corners, loose.records, f"{label(name)}.npy")
+        self.found.interior_edges += interior
+        is_bare = loose.is_bare.copy()
+        is_bare[corners.reshape(-1)] = False
+        edges = self._paired(loose, np.concatenate((loose.edges, opened)))
+        stays = is_bare.copy()
+        stays[edges.reshape(-1)] = True
+        kept = np.flatnonzero(stays)
+        place = np.empty(len(stays), dtype=np.int32)
+        place[kept] = np.arange(len(kept), dtype=np.int32)
+        return Loose(loose.records[kept], place[edges], is_bare[kept])
+
+    def _corners(self, records: Integers, name: int) -> Rows:
+        """Read a shard, with its corners as records; triangles with others are left out."""
+        path = self._shards.get(label(name))
+        if path is None:
+            return np.empty((0, 3), dtype=np.int32)
+        triangles = mapped(path)
+        if triangles.dtype != np.int64 or triangles.shape[1:] != (3,):
+            raise FormatError(f"{path}: damaged: tile the source again")
+        corners = np.empty(triangles.shape, dtype=np.int32)
+        is_known = np.ones(len(triangles), dtype=np.bool_)
+        rows = np.ascontiguousarray(records[:, 0])
+        for begin in range(0, len(triangles), _BLOCK):
+            block = np.array(triangles[begin : begin + _BLOCK])
+            places = np.minimum(np.searchsorted(rows, block), max(0, len(rows) - 1))
+            same = rows[places] == block if len(rows) else np.zeros(block.shape, dtype=np.bool_)
+            corners[begin : begin + _BLOCK] = places
+            is_known[begin : begin + _BLOCK] = same.all(axis=1)
+        if not is_known.all():
+            self.found.add_strange(triangles, ~is_known, path.name)
+            corners = corners[is_known]
+        return corners
+
+    def _paired(self, loose: Loose, edges: Rows) -> Rows:
+        """Test the edges with one triangle on either side; return those without a partner."""
+        low, high = edges[:, :2].min(axis=1), edges[:, :2].max(axis=1)
+        key = low.astype(np.int64) << 32 | high
+        order = np.lexsort((edges[:, 0] > edges[:, 1], key))
+        key = key[order]
+        begins = np.flatnonzero(np.r_[True, key[1:] != key[:-1]]) if len(key) else order
+        sizes = np.diff(np.r_[begins, len(key)])
+        first = begins[sizes == 2]
+        one, other = order[first], order[first + 1]
+        is_pair = edges[one, 0] == edges[other, 1]
+        one, other = one[is_pair], other[is_pair]
+        self._check_pairs(loose, edges[one], edges[other, 2])
+        self.found.interior_edges += len(one)
+        is_open = np.ones(len(edges), dtype=np.bool_)
+        is_open[one] = is_open[other] = False
+        return edges[is_open]
+
+    def _check_pairs(self, loose: Loose, edges: Rows, apexes: Array) -> None:
+        rows = np.column_stack((edges, apexes))
+        for kind, canonical in (("not_canonical", True), ("not_delaunay", False)):
+            a, b, c, d = (np.ascontiguousarray(loose.points[each]) for each in rows.T)
+            signs = np.empty(len(rows), dtype=np.int8)
+            _kernel.incircle(a, b, c, d, signs, canonical)
+            rows = rows[signs > 0]
+            self.found.add_edges(kind, loose.records[:, 0][rows])
+
+    def _check_boundary(self, root: Loose) -> None:
+        """The edges that are left have to be those of the stated hull, and the hull convex."""
+        rows = np.ascontiguousarray(root.records[:, 0])
+        stated = np.asarray(self._tiled.convex_hull)[:, 0]
+        if len(root.edges) != len(stated) or not np.isin(stated, rows).all():
+            self.found.add("other_hull", 1)
+            return
+        hull = np.searchsorted(rows, stated)
+        follows = np.full(len(rows), -1, dtype=np.int64)
+        follows[root.edges[:, 0]] = root.edges[:, 1]
+        is_cycle = len(np.unique(hull)) == len(hull)
+        if not is_cycle or not np.array_equal(follows[hull], np.roll(hull, -1)):
+            self.found.add("other_hull", 1)
+        elif not is_convex(np.ascontiguousarray(root.points[hull])):
+            self.found.add("not_convex", 1)
+
+
+def duplicated(points: Floats, is_bare: Array) -> Integers:
+    """Find rows at the position of a lower one, where one of them has no triangle.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        Points.
+    is_bare : (n,) ndarray of bool
+        Which have no triangle.
+
+    Returns
+    -------
+    (k, 2) ndarray of int64
+        Such rows, each with the lowest of its position.
+    """
+    positions = positions_of(points)
+    sought = np.unique(positions[is_bare])
+    if not len(sought):
+        return np.empty((0, 2), dtype=np.int64)
+    at = np.minimum(np.searchsorted(sought, positions), len(sought) - 1)
+    rows = np.flatnonzero(sought[at] == positions)
+    order = np.argsort(at[rows], kind="stable")
+    rows, group = rows[order], at[rows][order]
+    is_first = np.r_[True, group[1:] != group[:-1]]
+    lowest = rows[is_first][np.cumsum(is_first) - 1]
+    pairs: Integers = np.column_stack((rows, lowest))[~is_first]
+    return pairs
+
+
+def is_convex(points: Floats) -> bool:
+    """Whether a closed curve turns left only, and winds around once.
+
+    Parameters
+    ----------
+    points : (h, 2) ndarray of float64
+        Its corners in order; some may lie on an edge.
+
+    Returns
+    -------
+    bool
+        A curve that only turns left has one least corner, by x, then y, each time it winds around.
+    """
+    before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
+    turns = np.empty(len(points), dtype=np.int8)
+    _kernel.orient2d(before, points, after, turns)
+    comes, goes = _is_less(before, points), _is_less(points, after)
+    is_straight = (comes == goes) & (before != points).any(axis=1)
+    is_left = (turns > 0) | ((turns == 0) & is_straight)
+    return bool(is_left.all()) and int((~comes & goes).sum()) == 1
+
+
+def _is_less(p: Floats, q: Floats) -> Array:
+    less: Array = (p[:, 0] < q[:, 0]) | ((p[:, 0] == q[:, 0]) & (p[:, 1] < q[:, 1]))
+    return less

@@ -1,0 +1,171 @@
+"""The end of a run: what the nodes have done becomes a folder with a manifest."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Integers
+from liftmesh.errors import DegenerateInputError
+from liftmesh.tiles.repeated import merged
+from liftmesh.tiles.stages import Done, Folders, label
+from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
+from liftmesh.tiles.tiled import KIND, MANIFEST, PLAN
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.sources import Part
+
+_DUPLICATES = "duplicates.npy"
+
+
+def publish(
+    folders: Folders,
+    parts: Sequence[Part],
+    plan: Plan,
+    identity: Mapping[str, Any],
+    done: Sequence[Done],
+    skipped: Integers,
+) -> None:
+    """Write the rows left out, the hull, the plan and the manifest, which is the last.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where to read and write.
+    parts : sequence of Part
+        The source.
+    plan : Plan
+        Where the tiles are.
+    identity : mapping
+        What the files depend on.
+    done : sequence of Done
+        What all nodes have done; the root is the last.
+    skipped : (k,) ndarray of int64
+        The rows that are not finite.
+
+    Raises
+    ------
+    DegenerateInputError
+        There is no triangle.
+    RuntimeError
+        The counts do not fit Euler's formula, which is a bug.
+    """
+    hull = np.load(folders.scratch / f"{label(done[-1].name)}-hull.npy")
+    rows = sum(part.rows for part in parts)
+    arrays = {"skipped": np.sort(skipped), "hull": hull}
+    counts = {name: len(array) for name, array in arrays.items()}
+    listed = _Duplicates.of(folders, done, len(parts))
+    counts["duplicates"] = listed.count
+    counts |= {"rows": rows, "vertices": rows - counts["duplicates"] - counts["skipped"]}
+    counts["triangles"] = sum(each.triangles for each in done)
+    _check(counts, is_flat=done[-1].is_flat)
+    blocks = merged(listed.tiles, listed.chunks, rows)
+    save_blocks(folders.out / _DUPLICATES, (listed.count, 2), blocks)
+    save_json(folders.out / PLAN, plan.as_dict())
+    files = {f"{name}.npy": _file(folders.out, name, array) for name, array in arrays.items()}
+    for name in (PLAN, _DUPLICATES):
+        files[name] = _stated(folders.out / name)
+    manifest = {
+        "plan": folders.plan,
+        **identity,
+        **counts,
+        "kind": KIND,
+        "source": _files(parts, folders.out),
+        "neighbors": None,
+        "shards": [_shard(folders.out, each) for each in _by_kind(done) if each.triangles],
+        "files": files,
+        "merges": _merges(done),
+    }
+    save_json(folders.out / MANIFEST, {**manifest, "seal": seal(manifest)})
+
+
+@dataclass(frozen=True)
+class _Duplicates:
+    """How many there are, and the lists of tiles and of chunks that hold them."""
+
+    count: int
+    tiles: list[Path]
+    chunks: list[Path]
+
+    @classmethod
+    def of(cls, folders: Folders, done: Sequence[Done], runs: int) -> _Duplicates:
+        stems = [label(each.name) for each in done if each.duplicates]
+        tiles = [folders.scratch / f"{stem}-duplicates.npy" for stem in stems]
+        chunks = [folders.scratch / f"run-{number:05d}-duplicates.npy" for number in range(runs)]
+        sizes = {path: len(np.load(path, mmap_mode="r")) for path in chunks}
+        count = sum(sizes.values()) + sum(each.duplicates for each in done)
+        return cls(count, tiles, [path for path, size in sizes.items() if size])
+
+
+def _check(counts: Mapping[str, int], *, is_flat: bool) -> None:
+    rows, vertices, skipped = counts["rows"], counts["vertices"], counts["skipped"]
+    left_out = f", {skipped} of them skipped as not finite," if skipped else ""
+    if vertices < 3:
+        raise DegenerateInputError(
+            f"{rows} rows{left_out} hold {vertices} distinct planar points: a triangle needs three"
+        )
+    if is_flat:
+        raise DegenerateInputError(
+            f"all {vertices} distinct points lie on one line: a triangle needs a point off it"
+        )
+    if counts["triangles"] != 2 * vertices - 2 - counts["hull"]:
+        raise RuntimeError(
+            f"{counts['triangles']} triangles over {vertices} points and {counts['hull']} hull "
+            "edges: the tiles do not fit together, which is a bug"
+        )
+
+
+def _by_kind(done: Sequence[Done]) -> list[Done]:
+    """Put tiles first, by their numbers, then cuts."""
+    return sorted(done, key=lambda each: (each.name >= 0, abs(each.name)))
+
+
+def _shard(out: Path, done: Done) -> dict[str, Any]:
+    ((name, digest),) = done.shards.items()
+    size = (out / name).stat().st_size
+    return {"file": name, "triangles": done.triangles, "bytes": size, "sha256": digest}
+
+
+def _file(out: Path, name: str, array: Integers) -> dict[str, Any]:
+    digest = save_array(out / f"{name}.npy", array)
+    return {"bytes": (out / f"{name}.npy").stat().st_size, "sha256": digest}
+
+
+def _stated(path: Path) -> dict[str, Any]:
+    return {"bytes": path.stat().st_size, "sha256": digest_of(path)}
+
+
+def _files(parts: Sequence[Part], out: Path) -> list[dict[str, Any]]:
+    """List the files of a source with the number of their first row, two of one name apart.
+
+    What was a path is also stated as seen from the output folder.
+    """
+    found: list[dict[str, Any]] = []
+    first, number = 0, -1
+    for part in parts:
+        if part.origin.number != number:
+            number = part.origin.number
+            entry = {"file": Path(part.origin.source).name, "first": first, "rows": 0}
+            if part.origin.is_path:
+                entry["path"] = os.path.relpath(part.origin.source, out)
+            found.append(entry)
+        found[-1]["rows"] += part.rows
+        first += part.rows
+    return found
+
+
+def _merges(done: Sequence[Done]) -> dict[str, int]:
+    """Tell how much went from node to node."""
+    tiles = [each for each in done if each.name < 0]
+    return {
+        "tiles": len(tiles),
+        "rows_up_from_tiles": sum(each.rows_up for each in tiles),
+        "rows_at_root": done[-1].rows,
+        "bytes_up": sum(each.bytes_up for each in done),
+    }

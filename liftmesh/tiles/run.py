@@ -1,0 +1,331 @@
+"""One run of a tiled triangulation: scan, plan, partition, triangulate and merge, publish.
+
+The scratch folder says what the run is of (``job.json``): the hashes of all chunks of the source,
+and the options that its files depend on. A run of something else does not touch them. What the
+files of tasks depend on besides, the plan and the program, is in the hash of the plan.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from liftmesh._typing import Floats, Integers
+from liftmesh.choices import NonFinite, as_count, as_switch, check_option
+from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.tiles.claim import check_apart, claimed, clear, folders_of
+from liftmesh.tiles.plan import Plan, planned
+from liftmesh.tiles.publish import publish
+from liftmesh.tiles.repeated import frequent
+from liftmesh.tiles.sources import Part, parts_of
+from liftmesh.tiles.stages import (
+    JOB,
+    Folders,
+    Scanned,
+    changed,
+    partition,
+    save_plan,
+    save_tables,
+    scan,
+    tile_sample,
+)
+from liftmesh.tiles.store import load_record, save_record, seal
+from liftmesh.tiles.tiled import MANIFEST, VERSION, Tiled, manifest_of, open_tiled
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.schedule import Runner
+
+Cut = Callable[[object, int, Path], list[Part]]
+
+TILE_ROWS = 1_500_000  # about 300 MB
+_PART_ROWS = 2_000_000
+_SAMPLED = 2_000  # points of a tile
+_LEAST = 16  # rows of a tile
+_LARGE = 2  # times the rows of a tile: it is cut again
+_ROUNDS = 3  # of sorting; what is too large then stays so
+
+_PROCESS_BYTES = 100_000_000  # of a process without work
+_ROW_BYTES = 200  # of a tile
+_SHARE = 0.6  # of a limit: beyond that Dask takes measures
+_FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of `tile`, checked; a size of None is for the run to choose."""
+
+    folders: Folders
+    tile_rows: int | None
+    skips: bool
+    resumes: bool
+
+    @classmethod
+    def checked(
+        cls,
+        out: str | os.PathLike[str],
+        tile_rows: int | Literal["auto"],
+        scratch: str | os.PathLike[str] | None,
+        nonfinite: NonFinite,
+        resume: bool,
+    ) -> Options:
+        """Check the options.
+
+        Parameters
+        ----------
+        out, tile_rows, scratch, nonfinite, resume
+            As for `tile`.
+
+        Returns
+        -------
+        Options
+            No folder has been made.
+
+        Raises
+        ------
+        InputError
+            An option is invalid.
+        """
+        check_option("nonfinite", nonfinite, NonFinite)
+        resumes = as_switch("resume", resume)
+        is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
+        rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
+        return cls(folders_of(out, scratch), rows, nonfinite == "skip", resumes)
+
+
+def triangulated(
+    source: object,
+    options: Options,
+    runner: Runner,
+    *,
+    fitting: int = TILE_ROWS,
+    cut: Cut = parts_of,
+) -> Tiled:
+    """Do everything, or what is left to do.
+
+    Parameters
+    ----------
+    source : object
+        As for `tile`.
+    options : Options
+        Those of `tile`.
+    runner : Runner
+        What calls the tasks.
+    fitting : int
+        How many rows a tile has if the options do not say, nor an earlier run.
+    cut : callable
+        What cuts the source, as `parts_of`.
+
+    Returns
+    -------
+    Tiled
+        The finished triangulation.
+
+    Raises
+    ------
+    InputError, DegenerateInputError, OSError
+        As for `tile`.
+    """
+    folders = options.folders
+    with claimed(folders, anew=not options.resumes):
+        before = _earlier_rows(folders) if options.resumes else None
+        rows = options.tile_rows or before or fitting
+        parts = cut(source, min(rows, _PART_ROWS), folders.scratch)
+        check_apart(folders, parts)
+        if not options.resumes:
+            clear(folders)
+        Run(folders, parts, rows, options.skips).finish(runner)
+    return open_tiled(folders.out)
+
+
+@dataclass(frozen=True)
+class Run:
+    """What is triangulated, and how, in folders that are claimed."""
+
+    folders: Folders
+    parts: Sequence[Part]
+    tile_rows: int
+    skips: bool
+
+    def finish(self, runner: Runner) -> None:
+        """Do everything, or what is left to do.
+
+        Parameters
+        ----------
+        runner : Runner
+            What calls the tasks.
+        """
+        scanned = self._scanned(runner)
+        identity = self._identity([each.digest for each in scanned])
+        if self._is_finished(identity):
+            return
+        plan = self._planned(np.concatenate([each.sample for each in scanned]))
+        for _ in range(_ROUNDS):
+            folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
+            finer = self._cut_again(plan, folders, sizes)
+            if finer.tiles == plan.tiles:
+                break
+            plan = finer
+        else:
+            folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
+        done = runner.tree(folders, plan, sizes)
+        publish(folders, self.parts, plan, identity, done, skipped)
+
+    def _sorted(
+        self, runner: Runner, plan: Plan, identity: Mapping[str, Any], scanned: Sequence[Scanned]
+    ) -> tuple[Folders, list[int], Integers]:
+        """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
+        name = seal(_program(), identity, plan.as_dict())
+        folders = replace(self.folders, plan=name, held=2 * self.tile_rows)
+        save_plan(folders, plan)
+        numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
+        calls = [(folders, part, i, first, found.digest) for i, (part, first, found) in numbered]
+        runner.each("partition", partition, calls)
+        return folders, *save_tables(folders, plan, len(self.parts))
+
+    def _cut_again(self, plan: Plan, folders: Folders, sizes: Sequence[int]) -> Plan:
+        """Cut the tiles that came out too large, by a sample of their own rows."""
+        for tile, size in enumerate(sizes):
+            if size > _LARGE * self.tile_rows:
+                wanted = -(-size // self.tile_rows)
+                sample = tile_sample(folders, tile, _SAMPLED * wanted)
+                plan = plan.cut_again(tile, planned(sample, wanted))
+        return plan
+
+    def _planned(self, sample: Floats) -> Plan:
+        """Cut the sample; what is repeated very often takes no room in a tile."""
+        repeated, others = frequent(sample)
+        tiles = -(-self._tiles * len(others) // max(1, len(sample)))
+        return replace(planned(others, max(1, tiles)), repeated=repeated)
+
+    @property
+    def _tiles(self) -> int:
+        return -(-sum(part.rows for part in self.parts) // self.tile_rows)
+
+    @property
+    def _firsts(self) -> list[int]:
+        return [0, *accumulate(part.rows for part in self.parts)][:-1]
+
+    def _scanned(self, runner: Runner) -> list[Scanned]:
+        if self._tiles == 0:
+            raise DegenerateInputError("the source has no rows: a triangle needs three points")
+        total = sum(part.rows for part in self.parts)
+        calls = [
+            (part, first, -(-_SAMPLED * self._tiles * part.rows // total), self.skips)
+            for part, first in zip(self.parts, self._firsts, strict=True)
+        ]
+        found: list[Scanned] = runner.each("scan", scan, calls)
+        return found
+
+    def _identity(self, digests: Sequence[str]) -> dict[str, Any]:
+        """Tell what the files of a run depend on."""
+        return {
+            "version": VERSION,
+            "tile_rows": self.tile_rows,
+            "nonfinite": "skip" if self.skips else "error",
+            "chunks": [
+                {"rows": part.rows, "sha256": digest}
+                for part, digest in zip(self.parts, digests, strict=True)
+            ],
+        }
+
+    def _is_finished(self, identity: Mapping[str, Any]) -> bool:
+        """Whether it is all done; raise if something else is, or was begun."""
+        if (self.folders.out / MANIFEST).exists():
+            before = manifest_of(self.folders.out)
+            self._check_options(before, "the triangles", identity)
+            if before["chunks"] != identity["chunks"]:
+                raise InputError(
+                    f"{self.folders.out} holds the triangles of other points: choose another "
+                    "folder, or replace them with resume=False"
+                )
+            if Tiled(self.folders.out, before).is_sound():
+                return True
+        record = self.folders.scratch / JOB
+        if record.exists():
+            job = load_record(record, "")
+            if job is None:
+                raise InputError(f"{record}: damaged: begin anew with resume=False")
+            self._check_options(job, "a run", identity)
+            self._check_chunks(job["chunks"], identity["chunks"])
+        save_record(record, "", identity)
+        (self.folders.out / MANIFEST).unlink(missing_ok=True)
+        return False
+
+    def _check_options(self, before: Mapping[str, Any], what: str, now: Mapping[str, Any]) -> None:
+        for name in ("version", "tile_rows", "nonfinite"):
+            if before[name] != now[name]:
+                raise InputError(
+                    f"{self.folders.out} holds {what} with {name} {before[name]!r}, not "
+                    f"{now[name]!r}: use the same, or begin anew with resume=False"
+                )
+
+    def _check_chunks(self, before: Sequence[Any], now: Sequence[Any]) -> None:
+        same = [i for i, chunk in enumerate(now) if before[i : i + 1] == [chunk]]
+        if not same:
+            raise InputError(
+                f"{self.folders.out} holds a run with other points: choose another folder, or "
+                "begin anew with resume=False"
+            )
+        for number, part in enumerate(self.parts):
+            if number not in same:
+                raise changed(part)
+        if len(before) > len(now):
+            raise InputError(
+                f"the source has lost rows since this triangulation was begun: "
+                f"{sum(part.rows for part in self.parts):,} are left: restore them, or begin anew "
+                "with resume=False"
+            )
+
+
+def _earlier_rows(folders: Folders) -> int | None:
+    """Return how many rows the tiles of a run have that was begun, or is finished."""
+    job = load_record(folders.scratch / JOB, "")
+    if job is None and (folders.out / MANIFEST).exists():
+        job = manifest_of(folders.out)
+    return None if job is None else int(job["tile_rows"])
+
+
+def _program() -> str:
+    from liftmesh import __version__  # noqa: PLC0415 - it is found when it is asked for
+
+    return __version__
+
+
+def rows_within(memory: int, threads: int = 1) -> int:
+    """Return how large tiles may be.
+
+    Parameters
+    ----------
+    memory : int
+        The bytes that a process may use.
+    threads : int
+        How many tiles it triangulates at a time.
+
+    Returns
+    -------
+    int
+        Rows of a tile; 50,000 at least.
+
+    Raises
+    ------
+    InputError
+        Such tiles do not fit.
+
+    Examples
+    --------
+    >>> rows_within(1_000_000_000)
+    2500000
+    """
+    least = int((_PROCESS_BYTES + _FEWEST * _ROW_BYTES * threads) / _SHARE)
+    if memory < least:
+        raise InputError(
+            f"{memory / 1e6:,.0f} MB of memory do not hold a process with a tile for each of its "
+            f"{threads} threads: {least / 1e6:,.0f} MB are needed at least"
+        )
+    return int(_SHARE * memory - _PROCESS_BYTES) // (_ROW_BYTES * threads)

@@ -1,0 +1,94 @@
+"""In which order the tasks of a tiled triangulation run, and who runs them.
+
+A runner calls tasks and collects what they return. `Serial` calls one after the other, in this
+process; `liftmesh.dask` hands them to workers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+from liftmesh._typing import Progress
+from liftmesh.tiles.stages import Done, Folders, node
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
+
+SHARES = {"spool": 0, "scan": 1, "partition": 2, "triangulate": 7}
+"""What the stages take of the whole, about."""
+
+
+class Runner(Protocol):
+    """What calls tasks."""
+
+    def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
+        """Call a task with each of some arguments, in any order; return its results in order."""
+
+    def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
+        """Call `stages.node` for all nodes of a plan, children first; the root is the last."""
+
+
+class Meter:
+    """Counts what is done of the stages, for `progress`."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress = progress
+        self._before = 0.0
+
+    def show(self, stage: str, share: float) -> None:
+        """Report which share of a stage is done."""
+        if self._progress is not None:
+            passed = list(SHARES).index(stage)
+            units = sum(list(SHARES.values())[:passed]) + SHARES[stage] * share
+            self._before = max(self._before, min(1.0, units / sum(SHARES.values())))
+            self._progress(self._before)
+
+
+class Serial:
+    """Calls tasks one after the other, each with some threads."""
+
+    def __init__(self, threads: int, progress: Progress | None = None) -> None:
+        self._threads = threads
+        self._meter = Meter(progress)
+
+    def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
+        """Call a task with each of some arguments."""
+        found = []
+        for arguments in calls:
+            found.append(task(*arguments))
+            self._meter.show(stage, len(found) / len(calls))
+        return found
+
+    def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
+        """Work through a plan; a merge comes as soon as its children are done."""
+        done: dict[int, Done] = {}
+        rows, total = 0, max(1, sum(sizes))
+        for name, children in in_order(plan):
+            done[name] = node(folders, name, [done[child] for child in children], self._threads)
+            rows += sizes[~name] if name < 0 else 0
+            self._meter.show("triangulate", rows / total)
+        return list(done.values())
+
+
+def in_order(plan: Plan) -> list[tuple[int, list[int]]]:
+    """List the nodes of a plan with their children: these first, and the root last.
+
+    Parameters
+    ----------
+    plan : Plan
+        Where the tiles are.
+
+    Returns
+    -------
+    list of (int, list of int)
+        Cuts, and tiles as ``~t``.
+    """
+    found: list[tuple[int, list[int]]] = []
+    waiting = [0 if plan.tiles > 1 else ~0]
+    while waiting:  # parents first, then reversed
+        name = waiting.pop()
+        children = plan.children[name].tolist() if name >= 0 else []
+        found.append((name, children))
+        waiting += children
+    return found[::-1]

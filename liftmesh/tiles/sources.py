@@ -1,0 +1,360 @@
+"""Where points come from: parts that can be read at any time, by any process, again and again.
+
+NPY, Parquet and LAS files are read by ranges, with plain reads: pages of a mapped file would count
+as memory of the process. What can only be read from its beginning to its end (text, PLY, LAZ,
+iterators) is written to the scratch folder first, x and y alone.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import MOST_ROWS, as_coordinates, widened
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.files import read_chunks
+from liftmesh.io.npy_array import Layout
+from liftmesh.io.registry import as_cloud
+from liftmesh.io.streams import remaining
+from liftmesh.tiles.las import las_parts
+from liftmesh.tiles.parquet import parquet_files, parquet_parts
+from liftmesh.tiles.store import save_array
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where rows are from: the source as the caller knows it, and the first row within that.
+
+    Sources are numbered, as two of them may have one name. Only paths can be opened again.
+    """
+
+    source: str
+    number: int = 0
+    row: int = 0
+    is_path: bool = False
+
+
+class Part(Protocol):
+    """Consecutive rows of a source."""
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+
+    @property
+    def origin(self) -> Origin:
+        """What the rows are, for messages and the manifest."""
+
+    @property
+    def place(self) -> str | None:
+        """The file that is read, if there is one."""
+
+    def read(self) -> Array:
+        """Read the rows; the result is (n, 2) or (n, 3), of real numbers."""
+
+
+@dataclass(frozen=True)
+class NpyPart:
+    """Rows of an NPY file, or of a mapped array of NumPy."""
+
+    origin: Origin
+    place: str
+    dtype: str
+    shape: tuple[int, int]
+    by_columns: bool
+    offset: int
+    first: int
+    rows: int
+
+    def read(self) -> Array:
+        """Read x and y, and no more columns than lie between."""
+        total, columns = self.shape
+        size = np.dtype(self.dtype).itemsize
+        if not self.by_columns:
+            at = self.offset + self.first * columns * size
+            return self._values(at, self.rows * columns).reshape(self.rows, columns)
+        begins = [self.offset + (column * total + self.first) * size for column in (0, 1)]
+        return np.stack([self._values(at, self.rows) for at in begins], axis=1)
+
+    def _values(self, at: int, count: int) -> Array:
+        values = np.fromfile(self.place, self.dtype, count, offset=at)
+        if len(values) < count:
+            raise FormatError(
+                f"{self.place}: rows {self.first:,} to {self.first + self.rows:,} are missing: "
+                "the file is truncated"
+            )
+        return values
+
+
+@dataclass(frozen=True)
+class ArrayPart:
+    """Rows of an array in memory."""
+
+    array: Array
+    origin: Origin = Origin("array")
+    place: None = None
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        return len(self.array)
+
+    def read(self) -> Array:
+        """Copy the rows, with their mask if they have one: nobody else writes to the copy."""
+        copied: Array = self.array.copy()
+        return copied
+
+
+def planar(part: Part) -> Floats:
+    """Read x and y of a part.
+
+    Parameters
+    ----------
+    part : Part
+        Rows of a source.
+
+    Returns
+    -------
+    (n, 2) ndarray of float64
+        Contiguous, and nobody else's.
+
+    Raises
+    ------
+    InputError
+        The rows have no two or three columns, or a number is not exactly representable.
+    FormatError
+        The file is damaged.
+    """
+    try:
+        rows = widened(as_coordinates(part.read()))[:, :2]
+    except InputError as error:
+        raise type(error)(f"{part.origin.source}: {error}") from error
+    return np.ascontiguousarray(rows)
+
+
+def parts_of(source: object, rows: int, scratch: Path) -> list[Part]:
+    """Cut a source into parts.
+
+    Parameters
+    ----------
+    source : path, array_like, cloud, iterator, or a list of paths
+        What `tile` accepts.
+    rows : int
+        How many rows a part may have.
+    scratch : Path
+        Where to write what cannot be read by ranges.
+
+    Returns
+    -------
+    list of Part
+        In the order of the rows.
+
+    Raises
+    ------
+    InputError, FormatError, UnsupportedTypeError, OSError
+        The source cannot be read, or holds no points.
+    """
+    files = files_of(source)
+    if files is not None:
+        return [part for file in files for part in parts_of_file(file, file.source, rows, scratch)]
+    if isinstance(source, Iterator):
+        return _spooled(source, rows, scratch, Origin("iterator"))
+    if isinstance(source, np.memmap) and _is_plain(source):
+        name = str(source.filename)
+        layout = source.dtype, source.shape, False, source.offset
+        return _ranges(Origin(name), name, *layout, rows)
+    return _of_array(source, rows)
+
+
+def files_of(source: object) -> list[Origin] | None:
+    """List the files of a source.
+
+    Parameters
+    ----------
+    source : object
+        What `tile` accepts.
+
+    Returns
+    -------
+    list of Origin or None
+        None if the source is no path, nor a list of paths.
+
+    Raises
+    ------
+    FormatError
+        A folder holds no Parquet.
+    """
+    paths: list[Any] = [*source] if isinstance(source, list | tuple) else [source]
+    if not paths or not all(isinstance(path, str | os.PathLike) for path in paths):
+        return None
+    given = (os.path.expanduser(os.fspath(path)) for path in paths)  # noqa: PTH111 - no home
+    names = (name for each in given for name in parquet_files(each))
+    return [Origin(name, number, is_path=True) for number, name in enumerate(names)]
+
+
+def parts_of_file(origin: Origin, name: str, rows: int, scratch: Path) -> list[Part]:
+    """Cut a file into parts.
+
+    Parameters
+    ----------
+    origin : Origin
+        The file, as the caller knows it.
+    name : str
+        The path to open.
+    rows : int
+        How many rows a part may have.
+    scratch : Path
+        Where to write what cannot be read by ranges.
+
+    Returns
+    -------
+    list of Part
+        In the order of the rows.
+
+    Raises
+    ------
+    InputError, FormatError, OSError
+        It cannot be read, or holds no points.
+    """
+    suffix = Path(name).suffix.lower()
+    if suffix == ".npy":
+        return _npy(origin, name, rows)
+    if suffix in (".parquet", ".pq"):
+        return [*parquet_parts(origin, name, rows)]
+    ranges = las_parts(origin, name, rows) if suffix == ".las" else None
+    if ranges is not None:
+        return [*ranges]
+    chunks = (cloud.points for cloud in read_chunks(name, rows=rows))
+    return _spooled(chunks, rows, scratch, origin)
+
+
+def in_file(points: Array, path: Path, origin: Origin) -> Part:
+    """Write x and y of points to a file.
+
+    Parameters
+    ----------
+    points : (n, 2) or (n, 3) ndarray
+        Points.
+    path : Path
+        The file.
+    origin : Origin
+        Where they are from.
+
+    Returns
+    -------
+    Part
+        Its rows.
+
+    Raises
+    ------
+    InputError
+        As for `planar`.
+    """
+    rows = planar(ArrayPart(points, origin))
+    save_array(path, rows)
+    offset = path.stat().st_size - rows.nbytes
+    return NpyPart(origin, str(path), rows.dtype.str, (len(rows), 2), False, offset, 0, len(rows))
+
+
+def in_files(parts: Sequence[Part], folder: Path) -> list[Part]:
+    """Write the parts that are in memory to files, for other processes.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Parts of a source.
+    folder : Path
+        Where to write.
+
+    Returns
+    -------
+    list of Part
+        The same rows.
+    """
+    return [
+        in_file(part.array, folder / f"points-{number:05d}.npy", part.origin)
+        if isinstance(part, ArrayPart)
+        else part
+        for number, part in enumerate(parts)
+    ]
+
+
+def _is_plain(array: np.memmap[Any, Any]) -> bool:
+    """Whether the array is its file from the offset on, and no slice of another array."""
+    if array.filename is None or array.mode == "c" or isinstance(array.base, np.memmap):
+        return False
+    return array.ndim == 2 and array.shape[1] in (2, 3) and array.flags.c_contiguous
+
+
+def _npy(origin: Origin, name: str, rows: int) -> list[Part]:
+    with Path(name).open("rb") as stream:
+        layout = Layout.read(stream, name)
+        layout.check_size(remaining(stream), name)
+        offset = stream.tell()
+    if len(layout.shape) != 2 or layout.shape[1] not in (2, 3):
+        raise FormatError(f"{name}: {layout.what}: points need the shape (n, 2) or (n, 3)")
+    return _ranges(origin, name, layout.dtype, layout.shape, layout.by_columns, offset, rows)
+
+
+def _ranges(
+    origin: Origin,
+    name: str,
+    dtype: Any,
+    shape: tuple[int, ...],
+    by_columns: bool,
+    offset: int,
+    rows: int,
+) -> list[Part]:
+    total, columns = shape
+    return [
+        NpyPart(
+            replace(origin, row=first),
+            os.path.abspath(name),  # noqa: PTH100 - links stay as they are
+            np.dtype(dtype).str,
+            (total, columns),
+            by_columns,
+            offset,
+            first,
+            min(rows, total - first),
+        )
+        for first in range(0, total, rows)
+    ]
+
+
+def _of_array(source: object, rows: int) -> list[Part]:
+    array = as_cloud(source).points if not isinstance(source, np.ndarray) else source
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise InputError(f"points need the shape (n, 2) or (n, 3), not {array.shape}")
+    begins = range(0, len(array), rows)
+    return [ArrayPart(array[i : i + rows], Origin("array", row=i)) for i in begins]
+
+
+def _spooled(chunks: Iterable[object], rows: int, scratch: Path, origin: Origin) -> list[Part]:
+    """Write x and y of chunks, which come once, to files of so many rows."""
+    found: list[Part] = []
+    for points in _regrouped(chunks, rows, origin):
+        path = scratch / f"points-{origin.number:05d}-{len(found):05d}.npy"
+        first = found[-1].origin.row + found[-1].rows if found else 0
+        found.append(in_file(points, path, replace(origin, row=first)))
+    return found
+
+
+def _regrouped(chunks: Iterable[object], rows: int, origin: Origin) -> Iterator[Floats]:
+    held: list[Floats] = []
+    for chunk in chunks:
+        array = chunk if isinstance(chunk, np.ndarray) else as_cloud(chunk).points
+        begins = range(0, len(array), MOST_ROWS)
+        held += [planar(ArrayPart(array[i : i + MOST_ROWS], origin)) for i in begins]
+        if sum(map(len, held)) >= rows:
+            whole = np.concatenate(held)
+            full = len(whole) // rows * rows
+            yield from (whole[i : i + rows] for i in range(0, full, rows))
+            held = [whole[full:].copy()]
+    if sum(map(len, held)):
+        yield np.concatenate(held)

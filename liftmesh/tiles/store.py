@@ -1,0 +1,295 @@
+"""Files of a tiled triangulation: whole or absent, the same bytes whoever writes them.
+
+The output folder holds shards of triangles and a manifest, written last; the scratch folder what
+only the run needs. A record of what a task has done names the SHA-256 of each file it wrote, and is
+written after them, so a task is either done and its files are sound, or it is done again. Each
+record is sealed with its own SHA-256 and that of the plan: a damaged one, and one of another plan,
+count as none.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Integers
+from liftmesh.errors import FormatError
+from liftmesh.io.atomic import replacing
+
+_BLOCK = 1 << 22
+
+
+def save_array(path: Path, array: Array) -> str:
+    """Write an NPY file and return the SHA-256 of its bytes.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    array : ndarray
+        Contiguous.
+
+    Returns
+    -------
+    str
+        In hexadecimal digits.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    header = io.BytesIO()
+    plain = np.ascontiguousarray(array)
+    np.lib.format.write_array_header_1_0(header, np.lib.format.header_data_from_array_1_0(plain))
+    digest = hashlib.sha256(header.getvalue())
+    values = plain.reshape(-1).view(np.uint8).data
+    with replacing(path) as stream:
+        stream.write(header.getvalue())
+        for begin in range(0, len(values), _BLOCK):
+            digest.update(values[begin : begin + _BLOCK])
+            stream.write(values[begin : begin + _BLOCK])
+        _to_disk(stream)
+    return digest.hexdigest()
+
+
+def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) -> None:
+    """Write an NPY file of int64 from blocks of rows.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    shape : (int, int)
+        Of all blocks together.
+    blocks : iterable of ndarray of int64
+        The rows.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    header = {"descr": "<i8", "fortran_order": False, "shape": shape}
+    with replacing(path) as stream:
+        np.lib.format.write_array_header_1_0(stream, header)
+        for block in blocks:
+            stream.write(np.ascontiguousarray(block, dtype="<i8").data)
+        _to_disk(stream)
+
+
+def rows_of(path: Path, begin: int, end: int) -> Integers:
+    """Read some rows of an NPY file that `save_array` has written, and nothing else.
+
+    Parameters
+    ----------
+    path : Path
+        A file of rows of int64.
+    begin, end : int
+        The first row, and the one after the last.
+
+    Returns
+    -------
+    (end - begin, k) ndarray of int64
+        The rows.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    """
+    with path.open("rb") as stream:
+        np.lib.format.read_magic(stream)
+        (_, columns), _, _ = np.lib.format.read_array_header_1_0(stream)
+        values = np.fromfile(stream, np.int64, columns * (end - begin), offset=8 * columns * begin)
+    if len(values) < columns * (end - begin):
+        raise FormatError(f"{path}: truncated: tile the source again")
+    return values.reshape(end - begin, columns)
+
+
+def save_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON file whose bytes depend on its content alone.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    content : mapping
+        Strings, numbers, lists and mappings.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    with replacing(path) as stream:
+        stream.write(json.dumps(content, indent=1, sort_keys=True).encode() + b"\n")
+        _to_disk(stream)
+
+
+def names_to_disk(folder: Path) -> None:
+    """Wait until the names of a folder's files are on the disk, as their contents are.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+
+    Raises
+    ------
+    OSError
+        The disk fails.
+    """
+    opened = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(opened)
+    finally:
+        os.close(opened)
+
+
+def load_json(path: Path) -> dict[str, Any]:
+    """Read a JSON file that holds an object.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    dict
+        Its content.
+
+    Raises
+    ------
+    FormatError
+        It is no JSON, or holds no object.
+    OSError
+        It cannot be read.
+    """
+    try:
+        content = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"{path}: not valid JSON: {error}") from error
+    if not isinstance(content, dict):
+        raise FormatError(f"{path}: an object is expected, not {type(content).__name__}")
+    return content
+
+
+def save_record(path: Path, plan: str, content: Mapping[str, Any]) -> None:
+    """Write what a task has done, after the files that it wrote.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    plan : str
+        What the work depends on, as a hash.
+    content : mapping
+        As for `save_json`.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    names_to_disk(path.parent)
+    save_json(path, {"content": content, "plan": plan, "seal": seal(plan, content)})
+
+
+def load_record(path: Path, plan: str) -> Any:
+    """Read what a task has done.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    plan : str
+        What the work depends on, as a hash.
+
+    Returns
+    -------
+    dict or None
+        The content; None if there is no record, or a damaged one, or one of another plan.
+
+    Raises
+    ------
+    OSError
+        It cannot be read.
+    """
+    try:
+        record = load_json(path)
+    except (FileNotFoundError, FormatError):
+        return None
+    content = record.get("content")
+    return content if record.get("seal") == seal(plan, content) else None
+
+
+def seal(*content: object) -> str:
+    """Return a hash of what can be written as JSON.
+
+    Parameters
+    ----------
+    *content : object
+        Strings, numbers, lists and mappings.
+
+    Returns
+    -------
+    str
+        The SHA-256 in hexadecimal digits.
+    """
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a file, or nothing if it is not there.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    str
+        In hexadecimal digits; empty for a missing file.
+    """
+    digest = hashlib.sha256()
+    try:
+        with path.open("rb") as stream:
+            while block := stream.read(_BLOCK):
+                digest.update(block)
+    except FileNotFoundError:
+        return ""
+    return digest.hexdigest()
+
+
+def is_sound(folder: Path, digests: Mapping[str, str]) -> bool:
+    """Whether all files of a folder are as they were written.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they are.
+    digests : mapping of str to str
+        The SHA-256 of each, by name.
+
+    Returns
+    -------
+    bool
+        False if one is missing or was changed.
+    """
+    return all(digest_of(folder / name) == digest for name, digest in digests.items())
+
+
+def _to_disk(stream: Any) -> None:
+    """Wait for the disk: what is named done must outlast a loss of power."""
+    stream.flush()
+    os.fsync(stream.fileno())

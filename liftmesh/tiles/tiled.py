@@ -1,0 +1,417 @@
+"""`Tiled`: the finished triangles of a tiled triangulation, where they lie on the disk."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Integers
+from liftmesh.choices import as_folder
+from liftmesh.errors import FormatError
+from liftmesh.frozen import freeze
+from liftmesh.optional import load
+from liftmesh.tiles.store import is_sound, load_json, seal
+
+if TYPE_CHECKING:
+    from liftmesh._typing import Progress
+    from liftmesh.planar.certificate import Certificate
+
+MANIFEST = "manifest.json"
+PLAN = "plan.json"
+KIND = "liftmesh tiles"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Tiled:
+    """A triangulation in shards, as returned by `tile` and `open_tiled`.
+
+    Triangles name rows of the whole source, counted through all of its files. Each is in one
+    shard; all shards together hold what `delaunay` returns for all points.
+
+    Attributes
+    ----------
+    directory : pathlib.Path
+        The folder with the shards.
+    manifest : dict
+        What the folder holds: counts, the files of the source with their first rows, the shards
+        with their SHA-256, and the SHA-256 of each chunk of the source. The files state no
+        neighbours.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import liftmesh
+    >>> points = np.random.default_rng(0).random((1000, 2))
+    >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
+    >>> len(tiled.shards) > 1, tiled.compute().shape == liftmesh.delaunay(points).simplices.shape
+    (True, True)
+    """
+
+    directory: Path
+    manifest: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Tiled: {self.nsimplex} triangles over {self.npoints} rows "
+            f"in {len(self.shards)} shards>"
+        )
+
+    @property
+    def npoints(self) -> int:
+        """The number of rows of the source."""
+        return int(self.manifest["rows"])
+
+    @property
+    def nsimplex(self) -> int:
+        """The number of triangles."""
+        return int(self.manifest["triangles"])
+
+    @property
+    def shards(self) -> tuple[Path, ...]:
+        """The files of triangles, NPY of int64: tiles first, then what crosses their borders."""
+        return tuple(self.directory / shard["file"] for shard in self.manifest["shards"])
+
+    @property
+    def duplicates(self) -> Integers:
+        """Rows at the position of a lower row, and that row: (k, 2) int64, ascending; mapped."""
+        return self._mapped("duplicates.npy")
+
+    @property
+    def skipped(self) -> Integers:
+        """Rows skipped because they are not finite: (j,) int64, ascending; mapped."""
+        return self._mapped("skipped.npy")
+
+    @property
+    def convex_hull(self) -> Integers:
+        """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
+        hull = self._mapped("hull.npy")
+        return np.stack([hull, np.roll(hull, -1)], axis=1)
+
+    def blocks(self) -> Iterator[Integers]:
+        """Yield the triangles of one shard after the other.
+
+        Yields
+        ------
+        (m, 3) ndarray of int64
+            Counter-clockwise, from the lexicographically least corner; mapped, not read.
+
+        Raises
+        ------
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> [block.tolist() for block in tiled.blocks()]
+        [[[0, 1, 2]]]
+        """
+        for path in self.shards:
+            yield self._mapped(path.name)
+
+    def compute(self) -> Integers:
+        """Read all triangles into memory: 24 bytes each.
+
+        Returns
+        -------
+        (m, 3) ndarray of int64
+            The shards in their order.
+
+        Raises
+        ------
+        OSError
+            A file cannot be read.
+        MemoryError
+            There are too many.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> tiled.compute()
+        array([[0, 1, 2]])
+        """
+        found = np.empty((self.nsimplex, 3), dtype=np.int64)
+        at = 0
+        for block in self.blocks():
+            found[at : at + len(block)] = block
+            at += len(block)
+        return found
+
+    def is_sound(self) -> bool:
+        """Whether every file still has the SHA-256 that the manifest states.
+
+        Returns
+        -------
+        bool
+            False if one was changed, truncated or removed.
+
+        Raises
+        ------
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> _ = tiled.shards[0].write_bytes(b"")
+        >>> tiled.is_sound()
+        False
+        """
+        written = {file: each["sha256"] for file, each in self._written().items()}
+        return is_sound(self.directory, written)
+
+    def verify(
+        self,
+        points: object = None,
+        *,
+        scratch: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Certificate:
+        """Verify exactly, part by part, that the shards are the triangulation of all points.
+
+        The checks are those of `liftmesh.verify`, and so is the certificate, but neither points nor
+        triangles are held at once. Also checked are the hull, the duplicates, the skipped rows and
+        the SHA-256 of every file.
+
+        Parameters
+        ----------
+        points : path, list of paths, array_like, or iterator of arrays, optional
+            The source, as for `tile`; by default the files that the manifest names.
+        scratch : str or path, optional
+            Where to make a folder for 24 bytes a row, which is removed; by default `directory`.
+        threads : int, optional
+            As for `delaunay`.
+        progress : callable, optional
+            As for `tile`.
+
+        Returns
+        -------
+        Certificate
+            True if all is right. It is ``canonical`` where the triangles are those of liftmesh.
+
+        Raises
+        ------
+        InputError
+            The source is not known, or has changed since, or an option is invalid.
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read or written.
+
+        Notes
+        -----
+        A tile takes as much memory as when it was triangulated. If nearly nothing is settled in
+        the tiles, as for points on one circle, the last part holds all points, and takes as much
+        memory as `liftmesh.verify`.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> points = np.random.default_rng(0).random((1000, 2))
+        >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
+        >>> print(tiled.verify(points))
+        valid: these 1,980 triangles are the canonical Delaunay triangulation of 1,000 rows
+        """
+        from liftmesh.tiles.verification import verified  # noqa: PLC0415 - it needs this class
+
+        return verified(self, points, scratch, threads, progress)
+
+    def _written(self) -> dict[str, Mapping[str, Any]]:
+        """Return what the manifest says of each file."""
+        shards = {shard["file"]: shard for shard in self.manifest["shards"]}
+        return {**shards, **self.manifest["files"]}
+
+    @property
+    def simplices(self) -> Any:
+        """The triangles as an array of Dask, (m, 3) int64, a chunk for each shard.
+
+        Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
+        """
+        array = load("dask.array", extra="dask")
+        counts = [shard["triangles"] for shard in self.manifest["shards"]]
+        chunks = [
+            array.from_delayed(delayed, (count, 3), np.int64)
+            for delayed, count in zip(self.to_delayed(), counts, strict=True)
+        ]
+        return array.concatenate(chunks)
+
+    def to_delayed(self) -> list[Any]:
+        """Return the shards as delayed objects of Dask, which read them.
+
+        Returns
+        -------
+        list of dask.delayed.Delayed
+            Each computes an (m, 3) ndarray of int64.
+
+        Raises
+        ------
+        MissingDependencyError
+            Dask is not installed.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> tiled.to_delayed()[0].compute()
+        array([[0, 1, 2]])
+        """
+        delayed = load("dask", extra="dask").delayed
+        return [
+            delayed(np.load)(
+                str(path), dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}"
+            )
+            for path, shard in zip(self.shards, self.manifest["shards"], strict=True)
+        ]
+
+    def to_dask_dataframe(self) -> Any:
+        """Return the triangles as a DataFrame of Dask.
+
+        Returns
+        -------
+        dask.dataframe.DataFrame
+            The columns a, b and c are the corners; a partition for each shard.
+
+        Raises
+        ------
+        MissingDependencyError
+            Dask, or its DataFrame, is not installed.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> tiled.to_dask_dataframe().compute().to_numpy().tolist()
+        [[0, 1, 2]]
+        """
+        frame = load("dask.dataframe", extra="dask")
+        return frame.from_dask_array(self.simplices, columns=["a", "b", "c"])
+
+    def _mapped(self, name: str) -> Integers:
+        return mapped(self.directory / name)
+
+
+def mapped(path: Path) -> Integers:
+    """Map a file of a folder.
+
+    Parameters
+    ----------
+    path : Path
+        An NPY file.
+
+    Returns
+    -------
+    ndarray of int64
+        Its numbers.
+
+    Raises
+    ------
+    FormatError
+        It is damaged.
+    OSError
+        It cannot be read.
+    """
+    try:
+        found: Integers = np.load(path, mmap_mode="r")
+    except (ValueError, EOFError) as error:
+        raise FormatError(f"{path}: damaged ({error}): tile the source again") from error
+    except OSError as error:
+        if error.errno == errno.ENOMEM:  # no room for the map
+            raise MemoryError from error
+        raise
+    return found
+
+
+def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
+    """Open the triangles that `tile` has written.
+
+    Parameters
+    ----------
+    directory : str or path
+        The folder.
+
+    Returns
+    -------
+    Tiled
+        The triangulation; its files are read when they are asked for.
+
+    Raises
+    ------
+    InputError
+        `directory` is no path.
+    FormatError
+        The folder holds no finished triangulation, or files of it are missing or truncated.
+    OSError
+        It cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import liftmesh
+    >>> folder = tempfile.mkdtemp()
+    >>> liftmesh.tile([[0, 0], [1, 0], [0, 1]], folder)
+    <Tiled: 1 triangles over 3 rows in 1 shards>
+    >>> open_tiled(folder).convex_hull.tolist()
+    [[0, 1], [1, 2], [2, 0]]
+    """
+    folder = Path(as_folder("directory", directory))
+    tiled = Tiled(folder, manifest_of(folder))
+    for file, each in tiled._written().items():  # noqa: SLF001 - its other half
+        path = folder / file
+        size = path.stat().st_size if path.is_file() else 0
+        if size != each["bytes"]:
+            raise FormatError(
+                f"{path}: {size:,} bytes of {each['bytes']:,}: the file is damaged: tile the "
+                "source again, into the same folder"
+            )
+    return tiled
+
+
+def manifest_of(folder: Path) -> dict[str, Any]:
+    """Read the manifest of a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+
+    Returns
+    -------
+    dict
+        What was written, unchanged: it bears a seal.
+
+    Raises
+    ------
+    FormatError
+        There is none, it is of something else, or it is damaged.
+    OSError
+        It cannot be read.
+    """
+    place = folder / MANIFEST
+    if not place.is_file():
+        raise FormatError(f"{folder}: no finished triangulation is here: {MANIFEST} is missing")
+    manifest = load_json(place)
+    if manifest.get("kind") != KIND or manifest.get("version") != VERSION:
+        raise FormatError(f"{place}: not the manifest of tiles of version {VERSION}")
+    if manifest.pop("seal", None) != seal(manifest):
+        raise FormatError(f"{place}: damaged or changed: move it, and tile the source again")
+    return manifest

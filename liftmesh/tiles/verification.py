@@ -1,0 +1,167 @@
+"""`Tiled.verify`: the points of a folder are read again, and its triangles proved part by part."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Progress
+from liftmesh.choices import as_folder, check_progress
+from liftmesh.errors import FormatError, InputError
+from liftmesh.planar.certificate import Certificate, Flaw
+from liftmesh.threads import as_threads
+from liftmesh.tiles.plan import Plan
+from liftmesh.tiles.proof import Proof
+from liftmesh.tiles.sources import Part, parts_of, planar
+from liftmesh.tiles.store import digest_of, load_json
+from liftmesh.tiles.tiled import PLAN
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.tiled import Tiled
+
+_MANY = 1 << 30  # rows: enough for any number of threads
+_READ = 0.3  # the share of the work before the first tile
+
+
+def verified(
+    tiled: Tiled,
+    points: object,
+    scratch: str | os.PathLike[str] | None,
+    threads: int | None,
+    progress: Progress | None,
+) -> Certificate:
+    """Do what `Tiled.verify` says.
+
+    Parameters
+    ----------
+    tiled : Tiled
+        A folder.
+    points, scratch, threads, progress
+        As for `Tiled.verify`.
+
+    Returns
+    -------
+    Certificate
+        What was found.
+    """
+    check_progress(progress)
+    count, _ = as_threads(threads, _MANY)
+    show = progress if progress is not None else lambda _: None
+    source = _source_of(tiled) if points is None else points
+    place = tiled.directory if scratch is None else as_folder("scratch", scratch)
+    with tempfile.TemporaryDirectory(prefix=".liftmesh-verify-", dir=place) as folder:
+        plan = _plan_of(tiled)
+        proof = Proof(tiled, plan, Path(folder), count)
+        sizes = [chunk["rows"] for chunk in tiled.manifest["chunks"]]
+        parts = parts_of(source, max(1, *sizes), Path(folder))
+        chunks = _as_first_read(_regrouped(parts, sizes), tiled.manifest["chunks"])
+        skipped, digest = proof.read(_shown(chunks, len(sizes), show))
+        for number, _ in enumerate(proof.parts(), 1):
+            show(_READ + (1 - _READ) * number / (2 * plan.tiles))
+    _check_files(tiled, proof)
+    return _certificate(tiled, proof, skipped, digest)
+
+
+def _plan_of(tiled: Tiled) -> Plan:
+    """Read where the tiles are: another plan cannot make wrong triangles right."""
+    path = tiled.directory / PLAN
+    if digest_of(path) != tiled.manifest["files"][PLAN]["sha256"]:
+        raise FormatError(f"{path}: damaged: tile the source again")
+    return Plan.from_dict(load_json(path))
+
+
+def _source_of(tiled: Tiled) -> list[str]:
+    """List the files that were tiled."""
+    entries = tiled.manifest["source"]
+    if not all("path" in each for each in entries):
+        raise InputError(f"{tiled.directory} does not name the files of its points: give them")
+    paths = [os.path.normpath(tiled.directory / each["path"]) for each in entries]
+    for path in paths:
+        if not Path(path).exists():
+            raise InputError(f"{path} is missing, whose points were tiled: say where they are")
+    return paths
+
+
+def _regrouped(parts: Iterable[Part], sizes: Sequence[int]) -> Iterator[Floats]:
+    """Yield chunks of the stated sizes, and one more if there are more rows."""
+    held = np.empty((0, 2))
+    wanted = iter(sizes)
+    size = next(wanted, None)
+    for part in parts:
+        held = np.concatenate((held, planar(part))) if len(held) else planar(part)
+        while size is not None and len(held) >= size:
+            yield np.ascontiguousarray(held[:size])
+            held, size = held[size:], next(wanted, None)
+    if len(held):
+        yield np.ascontiguousarray(held)
+
+
+def _as_first_read(
+    chunks: Iterable[Floats], stated: Sequence[Mapping[str, Any]]
+) -> Iterator[Floats]:
+    """Raise if a chunk is not what was tiled, or if there are more or fewer."""
+    number, first = 0, 0
+    for number, rows in enumerate(chunks, 1):
+        digest = hashlib.sha256(rows.data).hexdigest()
+        if number > len(stated) or digest != stated[number - 1]["sha256"]:
+            raise InputError(
+                f"rows {first:,} to {first + len(rows) - 1:,} are not the points that were tiled: "
+                "give the same source, in the same order"
+            )
+        yield rows
+        first += len(rows)
+    if number < len(stated):
+        raise InputError(f"there are {first:,} rows, fewer than were tiled: give the same source")
+
+
+def _shown(chunks: Iterable[Floats], count: int, show: Progress) -> Iterator[Floats]:
+    for number, rows in enumerate(chunks):
+        yield rows
+        show(_READ * (number + 1) / count)
+
+
+def _check_files(tiled: Tiled, proof: Proof) -> None:
+    if not tiled.is_sound():
+        proof.found.add("damaged_files", 1)
+
+
+def _certificate(tiled: Tiled, proof: Proof, skipped: int, digest: str) -> Certificate:
+    flaws = proof.found.flaws()
+    triangles = sum(len(block) for block in tiled.blocks())
+    missing = sum(flaw.count for flaw in flaws if flaw.kind == "missing_vertices")
+    edges = proof.found.interior_edges + proof.hull_edges
+    vertices = tiled.npoints - skipped - proof.duplicates - missing
+    if vertices - edges + triangles != 1:
+        text = f"vertices - edges + triangles is {vertices - edges + triangles}, not 1"
+        flaws = (Flaw("euler", 1, text), *flaws)
+    return Certificate(
+        rows=tiled.npoints,
+        skipped=skipped,
+        vertices=vertices,
+        duplicates=proof.duplicates,
+        merged=0,
+        triangles=triangles,
+        edges=edges,
+        hull_edges=proof.hull_edges,
+        flaws=flaws,
+        points_sha256=digest,
+        simplices_sha256=_sha256(tiled),
+        version=_kernel.VERSION,
+    )
+
+
+def _sha256(tiled: Tiled) -> str:
+    """Hash the triangles as `verify` would, from one shard after the other."""
+    kind = "<i4" if tiled.npoints < 1 << 31 else "<i8"
+    digest = hashlib.sha256()
+    for block in tiled.blocks():
+        for begin in range(0, len(block), 1 << 20):
+            digest.update(np.ascontiguousarray(block[begin : begin + (1 << 20)], dtype=kind).data)
+    return digest.hexdigest()

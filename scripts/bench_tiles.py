@@ -1,0 +1,242 @@
+"""Triangulate a file in tiles, and compare with one call and with tiles that have buffers.
+
+    python scripts/bench_tiles.py                    ten million uniform points
+    python scripts/bench_tiles.py --n 1000000 --tile-rows 150000 --distributions uniform circle
+    python scripts/bench_tiles.py --workers 1 2      and on as many workers of Dask
+
+Each way reads the same NPY file and writes its triangles with 64-bit rows, in a process of its own:
+one call of `delaunay`, `tile`, and `liftmesh.dask.delaunay` on clusters of processes. Shown are the
+seconds of all processors and of the clock, the peak memory of the largest process, the bytes that
+tiles hand on for each point, and whether the triangles are those of one call, by a hash of 192 bits
+that does not depend on their order.
+
+Tiles with buffers are what PDAL and LAStools make: each tile of a square grid is triangulated with
+the points of a margin around it, and keeps the triangles whose centroid it holds. Shown is how many
+triangles are missing in the union, and how many it has that are not Delaunay, for margins in times
+of the mean distance between points.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from dataclasses import dataclass
+from math import isqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from benchmark.contest import SEED
+from distributions import DISTRIBUTIONS, Points
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+import liftmesh
+
+BLOCK = 1 << 20
+MARGINS = (2, 5, 10)
+MIXERS = (1, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What a way takes, and the hash of its triangles."""
+
+    processors: float
+    clock: float
+    memory: int
+    moved: int
+    triangles: int
+    mark: str
+
+
+def main() -> None:
+    """Print a table for each distribution."""
+    options = read_options()
+    console = Console() if os.isatty(1) else Console(width=110)
+    for distribution in options.distributions:
+        with TemporaryDirectory(dir=options.folder) as folder:
+            points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
+            np.save(Path(folder) / "points.npy", points)
+            console.print(table_of(distribution, len(points), Path(folder), options))
+            if options.margins:
+                console.print(table_of_margins(points, options.tile_rows))
+
+
+def read_options() -> Namespace:
+    """Parse the command line."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("--n", type=int, default=10_000_000, metavar="ROWS")
+    add("--tile-rows", type=int, default=1_500_000, metavar="ROWS")
+    add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=("uniform",), metavar="D")
+    add("--workers", nargs="*", type=int, default=(), metavar="N", help="clusters of processes")
+    add("--margins", action="store_true", help="tiles with buffers, too")
+    add("--folder", metavar="FOLDER", help="where files are written")
+    return parser.parse_args()
+
+
+def table_of(distribution: str, rows: int, folder: Path, options: Namespace) -> Table:
+    """Run all ways on a distribution."""
+    title = f"{distribution}, {rows:,} rows, load {os.getloadavg()[0]:.1f}"
+    table = Table("way", title=title, title_justify="left")
+    for column in ("processors s", "clock s", "peak MB", "bytes moved a point", "triangles"):
+        table.add_column(column, justify="right")
+    ways = ["one call", "tile", *(f"dask {count}" for count in options.workers)]
+    first = None
+    for way in ways:
+        found = run(way, folder, options.tile_rows)
+        first = first or found
+        equal = "equal" if found.mark == first.mark else "DIFFERENT"
+        table.add_row(way, *cells(found, rows), equal if way != "one call" else "")
+    return table
+
+
+def cells(found: Taken, rows: int) -> list[str]:
+    """Format the figures of a way."""
+    return [
+        f"{found.processors:.2f}",
+        f"{found.clock:.1f}",
+        f"{found.memory / 1e6:.0f}",
+        f"{found.moved / rows:.2f}",
+    ]
+
+
+def run(way: str, folder: Path, tile_rows: int) -> Taken:
+    """Take a way in a fresh process."""
+    command = [sys.executable, __file__, "take", way, str(folder), str(tile_rows)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    return Taken(**json.loads(done.stdout))
+
+
+def take(way: str, folder: Path, tile_rows: int) -> Taken:
+    """Take a way in this process."""
+    source, out = folder / "points.npy", folder / "out"
+    begin, before = perf_counter(), spent()
+    memory = moved = 0
+    if way == "one call":
+        simplices = liftmesh.delaunay(np.load(source), threads=1).simplices.astype(np.int64)
+        np.save(folder / "one.npy", simplices)
+    elif way == "tile":
+        liftmesh.tile(source, out, tile_rows=tile_rows, threads=1, resume=False)
+    else:
+        memory = by_dask(int(way.split()[1]), source, out, tile_rows)
+    taken = spent() - before, perf_counter() - begin, memory or peak()
+    if way == "one call":
+        blocks: Any = [turned(simplices, np.load(source))]
+    else:
+        tiled = liftmesh.open_tiled(out)
+        moved, blocks = tiled.manifest["merges"]["bytes_up"], tiled.blocks()
+    marks = [(len(block), mark_of(block)) for block in blocks]
+    mark = sum((each for _, each in marks), np.zeros(len(MIXERS), np.uint64))
+    return Taken(
+        *taken, moved, sum(count for count, _ in marks), "".join(f"{m:016x}" for m in mark)
+    )
+
+
+def by_dask(workers: int, source: Path, out: Path, tile_rows: int) -> int:
+    """Triangulate on a cluster; return the most memory that a worker took."""
+    from dask import distributed  # noqa: PLC0415 - slow to import
+
+    import liftmesh.dask  # noqa: PLC0415 - with it
+
+    options = {"threads_per_worker": 1, "dashboard_address": ":0"}
+    with (
+        distributed.LocalCluster(n_workers=workers, **options) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        options = {"tile_rows": tile_rows, "resume": False}
+        liftmesh.dask.delaunay(source, out, client=client, **options)
+        return max(client.run(peak).values())
+
+
+def spent() -> float:
+    """Return the seconds of processors of this process and of those that it waited for."""
+    both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(each.ru_utime + each.ru_stime for each in both)
+
+
+def peak() -> int:
+    """Return the most memory that this process took, in bytes."""
+    with Path("/proc/self/status").open() as lines:
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM"))
+
+
+def turned(simplices: NDArray[np.int64], points: Points) -> NDArray[np.int64]:
+    """Let triangles begin at their lexicographically least corner."""
+    out = np.empty_like(simplices)
+    for begin in range(0, len(simplices), BLOCK):
+        rows = simplices[begin : begin + BLOCK]
+        x, y = points[rows, 0], points[rows, 1]
+        least = np.where(x == x.min(axis=1, keepdims=True), y, np.inf).argmin(axis=1)
+        turn = (least[:, None] + np.arange(3)) % 3
+        out[begin : begin + BLOCK] = np.take_along_axis(rows, turn, axis=1)
+    return out
+
+
+def mark_of(triangles: NDArray[np.int64]) -> NDArray[np.uint64]:
+    """Hash triangles to three sums, which do not depend on their order."""
+    sums = np.zeros(len(MIXERS), np.uint64)
+    for begin in range(0, len(triangles), BLOCK):
+        words = np.array(triangles[begin : begin + BLOCK]).view(np.uint64)
+        mixed = np.zeros(len(words), np.uint64)
+        for column in words.T:
+            mixed = (mixed ^ column) * np.uint64(0x9E3779B97F4A7C15)
+            mixed ^= mixed >> np.uint64(29)
+        for i, factor in enumerate(MIXERS):
+            each = mixed * np.uint64(factor)
+            each ^= each >> np.uint64(31)
+            sums[i : i + 1] += (each * (each | np.uint64(1))).sum(dtype=np.uint64)
+    return sums
+
+
+def table_of_margins(points: Points, tile_rows: int) -> Table:
+    """Triangulate with buffers of several widths."""
+    table = Table("margin", title="tiles with buffers", title_justify="left")
+    for column in ("triangles", "missing", "not Delaunay"):
+        table.add_column(column, justify="right")
+    exact = {*map(tuple, turned_rows(points, np.arange(len(points))).tolist())}
+    for margin in MARGINS:
+        union = with_margin(points, tile_rows, margin)
+        row = (len(union), len(exact - union), len(union - exact))
+        table.add_row(f"{margin} distances", *(f"{count:,}" for count in row))
+    return table
+
+
+def with_margin(points: Points, tile_rows: int, margin: float) -> set[tuple[int, ...]]:
+    """Unite the triangles of the tiles of a grid."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    side = max(1, isqrt(len(points) // tile_rows))
+    step = (high - low) / side
+    width = margin * float(np.sqrt(np.prod(high - low) / len(points)))
+    found: set[tuple[int, ...]] = set()
+    for cell in np.ndindex(side, side):
+        begin = low + cell * step
+        near = ((points >= begin - width) & (points <= begin + step + width)).all(axis=1)
+        rows = np.flatnonzero(near)
+        if len(rows) < 3:
+            continue
+        triangles = turned_rows(points, rows)
+        which = np.clip((points[triangles].mean(axis=1) - low) // step, 0, side - 1)
+        found |= {*map(tuple, triangles[(which == cell).all(axis=1)].tolist())}
+    return found
+
+
+def turned_rows(points: Points, rows: NDArray[np.intp]) -> NDArray[np.int64]:
+    """Triangulate some rows; triangles begin at their least corner."""
+    simplices = liftmesh.delaunay(points[rows]).simplices
+    return turned(rows[simplices].astype(np.int64), points)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["take"]:
+        print(json.dumps(vars(take(sys.argv[2], Path(sys.argv[3]), int(sys.argv[4])))))
+    else:
+        main()

@@ -1,0 +1,88 @@
+"""``liftmesh tile``: a folder of triangles, what it says, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import liftmesh as command, on_terminal
+
+import liftmesh
+
+POINTS = np.random.default_rng(4).integers(0, 80, (3_000, 2)).astype(np.float64)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    np.save(tmp_path / "a.npy", POINTS[:1_000])
+    np.save(tmp_path / "b.npy", POINTS[1_000:])
+    return tmp_path
+
+
+def test_several_files_become_one_folder(folder: Path) -> None:
+    done = command("tile", "a.npy", "b.npy", "out", "--tile-rows", 500, cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    found = liftmesh.open_tiled(folder / "out")
+    assert f"triangles   {found.nsimplex:,}\n" in done.stdout
+    assert f"shards      {len(found.shards)} in {folder / 'out'}\n" in done.stdout
+    expected = liftmesh.tile([folder / "a.npy", folder / "b.npy"], folder / "b", tile_rows=500)
+    assert found.manifest == expected.manifest
+    assert found.nsimplex == liftmesh.delaunay(POINTS).nsimplex
+
+
+def test_counts_as_json(folder: Path) -> None:
+    options = ("--memory", "1GB", "--scratch", folder / "scratch", "--threads", 1, "--json")
+    done = command("tile", "a.npy", "b.npy", "out", *options, cwd=folder)
+    told = json.loads(done.stdout)
+    expected = liftmesh.delaunay(POINTS)
+    assert told["folder"] == str(folder / "out")
+    assert (told["rows"], told["triangles"]) == (3_000, expected.nsimplex)
+    assert told["duplicates"] == len(expected.duplicates)
+    assert told["merges"]["tiles"] == 1
+    assert liftmesh.open_tiled(folder / "out").manifest["tile_rows"] == 2_500_000
+    assert list((folder / "scratch").iterdir()) == []
+
+
+def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
+    words = ("tile", "a.npy", "out", "--tile-rows", 500)
+    assert command(*words, cwd=folder).returncode == 0
+    before = (folder / "out" / "hull.npy").stat().st_mtime_ns
+    assert command(*words, cwd=folder).returncode == 0
+    assert (folder / "out" / "hull.npy").stat().st_mtime_ns == before
+    np.save(folder / "a.npy", POINTS[:900])
+    done = command(*words, cwd=folder)
+    assert done.returncode == 3
+    assert "holds the triangles of other points" in done.stderr
+    assert command(*words, "--anew", cwd=folder).returncode == 0
+    assert liftmesh.open_tiled(folder / "out").npoints == 900
+
+
+def test_progress_on_a_terminal(folder: Path) -> None:
+    shown, code = on_terminal("tile", "a.npy", "out", "--tile-rows", "500", cwd=folder)
+    assert code == 0
+    assert "left:" in shown
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (["a.npy", "out", "--memory", "much"], 2, "--memory 'much' is not a size"),
+        (["a.npy", "out", "--tile-rows", "3"], 2, "--tile-rows"),
+        (["a.npy", "out", "--workers", "0"], 2, "--workers"),
+        (["a.npy", "out", "--memory", "1G", "--tile-rows", "99"], 2, "exclude each other"),
+        (["a.npy", "out", "--workers", "2", "--scheduler", "tcp://x:1"], 2, "exclude each other"),
+        (["a.npy", "out", "--workers", "2", "--threads", "2"], 2, "exclude each other"),
+        (["a.npy", "out", "--memory", "1MB"], 3, "1 MB of memory do not hold a process"),
+        (["a.npy", "out", "--workers", "1", "--memory", "50M"], 3, "50 MB of memory do not hold"),
+        (["missing.npy", "out"], 3, "missing.npy"),
+        (["a.npy", "b.npy"], 3, "b.npy"),
+        (["-", "out"], 3, "-"),
+    ],
+)
+def test_what_is_refused(words: list[str], code: int, said: str, folder: Path) -> None:
+    done = command("tile", *words, cwd=folder)
+    assert (done.returncode, done.stdout) == (code, "")
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) <= 3

@@ -1,0 +1,269 @@
+"""Tiles on the workers of Dask: the bytes of one process, whoever dies on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import dask.array
+import dask.dataframe
+import numpy as np
+import pandas as pd
+import pytest
+from dask.distributed import Client, LocalCluster
+
+import liftmesh
+import liftmesh.dask
+from liftmesh.errors import InputError, MissingDependencyError, NonFiniteError
+
+POINTS = np.random.default_rng(8).random((24_000, 2))
+TILE_ROWS = 2_000
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalCluster]:
+    with LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        memory_limit="400MB",
+        dashboard_address=":0",
+        local_directory=str(tmp_path_factory.mktemp("workers")),
+    ) as made:
+        yield made
+
+
+@pytest.fixture
+def client(cluster: LocalCluster) -> Iterator[Client]:
+    with Client(cluster) as made:
+        made.wait_for_workers(2)
+        yield made
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("source") / "points.npy"
+    np.save(path, POINTS)
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def expected(source: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    out = tmp_path_factory.mktemp("expected")
+    liftmesh.tile(source, out, tile_rows=TILE_ROWS)
+    return contents(out)
+
+
+def test_the_bytes_are_those_of_one_process(
+    client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    shown: list[float] = []
+    options: dict[str, Any] = {"tile_rows": TILE_ROWS, "progress": shown.append}
+    found = liftmesh.dask.delaunay(source, tmp_path, client=client, **options)
+    assert contents(tmp_path) == expected
+    assert shown == sorted(shown)
+    assert shown[-1] == 1.0
+    assert found.simplices.max().compute() == len(POINTS) - 1  # by the same workers
+    again = liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS)  # the current client
+    assert again.manifest == found.manifest
+
+
+def test_objects_of_dask_and_of_memory(
+    client: Client, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    frame = pd.DataFrame({"z": 0.0, "x": POINTS[:, 0], "y": POINTS[:, 1]})
+    array = dask.array.from_array(np.column_stack((POINTS, POINTS))[:, :3], chunks=(7_000, 1))
+    sources = {
+        "memory": POINTS,
+        "array": array,
+        "frame": dask.dataframe.from_pandas(frame, npartitions=3),
+        "unknown lengths": dask.dataframe.from_pandas(frame, npartitions=3).to_dask_array()[:, 1:],
+    }
+    for name, each in sources.items():
+        out = tmp_path / name
+        liftmesh.dask.delaunay(each, out, tile_rows=TILE_ROWS * 6, client=client)
+        triangles = np.sort(liftmesh.open_tiled(out).compute().view("i8,i8,i8").ravel())
+        if name == "memory":
+            first = triangles
+        assert np.array_equal(triangles, first), name
+    one = liftmesh.delaunay(POINTS, order="canonical").simplices.astype(np.int64)
+    assert np.array_equal(np.sort(one.view("i8,i8,i8").ravel()), first)
+    assert expected
+
+
+def test_workers_decode_files(
+    client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also by names that only lead to them from the folder of the client."""
+    monkeypatch.chdir(tmp_path)
+    names = ["b.laz", "a.xyz", "c.las"]
+    for name, rows in zip(names, np.split(POINTS[:3_000], 3), strict=True):
+        liftmesh.write(name, np.column_stack((rows.round(3), rows[:, 0])))
+    alone = liftmesh.tile(names, tmp_path / "alone", tile_rows=700)
+    monkeypatch.setattr("liftmesh.tiles.sources.read_chunks", None)  # here, not in the workers
+    found = liftmesh.dask.delaunay(names, tmp_path / "out", tile_rows=700, client=client)
+    assert contents(tmp_path / "out") == contents(tmp_path / "alone")
+    assert found.manifest == alone.manifest
+    with pytest.raises(FileNotFoundError, match=r"d\.laz"):
+        liftmesh.dask.delaunay("d.laz", tmp_path / "d", client=client)
+
+
+def wait_for(folder: Path, files: int) -> None:
+    deadline = time.monotonic() + 60
+    while (
+        len(list(folder.glob(".liftmesh-tiles/*-records.npy"))) < files
+        and time.monotonic() < deadline
+    ):
+        time.sleep(0.002)
+
+
+def test_a_worker_is_killed_in_the_middle(
+    client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    killed: list[int] = []
+
+    def kill_one() -> None:
+        wait_for(tmp_path, 4)
+        victim = next(iter(before.values()))
+        os.kill(victim, signal.SIGKILL)
+        killed.append(victim)
+
+    before = client.run(os.getpid)
+    thread = threading.Thread(target=kill_one)
+    thread.start()
+    liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS, client=client)
+    thread.join()
+    assert contents(tmp_path) == expected
+    client.wait_for_workers(2)
+    assert killed[0] not in client.run(os.getpid).values()
+
+
+PROGRAM = """
+import sys
+from dask.distributed import Client
+import liftmesh.dask
+with Client(sys.argv[1]) as client:
+    liftmesh.dask.delaunay(sys.argv[2], sys.argv[3], tile_rows=2000, client=client)
+"""
+
+
+def test_a_client_dies_and_comes_back(
+    client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    address = client.scheduler.address
+    child = subprocess.Popen([sys.executable, "-c", PROGRAM, address, str(source), str(tmp_path)])
+    wait_for(tmp_path, 6)
+    child.kill()
+    child.wait()
+    assert not (tmp_path / "manifest.json").exists()
+    done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.npy")}
+    assert done
+    liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS, client=client)
+    assert contents(tmp_path) == expected
+    assert {path: path.stat().st_mtime_ns for path in done} == done
+
+
+def test_errors_of_workers_are_those_of_one_process(client: Client, tmp_path: Path) -> None:
+    points = POINTS.copy()
+    points[21_234, 1] = np.nan
+    with pytest.raises(NonFiniteError, match="row 21234 is not finite") as caught:
+        liftmesh.dask.delaunay(points, tmp_path, tile_rows=TILE_ROWS, client=client)
+    assert caught.value.row == 21_234
+    with pytest.raises(InputError, match=r"points need the shape \(n, 2\) or \(n, 3\)"):
+        liftmesh.dask.delaunay(dask.array.zeros((8, 4)), tmp_path / "a", client=client)
+    with pytest.raises(InputError, match=r"client is a str: give a dask.distributed.Client"):
+        liftmesh.dask.delaunay(points, tmp_path / "b", client="tcp://localhost:8786")
+
+
+def test_the_first_error_ends_the_run_and_is_not_tried_again(
+    client: Client, tmp_path: Path
+) -> None:
+    def task(number: int) -> None:
+        with (tmp_path / str(number)).open("a") as stream:
+            stream.write("x")
+        time.sleep(0.03)
+        if number == 0:
+            raise InputError("no point")
+        if number == 1:
+            raise OSError("no disk")
+
+    workers = liftmesh.dask._Workers(client, None)
+    with pytest.raises(InputError, match="no point"):
+        workers.each("scan", task, [(number,) for number in (0, *range(2, 60))])
+    assert (tmp_path / "0").read_text() == "x"
+    assert len(list(tmp_path.iterdir())) < 30
+    workers = liftmesh.dask._Workers(client, None)
+    with pytest.raises(OSError, match="no disk"):
+        workers.each("scan", task, [(1,)])
+    assert (tmp_path / "1").read_text() == "xxx"
+
+
+def test_a_stage_can_be_repeated(client: Client) -> None:
+    workers = liftmesh.dask._Workers(client, None)
+    for times in (1, 2):
+        assert workers.each("partition", lambda n, by: n * by, [(3, times), (5, times)]) == [
+            3 * times,
+            5 * times,
+        ]
+
+
+def test_columns_of_dask_are_not_rounded(client: Client, tmp_path: Path) -> None:
+    frame = pd.DataFrame({"X": [2**53 + 1, 0, 5], "Y": [0.0, 1.0, 2.5]})
+    with pytest.raises(InputError, match="9007199254740993"):
+        liftmesh.dask.delaunay(dask.dataframe.from_pandas(frame), tmp_path / "a", client=client)
+    frame["X"] -= 1
+    found = liftmesh.dask.delaunay(
+        dask.dataframe.from_pandas(frame), tmp_path / "b", client=client, tile_rows=16
+    )
+    assert found.nsimplex == 1
+
+
+def test_blocks_of_dask_are_not_held(client: Client, tmp_path: Path) -> None:
+    """Of 32 blocks of 1.6 MB, a worker holds those at which it is, and one more at times."""
+
+    def tell(block: np.ndarray) -> np.ndarray:
+        from dask.distributed import get_worker
+
+        with (tmp_path / "held").open("a") as stream:
+            stream.write(f"{get_worker().data.fast.total_weight}\n")
+        return block
+
+    array = dask.array.random.default_rng(1).random((3_200_000, 2), chunks=(100_000, 2))
+    workers = liftmesh.dask._Workers(client, None)
+    parts = workers.parts(array.map_blocks(tell, meta=np.empty((0, 2))), 100_000, tmp_path)
+    assert [part.rows for part in parts] == [100_000] * 32
+    held = [int(float(line)) for line in (tmp_path / "held").read_text().split()]
+    assert max(held) < 8_000_000
+
+
+def test_tiles_fit_the_memory_of_a_worker(client: Client, tmp_path: Path) -> None:
+    found = liftmesh.dask.delaunay(POINTS, tmp_path, client=client)
+    assert found.manifest["tile_rows"] == 700_000
+
+
+def test_without_a_client_there_is_a_cluster_for_the_call(
+    source: Path, expected: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its workers are threads here, which start faster."""
+    monkeypatch.setattr("dask.distributed.LocalCluster", partial(LocalCluster, processes=False))
+    liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS)
+    assert contents(tmp_path) == expected
+
+
+def test_without_dask_the_message_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "dask.distributed", None)
+    with pytest.raises(MissingDependencyError, match=r"pip install 'liftmesh\[dask\]'"):
+        liftmesh.dask.delaunay(POINTS, tmp_path)

@@ -1,0 +1,215 @@
+"""Merges of frontiers: the union of all tiles is the triangulation that one call returns."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from distributions import DISTRIBUTIONS
+from hypothesis import given, settings, strategies as st
+from strategies import ANY_MAGNITUDE, clouds
+from tilings import Points, ordered, tiled
+
+import liftmesh
+from liftmesh import _kernel
+from liftmesh.errors import DegenerateInputError
+from liftmesh.tiles.node import Frontier, merge
+from liftmesh.tiles.plan import Plan, planned
+
+INFINITE = (-np.inf, -np.inf, np.inf, np.inf)
+NOWHERE = np.empty((0, 4))
+
+
+def check(points: Points, tiles: int, sample: Points | None = None, **options: object) -> None:
+    plan = planned(points if sample is None else sample, tiles)
+    found = tiled(points, plan, **options)
+    try:
+        expected = liftmesh.delaunay(points, nonfinite="skip", order="canonical")
+    except DegenerateInputError:
+        assert found.root.is_flat
+        assert len(found.triangles) == 0
+        return
+    assert np.array_equal(ordered(found.triangles), ordered(expected.simplices))
+    assert np.array_equal(found.duplicates, expected.duplicates)
+    assert np.array_equal(found.skipped, expected.skipped)
+    assert np.array_equal(found.root.hull, expected.convex_hull[:, 0])
+    assert len(found.root.frontier) == 0
+
+
+@pytest.mark.parametrize("name", DISTRIBUTIONS)
+def test_every_distribution_is_that_of_one_call(name: str) -> None:
+    rng = np.random.default_rng(22)
+    points = DISTRIBUTIONS[name](20_000, rng)
+    points[rng.integers(0, len(points), 200)] = points[rng.integers(0, len(points), 200)]
+    for tiles in (2, 41):
+        check(points, tiles, points[:: max(1, len(points) // (200 * tiles))], chunk=7_001)
+
+
+@settings(max_examples=100, deadline=None)
+@given(rows=clouds(), seed=st.integers(0, 1 << 30), tiles=st.integers(1, 9))
+def test_small_clouds_through_random_trees(rows: Points, seed: int, tiles: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = np.array(rows, dtype=np.float64).reshape(-1, 2)
+    if len(points) == 0:
+        return
+    sample = points[rng.integers(0, len(points), 1 + int(rng.integers(0, len(points))))]
+    chunk = 1 + int(rng.integers(0, len(points)))
+    flat = rng.random(tiles) < 0.4
+    check(points, tiles, sample, chunk=chunk, flatten=lambda cut: bool(flat[cut]))
+
+
+def small_sets(rng: np.random.Generator) -> Points:
+    """Sets with many ties, so that every triangulation but the canonical one would be wrong."""
+    n = int(rng.integers(3, 40))
+    ring = [(x, y) for x in range(-25, 26) for y in range(-25, 26) if x * x + y * y == 325]
+    kinds = (
+        rng.integers(0, 5, (n, 2)),
+        np.array(ring)[rng.integers(0, len(ring), n)],
+        np.column_stack((rng.integers(0, 2, n), rng.integers(0, 30, n))),
+        np.repeat(rng.integers(0, 6, (1 + n // 4, 2)), 4, axis=0),
+        np.column_stack((np.arange(n), np.zeros(n))),
+    )
+    return kinds[int(rng.integers(len(kinds)))] * float(rng.choice([1.0, 5e-324, 2.0**1018]))
+
+
+def test_sets_of_ties_agree_with_exact_integers() -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(80):
+        points = small_sets(rng)
+        found = tiled(points, planned(points, int(rng.integers(2, 9))))
+        exact = oracle.exact(points)
+        named = {
+            oracle.counter_clockwise(*(exact[row] for row in triangle))
+            for triangle in found.triangles.tolist()
+        }
+        assert named == oracle.delaunay(exact)
+        assert len(named) == len(found.triangles)
+
+
+def test_rows_that_are_not_finite_are_left_out_by_their_number() -> None:
+    points = np.random.default_rng(1).random((500, 2))
+    points[[3, 77, 499], [0, 1, 0]] = np.nan, np.inf, -np.inf
+    check(points, 5, points[np.isfinite(points).all(axis=1)], chunk=100)
+
+
+def test_equal_points_share_a_tile_however_many() -> None:
+    points = np.concatenate((np.full((5_000, 2), 0.5), np.random.default_rng(1).random((500, 2))))
+    plan = planned(points, 8)
+    _, begins, _, _ = plan.partition(points, 0)
+    assert max(np.diff(begins)) >= 5_000
+    check(points, 8, chunk=999)
+    assert planned(np.full((9, 2), 0.5), 8).tiles == 1
+
+
+def test_little_goes_up() -> None:
+    """A uniform tile of m points passes about 5 sqrt(m), and a merge far less than it was given."""
+    points = np.random.default_rng(3).random((160_000, 2))
+    found = tiled(points, planned(points[::20], 16))
+    leaves = [name for name in found.points_up if name < 0]
+    assert sum(found.points_up[name] for name in leaves) < 16 * 8 * 100
+    assert found.points_in[0] < 2_000
+
+
+def test_frontiers_that_do_not_fit_are_refused() -> None:
+    points = np.random.default_rng(3).random((400, 2))
+    plan = planned(points, 2)
+    records, begins, boxes, _ = plan.partition(points, 0)
+    left = merge(Frontier(records[: begins[1]]), plan.cells[~0], boxes[1:], is_root=False)
+    shuffled = Frontier(left.frontier.records[::-1].copy(), left.frontier.rim)
+    with pytest.raises(RuntimeError, match="do not fit together"):
+        merge(shuffled, INFINITE, NOWHERE, is_root=True)
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_threads_change_nothing(threads: int) -> None:
+    points = np.random.default_rng(3).random((60_000, 2))
+    plan = planned(points[::20], 2)
+    records, begins, boxes, _ = plan.partition(points, 0)
+    part = Frontier(records[: begins[1]])
+    one = merge(part, plan.cells[~0], boxes[1:], is_root=False)
+    many = merge(part, plan.cells[~0], boxes[1:], is_root=False, threads=threads)
+    assert np.array_equal(one.triangles, many.triangles)
+    assert np.array_equal(one.frontier.records, many.frontier.records)
+    assert np.array_equal(one.frontier.rim, many.frontier.rim)
+
+
+def is_settled(corners: Points, cell: tuple[float, ...], foreign: Points) -> bool:
+    records = np.zeros((3, 3), dtype=np.int64)
+    records[:, 1:] = corners.view(np.int64)
+    empty = np.empty((0, 2), dtype=np.int32)
+    return len(_kernel.merge_frontiers(
+        records, empty, np.array([cell]), foreign, False, 1, False, None
+    )[2]) == 1  # fmt: skip
+
+
+def exact_side(corners: Points, query: Points) -> int:
+    """Return 1 inside the circle, 0 on it, -1 outside: in Python's integers."""
+    *abc, d = oracle.exact(np.concatenate((corners, [query])))
+    rows = [(x - d[0], y - d[1]) for x, y in abc]
+    (ax, ay), (bx, by), (cx, cy) = rows
+    lifts = [x * x + y * y for x, y in rows]
+    det = (
+        lifts[0] * (bx * cy - cx * by)
+        - lifts[1] * (ax * cy - cx * ay)
+        + lifts[2] * (ax * by - bx * ay)
+    )
+    turn = oracle.cross(*abc)
+    return int(np.sign(det)) * (1 if turn > 0 else -1)
+
+
+SCALES = st.integers(-1074, 1022)
+NUDGES = st.integers(-1, 3)
+
+
+@settings(max_examples=250, deadline=None)
+@given(data=st.data())
+def test_no_triangle_is_settled_whose_circle_holds_or_touches_a_point(data: st.DataObject) -> None:
+    """Points on or near a circle, at any scale; or of any magnitude whatever."""
+    if data.draw(st.booleans()):
+        ring = np.array([(5, 0), (3, 4), (0, 5), (-4, 3), (-3, -4), (0, -5), (4, -3)], float)
+        four = ring[data.draw(st.permutations(range(7)))[:4]]
+        four = np.ldexp(four + data.draw(st.integers(-8, 8)), data.draw(SCALES) // 2 * 2 - 3)
+        four[3] *= 1 + data.draw(NUDGES) * 2.0 ** -data.draw(st.integers(30, 52))
+    else:
+        four = np.array(
+            data.draw(st.lists(st.tuples(ANY_MAGNITUDE, ANY_MAGNITUDE), min_size=4, max_size=4))
+        )
+    corners, query = four[:3], four[3]
+    if not np.isfinite(four).all() or oracle.cross(*oracle.exact(corners)) == 0:
+        return
+    if is_settled(corners, (0.0, 0.0, 0.0, 0.0), np.array([[*query, *query]])):
+        assert exact_side(corners, query) < 0
+
+
+@pytest.mark.parametrize("power", [-1040, -600, -150, 0, 150, 300, 1000])
+def test_triangles_far_from_all_others_are_settled_at_every_scale(power: int) -> None:
+    corners = np.ldexp(np.array([(5.0, 0.0), (-4.0, 3.0), (0.0, -5.0)]), power)
+    box = np.ldexp(np.array([[-5.01, -5.01, 5.01, 5.01]]), power)
+    touching = np.ldexp(np.array([[-5.0, -5.0, 5.0, 5.0]]), power)
+    beside = np.ldexp(np.array([[5.01, 0.0, 9.0, 1.0], [-9.0, -3.7, -3.7, -3.6]]), power)
+    at_five = np.ldexp(np.array([[3.0, 4.0, 9.0, 5.0]]), power)
+    assert is_settled(corners, tuple(box[0]), touching)
+    assert not is_settled(corners, tuple(touching[0]), touching)
+    assert is_settled(corners, tuple(touching[0]), beside)
+    assert not is_settled(corners, tuple(touching[0]), at_five)
+
+
+def tiles_of(plan: Plan, nodes: list[int]) -> list[int]:
+    """List the tiles below some nodes."""
+    found = [~node for node in nodes if node < 0]
+    below = [child for node in nodes if node >= 0 for child in plan.children[node].tolist()]
+    return [*found, *tiles_of(plan, below)] if below else found
+
+
+def test_the_boxes_around_a_node_hold_all_other_points() -> None:
+    points = np.random.default_rng(5).random((3_000, 2))
+    plan = planned(points, 300)
+    _, begins, tight, _ = plan.partition(points, 0)
+    boxes = plan.around(tight)
+    assert np.array_equal(boxes[0], [*points.min(axis=0), *points.max(axis=0)])
+    for name in (~0, ~299, 1, 17, *range(0, 299, 50)):
+        others = plan.others(name)
+        assert sorted([*tiles_of(plan, others), *tiles_of(plan, [name])]) == list(range(300))
+        assert len(others) <= 32 * 10
+    assert len(plan.others(~0)) < 299
+    assert begins[-1] == 3_000

@@ -1,0 +1,111 @@
+"""Points triangulated tile by tile, through any tree of merges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh.tiles.node import Frontier, Merged, joined, merge
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
+
+Points = NDArray[np.float64]
+
+
+@dataclass
+class Tiling:
+    """What all nodes decided, and how much went up from each."""
+
+    triangles: NDArray[np.int64]
+    duplicates: NDArray[np.int64]
+    skipped: NDArray[np.int64]
+    root: Merged
+    points_in: dict[int, int]
+    points_up: dict[int, int]
+
+
+class Tree:
+    """Merges the tiles of a plan; `flatten` says which cuts leave all to their parent."""
+
+    def __init__(self, points: Points, plan: Plan, chunk: int) -> None:
+        chunks = [points[i : i + chunk].copy() for i in range(0, max(1, len(points)), chunk)]
+        parts = [plan.partition(rows, i * chunk) for i, rows in enumerate(chunks)]
+        boxes = np.stack([part[2] for part in parts])
+        self.plan = plan
+        tight = np.concatenate((boxes[:, :, :2].min(0), boxes[:, :, 2:].max(0)), axis=1)
+        self.boxes = plan.around(tight)
+        self.skipped = np.concatenate([part[3] for part in parts])
+        self.leaves = [
+            np.concatenate([records[begin[t] : begin[t + 1]] for records, begin, _, _ in parts])
+            for t in range(plan.tiles)
+        ]
+
+    def merged(self, flatten: Callable[[int], bool] = lambda _: False) -> Tiling:
+        """Work through the tree from its leaves."""
+        root = 0 if self.plan.tiles > 1 else ~0
+        done: dict[int, Merged] = {}
+        sizes: dict[int, int] = {}
+        self._node(root, root, flatten, done, sizes)
+        duplicates = np.concatenate([node.duplicates for node in done.values()])
+        return Tiling(
+            np.concatenate([node.triangles for node in done.values()]),
+            duplicates[np.argsort(duplicates[:, 0])],
+            self.skipped,
+            done[root],
+            sizes,
+            {name: len(node.frontier) for name, node in done.items()},
+        )
+
+    def _node(
+        self,
+        name: int,
+        root: int,
+        flatten: Callable[[int], bool],
+        done: dict[int, Merged],
+        sizes: dict[int, int],
+    ) -> Frontier:
+        part = joined(self._parts(name, root, flatten, done, sizes))
+        if name >= 0 and name != root and flatten(name):
+            return part
+        others = self.boxes[self.plan.others(name)]
+        foreign = others[others[:, 0] <= others[:, 2]]
+        done[name] = merge(part, self.plan.cells[name], foreign, is_root=name == root)
+        sizes[name] = len(part)
+        return done[name].frontier
+
+    def _parts(
+        self,
+        name: int,
+        root: int,
+        flatten: Callable[[int], bool],
+        done: dict[int, Merged],
+        sizes: dict[int, int],
+    ) -> list[Frontier]:
+        if name < 0:
+            return [Frontier(self.leaves[~name])]
+        return [
+            self._node(child, root, flatten, done, sizes)
+            for child in self.plan.children[name].tolist()
+        ]
+
+
+def tiled(
+    points: Points,
+    plan: Plan,
+    *,
+    chunk: int = 1 << 20,
+    flatten: Callable[[int], bool] | None = None,
+) -> Tiling:
+    """Triangulate points tile by tile, from chunks of so many rows."""
+    return Tree(points, plan, chunk).merged(flatten or (lambda _: False))
+
+
+def ordered(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Sort triangles, to compare sets."""
+    rows = np.asarray(triangles, dtype=np.int64)
+    return rows[np.lexsort(rows.T[::-1])]
