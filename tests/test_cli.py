@@ -24,7 +24,10 @@ from commands import (
 from liftmesh.cli import exit_codes, main
 from liftmesh.cli.terminal import bytes_text
 
-COMMANDS = ["triangulate", "compare", "info", "paper"]
+COMMANDS = [
+    "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "raster", "contour",
+    "volume", "solid", "voronoi", "paper",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("after", [[], ["triangulate"]])

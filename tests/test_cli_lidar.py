@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import laspy
 import numpy as np
 import pytest
 from commands import COMMAND, PLAIN, liftmesh, process
@@ -227,3 +228,19 @@ def test_a_pipe_is_read_like_a_file(folder: Path) -> None:
     )
     assert b"stdin: ground (class 2): 296 of 600 rows" in done.stderr
     assert len(lm.read(folder / "tin.ply")) == 296
+
+
+def test_options_of_the_written_format(folder: Path) -> None:
+    words = ("triangulate", "tile.laz", "out.las", "--scale", "0.5", "--point-format", "7")
+    assert liftmesh(*words, cwd=folder).returncode == 0
+    with laspy.open(folder / "out.las") as file:
+        assert file.header.scales.tolist() == [0.5, 0.5, 0.5]
+        assert file.header.point_format.id == 7
+    done = liftmesh("triangulate", "tile.laz", "out.3mf", "--unit", "inch", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    done = liftmesh("triangulate", "tile.laz", "out.ply", "--point-format", "7", cwd=folder)
+    assert done.returncode == 2
+    assert "--point-format: ply files have none" in done.stderr
+    done = liftmesh("triangulate", "tile.laz", "out.las", "--point-format", "11", cwd=folder)
+    assert done.returncode == 3
+    assert "point_format is 11: give a whole number from 0 to 10" in done.stderr

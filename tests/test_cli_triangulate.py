@@ -247,7 +247,7 @@ def test_a_bar_moves_while_a_large_cloud_is_triangulated(tmp_path):
 
 
 def test_a_bar_shows_how_far_and_how_fast_a_file_is_read(tmp_path):
-    points = np.round(np.random.default_rng(0).random((1_500_000, 3)) * 1000, 2)
+    points = np.round(np.random.default_rng(0).random((4_000_000, 3)) * 1000, 2)
     lm.write(tmp_path / "cloud.laz", lm.Cloud(points))
     words = ("info", "cloud.laz", "--every", 1000)
     shown, code = on_terminal(*words, cwd=tmp_path, env={"NO_COLOR": "1"})
@@ -255,7 +255,7 @@ def test_a_bar_shows_how_far_and_how_fast_a_file_is_read(tmp_path):
     frames = re.findall(r"reading cloud.laz ([━╸ ]{40}) [\d.]+ [kM]B/s left: \d:\d\d:\d\d", shown)
     filled = [frame.count("━") for frame in frames]
     assert filled == sorted(filled)
-    assert filled  # on a fast machine perhaps one
+    assert len(set(filled)) >= 2
 
 
 def test_one_triangle_is_said_as_one(tmp_path):

@@ -16,7 +16,10 @@ from commands import failed, liftmesh, process
 from liftmesh.cli import exit_codes
 from liftmesh.cli.wording import usage_message
 
-COMMANDS = ["triangulate", "verify", "compare", "info", "paper"]
+COMMANDS = [
+    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "raster",
+    "contour", "volume", "solid", "voronoi", "paper",
+]  # fmt: skip
 FOREIGN = re.compile(
     r"input should|valid integer|value error|invalid value|no such|missing argument|"
     r"got unexpected|does not take|requires an argument|possible options|pydantic|click|typer",
@@ -53,7 +56,7 @@ WRONG = [
     (["paper", "--seeds", "some"], "--seeds is 'some': give a whole number from 1"),
     (["paper", "--table", "6"], "--table '6' is unknown: give 5.1, 5.2 or both"),
     (["paper", "all"], "unexpected 'all': give liftmesh paper (see"),
-    (["nonsense"], "there is no command 'nonsense': give one of triangulate, verify, compare, in"),
+    (["nonsense"], "there is no command 'nonsense': give one of triangulate, tile, simplify,"),
     (["triangulat"], "there is no command 'triangulat': did you mean triangulate?"),
     (["--nonsense"], "there is no option --nonsense"),
 ]

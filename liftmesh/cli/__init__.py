@@ -194,6 +194,7 @@ def _with_command_options(message: str) -> str:
     message = re.sub(r"\b(columns|nodata|end|decimal|delimiter|encoding)= ", r"--\1 ", message)
     message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
     message = re.sub(r"\bcolor_depth=(\d+)", r"--color-depth \1", message)
+    message = message.replace("dtype='float64'", "--double")
     return message.replace("flat=True", "--flat")
 
 

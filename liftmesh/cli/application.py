@@ -27,7 +27,10 @@ EXIT_CODES = _listed(
 )
 DEBUG = "--debug with any command prints the traceback of an error."
 
-COMMANDS = ("triangulate", "verify", "compare", "info", "paper")
+COMMANDS = (
+    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "raster",
+    "contour", "volume", "solid", "voronoi", "paper",
+)  # fmt: skip
 
 
 def application(words: Sequence[str]) -> typer.Typer:

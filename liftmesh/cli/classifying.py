@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from liftmesh.choices import GroundMethod
+from liftmesh.cli import groups
+from liftmesh.cli.options import parse_length
 from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import InputError
 
@@ -18,6 +23,67 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
     (True, True): "", (False, True): _NO_UNIT, (False, False): _NO_UNIT,
     (True, False): "; the unit of z is not stated, and taken to be that of x",
 }  # fmt: skip
+
+
+def parse(
+    ground: Annotated[
+        GroundMethod | None,
+        typer.Option(help="Find the ground of an unclassified cloud, by the cloth simulation CSF."),
+    ] = None,
+    cloth_resolution: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METRES",
+            help="Of --ground: between the nodes of the cloth; default: 0.5.",
+        ),
+    ] = None,
+    cloth_rigidness: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N",
+            help="Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+        ),
+    ] = None,
+    cloth_threshold: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METRES",
+            help="Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options, and return those that were given.
+
+    Parameters
+    ----------
+    ground, cloth_resolution, cloth_rigidness, cloth_threshold : str, optional
+        The options of the command line.
+
+    Returns
+    -------
+    dict
+        Options of `liftmesh.classify_ground`; empty if the ground is not to be found.
+
+    Raises
+    ------
+    typer.BadParameter
+        A value is not one that the option can have, or --ground is missing.
+
+    Examples
+    --------
+    >>> parse("csf", cloth_resolution="2")
+    {'method': 'csf', 'resolution': 2.0}
+    """
+    found: dict[str, Any] = {}
+    for name, text in (("resolution", cloth_resolution), ("threshold", cloth_threshold)):
+        found |= {} if text is None else {name: parse_length(f"--cloth-{name}", text)}
+    if cloth_rigidness is not None:
+        if cloth_rigidness not in {"1", "2", "3"}:
+            raise typer.BadParameter(f"--cloth-rigidness {cloth_rigidness!r} is not 1, 2 or 3")
+        found["rigidness"] = int(cloth_rigidness)
+    if found and ground is None:
+        raise typer.BadParameter(f"--cloth-{next(iter(found))} is an option of --ground csf")
+    return {} if ground is None else {"method": ground, **found}
 
 
 def parted(selection: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -42,15 +108,15 @@ def parted(selection: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]
     return {**selection, "classes": "all"}, later
 
 
-def classified(cloud: Cloud, method: Any, selection: Mapping[str, Any]) -> Cloud:
+def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, Any]) -> Cloud:
     """Classify a cloud and select the ground; say on stderr what was found.
 
     Parameters
     ----------
     cloud : Cloud
         The rows.
-    method : str
-        As for `liftmesh.classify_ground`.
+    ground : mapping
+        As `parse` returns it.
     selection : mapping
         The classes to keep.
 
@@ -69,16 +135,17 @@ def classified(cloud: Cloud, method: Any, selection: Mapping[str, Any]) -> Cloud
 
     with stage(f"finding the ground among {len(cloud):,} rows"):
         try:
-            found = classify_ground(cloud, method=method)
+            found = classify_ground(cloud, **ground)
         except InputError as error:
-            error.args = (str(error).replace("to_crs=", "--to-crs"),)
+            said = str(error).replace("to_crs=", "--to-crs")
+            error.args = (said.replace("resolution= to classify_ground", "--cloth-resolution"),)
             raise
     counts = found.metadata["ground"]
     if not counts["ground"]:
-        raise InputError(f"{method} finds no ground among {counts['rows']:,} rows")
+        raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
     note(
-        f"ground by {method}: {counts['ground']:,} of {counts['rows']:,} rows (cloth of "
+        f"ground by {counts['method']}: {counts['ground']:,} of {counts['rows']:,} rows (cloth of "
         f"{counts['resolution']:g} m, rigidness {counts['rigidness']}{unit}); where ground is "
         "sparse, it may hold low vegetation and roofs"
     )
@@ -87,3 +154,6 @@ def classified(cloud: Cloud, method: Any, selection: Mapping[str, Any]) -> Cloud
     if not len(found):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")
     return found
+
+
+with_options = groups.taking("ground", parse)

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import exit_codes, files, options, rows, standard_streams, tables, terminal
+from liftmesh.cli import (
+    exit_codes,
+    files,
+    options,
+    outputs,
+    rows,
+    standard_streams,
+    tables,
+    terminal,
+)
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -87,9 +96,9 @@ def run(
     with files.about(source):
         result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)
     if lower is not None:
-        files.write(lower, result.lower_hull())
+        outputs.write(lower, result.lower_hull())
     if hull is not None and result.error is None:
-        files.write(hull, result.trimesh_hull())
+        outputs.write(hull, result.trimesh_hull())
     with standard_streams.after_writing(lower, None if result.error else hull):
         if json:
             terminal.as_json(_values(result))

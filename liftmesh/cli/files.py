@@ -24,11 +24,9 @@ from liftmesh.errors import (
     InputError,
     NonFiniteError,
 )
-from liftmesh.interruption import check
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
-    from liftmesh.io.writing import Written
 
 _MOST_LISTED = 8
 _LONGEST = 80  # characters of each
@@ -251,39 +249,6 @@ def _about_reading(name: str) -> Iterator[None]:
         if error.filename is None:
             error.filename = name
         raise
-
-
-def write(path: Path, mesh: Any, file_format: str | None = None) -> Written:
-    """Write a mesh, or to stdout if the path is ``-``.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    mesh : Cloud or object with vertices and faces
-        The mesh.
-    file_format : str, optional
-        Its format; by default that of its suffix.
-
-    Returns
-    -------
-    Written
-        Summary of what was written.
-
-    Raises
-    ------
-    FormatError
-        The file cannot be written.
-    """
-    from liftmesh.io import writing  # noqa: PLC0415 - help and --version do without
-
-    with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
-        if not is_stream(path):
-            return writing.write(path, mesh, format=file_format)
-        check()
-        # A separate stream: an unbuffered sys.stdout may write a part without an error.
-        with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
-            return writing.write(stream, mesh, format=file_format)
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import Any
 
 def taking(
     name: str, parse: Callable[..., Any]
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Make a decorator that gives a command a group of options in place of one parameter.
 
     Parameters
@@ -23,7 +23,9 @@ def taking(
     Returns
     -------
     callable
-        The decorator of commands as typer sees them; several can follow each other.
+        The decorator of commands as typer sees them, or of other groups; several can follow each
+        other. An option that the command has itself, under the same name, is not taken from the
+        group.
 
     Examples
     --------
@@ -37,16 +39,18 @@ def taking(
     """
     options = inspect.signature(parse, eval_str=True).parameters
 
-    def decorate(run: Callable[..., None]) -> Callable[..., None]:
+    def decorate(run: Callable[..., Any]) -> Callable[..., Any]:
         parameters: list[inspect.Parameter] = []
         signature = inspect.signature(run, eval_str=True)
+        own = signature.parameters.keys() - {name}
+        taken = {k: option for k, option in options.items() if k not in own}
         for each in signature.parameters.values():
-            parameters += options.values() if each.name == name else [each]
+            parameters += taken.values() if each.name == name else [each]
 
         @wraps(run)
-        def command(**values: Any) -> None:
-            given = {key: values.pop(key) for key in options if key in values}
-            run(**values, **{name: parse(**given)})
+        def command(**values: Any) -> Any:
+            given = {key: values.pop(key) for key in taken if key in values}
+            return run(**values, **{name: parse(**given)})
 
         command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
         command.__annotations__ = {each.name: each.annotation for each in parameters}

@@ -75,26 +75,37 @@ def merged(sources: Sequence[Path], read: Callable[[Path], Cloud]) -> Cloud:
     for path in sources:
         if not files.is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
-    clouds = [read(each) for each in sources]
-    from liftmesh.terrain.merging import merge, parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import merge  # noqa: PLC0415 - help does without
 
+    clouds = [read(each) for each in sources]
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
-    with stage(f"merging {len(clouds)} files"), files.without_warnings():
+    before = {name for each in clouds for name in files.parts_not_read(each)}
+    with stage(f"merging {len(sources)} files"), files.without_warnings():
         try:
-            cloud = merge(clouds)
+            cloud = merge(clouds.pop(0) for _ in sources)
         except InputError as error:
             error.args = (str(error).replace("to_crs=", "--to-crs"),)
             raise
     if cloud.crs is not None and lacking:
         note(f"{', '.join(lacking)}: no coordinate system: taken to be that of the others")
-    for each in parts_of(cloud):
-        inside = f", {each['overlap']:,} of them inside the box of an earlier file"
-        note(f"{each['source']}: {each['rows']:,} rows" + (inside if each["overlap"] else ""))
-    before = {name for each in clouds for name in files.parts_not_read(each)}
+    _say_parts(cloud)
     new = [name for name in files.parts_not_read(cloud) if name not in before]
     if new:
         note(f"merged without {files.listed([each.partition(' (')[0] for each in new])}")
     return cloud
+
+
+def _say_parts(cloud: Cloud) -> None:
+    """Say on stderr how many rows each file adds, and where they overlap."""
+    from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+
+    for each in parts_of(cloud):
+        inside = f", {each['overlap']:,} of them where an earlier file has some"
+        note(f"{each['source']}: {each['rows']:,} rows" + (inside if each["overlap"] else ""))
+    flown = cloud.metadata.get("flight_lines")
+    if flown and flown["lines"] > 1:
+        overlap = f"{flown['overlap']:,} rows in cells of {flown['cell']:.3g} that several have"
+        note(f"{flown['lines']:,} flight lines, {overlap}")
 
 
 @contextmanager

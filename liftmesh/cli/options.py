@@ -39,6 +39,10 @@ Threads: TypeAlias = Annotated[
         help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
     ),
 ]
+TargetFormat: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
+]
 MaxBytes: TypeAlias = Annotated[
     str | None,
     typer.Option(
@@ -109,6 +113,27 @@ def parse_plane(text: str) -> Any:
         return text
     numbers = _numbers(text, 3) or _numbers(text, 4)
     return _matrix(text) if numbers is None else numbers
+
+
+def parse_box(text: str) -> tuple[float, ...] | None:
+    """Parse a box of four numbers separated by commas.
+
+    Parameters
+    ----------
+    text : str
+        The value of an option.
+
+    Returns
+    -------
+    tuple of float, or None
+        The numbers; None if it is anything else.
+
+    Examples
+    --------
+    >>> parse_box("0,0,2,1"), parse_box("city.geojson")
+    ((0.0, 0.0, 2.0, 1.0), None)
+    """
+    return _numbers(text, 4)
 
 
 def parse_q(text: str) -> Any:
@@ -212,14 +237,16 @@ def parse_metric(text: str | None) -> Any:
     return (a, b), (b, c)
 
 
-def parse_size(text: str | None) -> int | None:
-    """Parse the value of ``--max-bytes``.
+def parse_size(text: str | None, option: str = "--max-bytes") -> int | None:
+    """Parse the value of an option that is a size.
 
     Parameters
     ----------
     text : str, optional
         A whole number of bytes, or of the unit that follows it: k, M, G or T, decimal as in the
         output of the commands.
+    option : str
+        The option, for the message.
 
     Returns
     -------
@@ -241,7 +268,7 @@ def parse_size(text: str | None) -> int | None:
     found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
     size = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
     if not size:
-        raise typer.BadParameter(f"--max-bytes {text!r} is not a size: give one as 500M or 4G")
+        raise typer.BadParameter(f"{option} {text!r} is not a size: give one as 500M or 4G")
     return size
 
 
@@ -276,6 +303,40 @@ def parse_count(option: str, text: str, least: int) -> int:
         return as_count(option, _whole(text), least)
     except InputError as error:
         raise typer.BadParameter(str(error)) from error
+
+
+def parse_length(option: str, text: str) -> float:
+    """Parse a positive number, before the work starts.
+
+    Parameters
+    ----------
+    option : str
+        The option, for the message.
+    text : str
+        The number.
+
+    Returns
+    -------
+    float
+        The number.
+
+    Raises
+    ------
+    typer.BadParameter
+        The text is no positive number.
+
+    Examples
+    --------
+    >>> parse_length("--cell", "0.5")
+    0.5
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise typer.BadParameter(f"{option} {text!r} is not a positive number")
+    return value
 
 
 def _whole(text: str) -> int | str:

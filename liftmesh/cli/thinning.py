@@ -9,7 +9,7 @@ import typer
 
 from liftmesh.choices import CellRow
 from liftmesh.cli import groups
-from liftmesh.cli.options import parse_count
+from liftmesh.cli.options import parse_count, parse_length
 from liftmesh.cli.terminal import note, stage
 
 if TYPE_CHECKING:
@@ -38,12 +38,16 @@ def parse(
             help="Thin: rows of which no two are nearer to each other in the plane.",
         ),
     ] = None,
+    adaptive: Annotated[
+        str | None,
+        typer.Option(metavar="N", help="Thin: the n rows without which a surface loses most."),
+    ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those that were given.
 
     Parameters
     ----------
-    random, seed, cell, keep, distance : str, optional
+    random, seed, cell, keep, distance, adaptive : str, optional
         The options of the command line.
 
     Returns
@@ -64,23 +68,16 @@ def parse(
     found: dict[str, Any] = {}
     if random is not None:
         found |= {"random": parse_count("--random", random, 1)}
-    found |= {} if cell is None else {"cell": _length("--cell", cell)}
-    found |= {} if distance is None else {"distance": _length("--min-distance", distance)}
+    found |= {} if cell is None else {"cell": parse_length("--cell", cell)}
+    found |= {} if distance is None else {"distance": parse_length("--min-distance", distance)}
+    if adaptive is not None:
+        found |= {"adaptive": parse_count("--adaptive", adaptive, 3)}
     if len(found) > 1:
-        raise typer.BadParameter("give one of --random, --cell and --min-distance")
+        message = "give one of --random, --cell, --min-distance and --adaptive"
+        raise typer.BadParameter(message)
     if "random" in found:
         found["seed"] = parse_count("--seed", seed, 0)
     return found | ({"keep": keep} if "cell" in found else {})
-
-
-def _length(option: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < float("inf"):
-        raise typer.BadParameter(f"{option} {text!r} is not a positive number")
-    return value
 
 
 def thinned(cloud: Cloud, options: Mapping[str, Any]) -> Cloud:

@@ -12,18 +12,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import Duplicates, GroundMethod, Method
+from liftmesh.choices import Duplicates, Method
 from liftmesh.cli import (
     classifying,
     files,
     inputs,
     options,
+    outputs,
     rows,
     standard_streams,
     tables,
     terminal,
     thinning,
 )
+from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -40,13 +42,17 @@ EXAMPLES = [
     "liftmesh triangulate *.laz tin.ply --cell 0.5",
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
     "liftmesh triangulate trees.csv mesh.ply --radii crown_radius",
+    "liftmesh triangulate ground.laz tin.ply --max-edge 5 --boundary-only",
     "liftmesh triangulate - - --from xyz --format ply < points.xyz > mesh.ply",
 ]
 
 
 @tables.with_options
 @rows.with_options
+@classifying.with_options
 @thinning.with_options
+@outputs.with_options
+@with_trimming
 def run(
     sources: Annotated[
         list[Path],
@@ -75,18 +81,14 @@ def run(
     weights: options.Weights = None,
     radii: options.Radii = None,
     metric: options.Metric = None,
-    target_format: Annotated[
-        str | None,
-        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
-    ] = None,
+    trimming: Any = None,
+    target_format: options.TargetFormat = None,
     threads: options.Threads = None,
     table: Any = None,
     selection: Any = None,
-    ground: Annotated[
-        GroundMethod | None,
-        typer.Option(help="Find the ground of an unclassified cloud, by the cloth simulation CSF."),
-    ] = None,
+    ground: Any = None,
     thin: Any = None,
+    writing: Any = None,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
     json: options.Json = False,
@@ -103,16 +105,20 @@ def run(
         Names of values of the rows, as in `liftmesh.triangulate`.
     metric : str, optional
         A,B,C.
+    trimming : dict
+        As for `Surface.trim`.
     source_format, target_format : str, optional
         Formats, instead of the suffixes.
     threads : str, optional
         As in `liftmesh.triangulate`.
     table, selection : dict
         Options of tables and of the rows to read, as in `liftmesh.read`.
-    ground : str, optional
-        As `method` of `liftmesh.classify_ground`.
+    ground : dict
+        As for `liftmesh.classify_ground`; empty unless the ground is to be found.
     thin : dict
         As for `liftmesh.thin`.
+    writing : dict
+        Options of the format, as in `liftmesh.write`.
     max_bytes : str, optional
         Limit of what the file may expand to.
     color_depth : str, optional
@@ -129,14 +135,15 @@ def run(
     limit = options.parse_size(max_bytes)
     inputs.check_once(sources)
     files.check_target(target, target_format)
+    outputs.check_options(target, target_format, writing)
     # Although IN is read before it is replaced: the mesh may hold less than the cloud.
     for each in sources:
-        files.check_apart(each, target)
+        files.check_apart(trimming.get("polygon"), each, target)
     start = perf_counter()
-    first, later = (selection, {}) if ground is None else classifying.parted(selection)
+    first, later = (selection, {}) if not ground else classifying.parted(selection)
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
     cloud = inputs.merged(sources, partial(read, color_depth=depth, selection=first))
-    cloud = cloud if ground is None else classifying.classified(cloud, ground, later)
+    cloud = cloud if not ground else classifying.classified(cloud, ground, later)
     cloud = thinning.thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about(sources, cloud):
@@ -151,9 +158,10 @@ def run(
             threads=count,
             **lifted_by,
         )
+        surface = trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
-    written = files.write(target, surface, target_format)
+    written = outputs.write(target, surface, target_format, writing)
     seconds["write"] = perf_counter() - start
     # If the mesh itself goes to stdout, the report goes to stderr.
     is_stdout = files.is_stream(target)
@@ -174,13 +182,26 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
     with terminal.bar(1.0) as bar:
-        advance = _bar_steps(bar, f"triangulating {len(cloud):,} rows")
+        advance = bar_steps(bar, f"triangulating {len(cloud):,} rows")
         with files.without_warnings():  # the notes say it
             return liftmesh.triangulate(cloud, progress=advance, **choices)
 
 
-def _bar_steps(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
-    """Return a `progress` callback that converts fractions done to steps of a bar."""
+def bar_steps(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
+    """Return a `progress` callback that converts fractions done to steps of a bar.
+
+    Parameters
+    ----------
+    bar : callable
+        As from `terminal.bar`.
+    text : str
+        What is done.
+
+    Returns
+    -------
+    callable
+        Takes the fraction done.
+    """
     done = 0.0
 
     def advance(fraction: float) -> None:
@@ -211,23 +232,26 @@ def _print_report(
             "merged": cloud.metadata.get("merged"),
             "ground": cloud.metadata.get("ground"),
             "thinning": cloud.metadata.get("thinning"),
+            "trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }
         terminal.as_json(_values(written, report, seconds) | notes)
         return
     for each in replaced:
         terminal.note(each)
-    terminal.sentence(_headline(written, report), "good")
+    terminal.sentence(_headline(written, report, len(surface.faces)), "good")
     counts = _counts(report)
     if not hasattr(surface.triangulation, "hidden"):
         del counts["hidden"]
+    if surface.mask is not None:
+        counts["trimmed"] = int(surface.mask.sum())
     rows = [(name, f"{count:,}") for name, count in counts.items()]
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
 
 
-def _headline(written: Written, report: Report) -> str:
+def _headline(written: Written, report: Report, faces: int) -> str:
     size = terminal.bytes_text(written.bytes)
-    triangles = f"{report.triangles:,} triangle{'s' if report.triangles > 1 else ''}"
+    triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
     line = f"{written.path or '-'}: {report.rows:,} vertices, {triangles}, {size}"
     if written.dropped:
         line += f"; {written.format} does not keep {', '.join(written.dropped)}"

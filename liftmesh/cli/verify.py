@@ -30,13 +30,17 @@ EXAMPLES = [
     "liftmesh verify mesh.obj --certificate mesh.json",
     "liftmesh verify mesh.ply --json",
     "liftmesh verify molecule.ply --radii radius",
+    "liftmesh verify tiles/",
 ]
 SHOWN = 3  # offenders of a flaw
 
 
 def run(
     source: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Mesh; - reads stdin (see --from).")
+        Path,
+        typer.Argument(
+            metavar="FILE", help="Mesh, - reads stdin (see --from); or a folder of tiles."
+        ),
     ],
     certificate: Annotated[
         Path | None,
@@ -58,6 +62,10 @@ def run(
     metric: Annotated[
         str | None,
         typer.Option(metavar="A,B,C", help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?"),
+    ] = None,
+    points: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="The points of a folder, if its source has moved."),
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
@@ -82,6 +90,8 @@ def run(
         Names of values of the rows.
     metric : str, optional
         A,B,C.
+    points : list of Path, optional
+        Files of points of a folder of tiles, in order.
     max_bytes : str, optional
         Limit of what the file may expand to.
     json : bool
@@ -94,11 +104,12 @@ def run(
     limit = options.parse_size(max_bytes)
     files.check_place(certificate)
     files.check_apart(source, certificate)
-    _check_format(source, source_format)
-    cloud = files.read(source, source_format, limit)
-    _note_polygons(cloud)
-    with files.about(source):
-        found = _verify(cloud, source, frame, nonfinite, count, lifting)
+    if points is not None and not source.is_dir():
+        raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
+    if source.is_dir():
+        found = _verify_tiles(source, points, count)
+    else:
+        found = _verify_file(source, source_format, limit, frame, nonfinite, count, lifting)
     if certificate is not None:
         _write(certificate, found)
     # Where the certificate itself goes to stdout, what there is to say goes to stderr.
@@ -111,6 +122,36 @@ def run(
             _say(found)
     if not found.valid:
         raise typer.Exit(exit_codes.DIFFERENT)
+
+
+def _verify_tiles(source: Path, points: list[Path] | None, threads: int | None) -> Certificate:
+    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+
+    tiled = open_tiled(source)
+    with terminal.bar(1.0) as advance:
+        shown = [0.0]
+
+        def progress(share: float) -> None:
+            advance(f"verifying {tiled.nsimplex:,} triangles", share - shown[0])
+            shown[0] = share
+
+        return tiled.verify(points, threads=threads, progress=progress)
+
+
+def _verify_file(
+    source: Path,
+    source_format: str | None,
+    limit: int | None,
+    plane: Any,
+    nonfinite: NonFinite,
+    threads: int | None,
+    lifting: dict[str, Any],
+) -> Certificate:
+    _check_format(source, source_format)
+    cloud = files.read(source, source_format, limit)
+    _note_polygons(cloud)
+    with files.about(source):
+        return _verify(cloud, source, plane, nonfinite, threads, lifting)
 
 
 def _check_format(source: Path, file_format: str | None) -> None:

@@ -1,0 +1,135 @@
+"""Files that commands write, and the options of their formats."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liftmesh.choices import Unit3MF
+from liftmesh.cli import groups
+from liftmesh.cli.files import is_stream
+from liftmesh.cli.options import parse_count, parse_length
+from liftmesh.cli.terminal import stage
+from liftmesh.errors import FormatError
+from liftmesh.interruption import check
+
+if TYPE_CHECKING:
+    from liftmesh.io.writing import Written
+
+_NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+def parse(
+    scale: Annotated[
+        str | None,
+        typer.Option(metavar="STEP", help="Of LAS: the step that coordinates are rounded to."),
+    ] = None,
+    point_format: Annotated[
+        str | None, typer.Option(metavar="N", help="Of LAS: the point format, 0 to 10.")
+    ] = None,
+    unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
+) -> dict[str, Any]:
+    """Check the options of formats, and return those that were given.
+
+    Parameters
+    ----------
+    scale, point_format, unit : str, optional
+        The options of the command line.
+
+    Returns
+    -------
+    dict
+        Options of `liftmesh.write`.
+
+    Raises
+    ------
+    typer.BadParameter
+        A value is not one that the option can have.
+
+    Examples
+    --------
+    >>> parse(scale="0.001")
+    {'scale': 0.001}
+    """
+    found: dict[str, Any] = {}
+    found |= {} if scale is None else {"scale": parse_length("--scale", scale)}
+    if point_format is not None:
+        found["point_format"] = parse_count("--point-format", point_format, 0)
+    return found | ({} if unit is None else {"unit": unit})
+
+
+def check_options(target: Path, target_format: str | None, options: Mapping[str, Any]) -> None:
+    """Raise before the work starts if a format has no such options.
+
+    Parameters
+    ----------
+    target : Path
+        The file to write.
+    target_format : str, optional
+        Its format; by default that of its suffix.
+    options : mapping
+        As `parse` returns them.
+
+    Raises
+    ------
+    typer.BadParameter
+        The format does not take one of them.
+    """
+    if not options:
+        return
+    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.writing import writer_of  # noqa: PLC0415 - as above
+
+    found = find_written(target_format or suffix_of(target.name), str(target))
+    try:
+        for each in options:
+            writer_of(found, str(target), {each: options[each]})
+    except FormatError as error:
+        option = each.replace("_", "-")
+        raise typer.BadParameter(f"--{option}: {found.name} files have none") from error
+
+
+def write(
+    path: Path, mesh: Any, file_format: str | None = None, options: Mapping[str, Any] = _NONE
+) -> Written:
+    """Write a mesh, or to stdout if the path is ``-``.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    mesh : Cloud or object with vertices and faces
+        The mesh.
+    file_format : str, optional
+        Its format; by default that of its suffix.
+    options : mapping
+        As `parse` returns them.
+
+    Returns
+    -------
+    Written
+        Summary of what was written.
+
+    Raises
+    ------
+    FormatError
+        The file cannot be written.
+    """
+    from liftmesh.io import writing  # noqa: PLC0415 - help and --version do without
+
+    with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
+        if not is_stream(path):
+            return writing.write(path, mesh, format=file_format, **options)
+        check()
+        # A separate stream: an unbuffered sys.stdout may write a part without an error.
+        with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
+            return writing.write(stream, mesh, format=file_format, **options)
+
+
+with_options = groups.taking("writing", parse)

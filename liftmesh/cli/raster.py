@@ -1,0 +1,146 @@
+"""``liftmesh raster``: heights, slopes, aspects or shades as a GeoTIFF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from liftmesh.choices import RasterQuantity, SampleMethod, shown
+from liftmesh.cli import files, options, standard_streams, surfaces, terminal
+from liftmesh.cli.reading import with_options as with_reading
+from liftmesh.cli.trimming import trimmed
+from liftmesh.errors import InputError
+
+SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
+HELP = (
+    "A pixel has the height of the surface at its centre, by default linear in each face, and no "
+    "value where no face contains the centre. The edges of pixels are multiples of the resolution."
+)
+EXAMPLES = [
+    "liftmesh raster tin.ply dtm.tif --resolution 0.5 --crs EPSG:7415",
+    "liftmesh raster survey.csv shade.tif --resolution 2 --quantity hillshade --max-edge 20",
+]
+
+
+@with_reading
+def run(
+    source: surfaces.Source,
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
+    resolution: Annotated[
+        str, typer.Option(metavar="SIZE", help="Width and height of a pixel, or X,Y.")
+    ],
+    bounds: Annotated[
+        str | None,
+        typer.Option(metavar="X0,Y0,X1,Y1", help="What to cover, by default the surface."),
+    ] = None,
+    quantity: Annotated[
+        RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
+    ] = "height",
+    method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    z_factor: Annotated[
+        str | None,
+        typer.Option(
+            "--z-factor",
+            metavar="FACTOR",
+            help="Multiply heights by this before slopes and shades are computed; by default they "
+            "get the unit of x and y, if the coordinate system says all three.",
+        ),
+    ] = None,
+    double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
+    cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
+    compress: Annotated[
+        str, typer.Option(metavar="METHOD", help="deflate, lzw, zstd or none.")
+    ] = "deflate",
+    crs: Annotated[
+        str | None,
+        typer.Option(metavar="CRS", help="Coordinate system, as EPSG:25832; IN states no other."),
+    ] = None,
+    reading: Any = None,
+    json: options.Json = False,
+) -> None:
+    """Read a surface, compute a raster, write it, and say what it holds.
+
+    Parameters
+    ----------
+    source, target : Path
+        IN and OUT.
+    resolution : str
+        A number, or two.
+    bounds : str, optional
+        Four numbers.
+    quantity, method : str
+        As in `Surface.raster`.
+    z_factor : str, optional
+        As in `Surface.raster`.
+    double, cog : bool
+        The type of the values; the kind of file.
+    compress : str
+        As in `Raster.save`.
+    crs : str, optional
+        The surface's, which states no other.
+    reading : Reading
+        How surfaces are read and trimmed.
+    json : bool
+        Print JSON.
+    """
+    from liftmesh.io import geotiff_writer  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.raster import check_name  # noqa: PLC0415 - as above
+
+    standard_streams.check_stdout()
+    check_name(target)
+    steps = _numbers("--resolution", resolution)
+    factor = surfaces.parse_number("--z-factor", z_factor, positive=True)
+    covered = None if bounds is None else _numbers("--bounds", bounds)
+    packing = None if compress == "none" else compress
+    geotiff_writer.checked(crs, packing)
+    files.check_place(target)
+    files.check_apart(reading.polygon, source, target)
+    surface = reading.untrimmed(source)
+    surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
+    surface = trimmed(surface, reading.trimming)
+    with terminal.stage("scanning faces"):
+        found = surface.raster(
+            steps if len(steps) > 1 else steps[0],
+            bounds=covered,
+            quantity=quantity,
+            method=method,
+            z_factor=factor,
+            dtype="float64" if double else "float32",
+            threads=reading.threads,
+        )
+    with terminal.stage(f"writing {target.name}"):
+        path = found.save(target, cog=cog, compress=packing)
+    _say(path, found, as_json=json)
+
+
+def _system(source: Path, stated: str | None, given: str) -> str:
+    """Return the system of an option; raise if the file states another."""
+    from liftmesh.crs import are_different  # noqa: PLC0415 - as above
+
+    if are_different(stated, given):
+        raise InputError(f"{source} is in {shown(stated)}, not in --crs {given}: leave --crs out")
+    return given
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    """Parse finite numbers separated by commas."""
+    found = [surfaces.parse_number(option, word) for word in text.split(",")]
+    return [number for number in found if number is not None]
+
+
+def _say(path: Path, found: Any, *, as_json: bool) -> None:
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    rows_, columns = found.values.shape
+    known = int(np.count_nonzero(~np.isnan(found.values)))
+    if as_json:
+        place = {"transform": list(found.transform), "crs": found.crs}
+        counts = {"rows": rows_, "columns": columns, "known": known}
+        terminal.as_json({"path": str(path), "quantity": found.quantity, **counts, **place})
+        return
+    terminal.sentence(
+        f"{path}: {columns:,} x {rows_:,} pixels of {found.quantity}, {known:,} with a value",
+        "good",
+    )

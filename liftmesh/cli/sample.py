@@ -1,0 +1,147 @@
+"""``liftmesh sample``: heights of a surface at points."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from liftmesh.choices import SampleMethod, shown
+from liftmesh.cli import files, options, outputs, rows, standard_streams, surfaces, tables, terminal
+from liftmesh.cli.trimming import trimmed, with_options as with_trimming
+from liftmesh.errors import InputError
+
+SHORT_HELP = "Write the heights of a mesh or cloud at points."
+HELP = (
+    "OUT has the points of --at with the heights of the surface as z, and their other values. "
+    "Where no face contains the point, there is no height: an empty field in CSV and TSV, else NaN."
+)
+EXAMPLES = [
+    "liftmesh sample tin.ply heights.csv --at points.csv",
+    "liftmesh sample survey.csv heights.ply --at points.ply --max-edge 20 --boundary-only",
+]
+
+_NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
+
+
+@tables.with_options
+@rows.with_options
+@with_trimming
+def run(
+    source: surfaces.Source,
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
+    at: Annotated[Path, typer.Option(metavar="FILE", help="Points x, y: a cloud of any format.")],
+    method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    source_format: options.SourceFormat = None,
+    target_format: Annotated[
+        str | None,
+        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
+    ] = None,
+    trimming: Any = None,
+    threads: options.Threads = None,
+    table: Any = None,
+    selection: Any = None,
+    max_bytes: options.MaxBytes = None,
+) -> None:
+    """Read a surface and points, write the points with heights, and say how many have one.
+
+    Parameters
+    ----------
+    source, target, at : Path
+        IN, OUT and the points.
+    method : str
+        As in `Surface.sample`.
+    source_format, target_format : str, optional
+        Formats, instead of the suffixes.
+    trimming : dict
+        As for `Surface.trim`.
+    threads : str, optional
+        As in `liftmesh.triangulate`.
+    table, selection : dict
+        Options of tables and of the rows of IN to read, as in `liftmesh.read`.
+    max_bytes : str, optional
+        Limit of what a file may expand to.
+    """
+    count, limit = options.parse_threads(threads), options.parse_size(max_bytes)
+    files.check_target(target, target_format)
+    files.check_apart(trimming.get("polygon"), source, target, at)
+    surface = surfaces.read(
+        source,
+        source_format,
+        "xy",
+        threads=count,
+        max_bytes=limit,
+        table=table,
+        selection=selection,
+    )
+    surface = trimmed(surface, trimming)
+    asked = files.read(at, None, limit, _flat(at))
+    _check_systems(source, surface.crs, at, asked.crs)
+    with terminal.stage(f"sampling at {len(asked):,} points"):
+        found, known = _sampled(surface, asked, method, count)
+    path = _write(target, found, target_format)
+    with standard_streams.after_writing(path):
+        terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
+
+
+def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -> None:
+    """Raise if the points are in another system than the surface."""
+    from liftmesh.crs import are_different  # noqa: PLC0415 - help and --version do without
+
+    if are_different(own, given):
+        raise InputError(
+            f"{at} is in {shown(given)}, {source} in {shown(own)}: transform the points first"
+        )
+
+
+def _flat(at: Path) -> dict[str, bool]:
+    """Return the option of tables that says that points need no height."""
+    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+
+    is_table = bool(at.suffix) and find_format(suffix_of(at.name), str(at)).name == "text"
+    return {"flat": True} if is_table else {}
+
+
+def _sampled(
+    surface: Any, asked: Any, method: SampleMethod, threads: int | None
+) -> tuple[Any, int]:
+    """Return the points with heights as z, and how many have one."""
+    from dataclasses import replace  # noqa: PLC0415 - help and --version do without
+
+    import numpy as np  # noqa: PLC0415 - as above
+
+    heights = surface.sample(asked.points[:, :2], method, threads=threads)
+    points = np.column_stack([asked.points[:, :2], heights])
+    found = replace(asked, points=points, faces=None, crs=asked.crs or surface.crs)
+    return found, int(np.count_nonzero(np.isfinite(heights)))
+
+
+class _EmptyFields:
+    """A stream of lines of CSV or TSV in which fields that are NaN become empty."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def seekable(self) -> bool:
+        return False
+
+    def write(self, lines: bytes) -> int:
+        self._stream.write(_NAN.sub(b"", lines))
+        return len(lines)
+
+
+def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
+    """Write the points; return the file, or None for stdout."""
+    from liftmesh.io import atomic, writing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.registry import suffix_of  # noqa: PLC0415 - as above
+
+    kind = file_format or suffix_of(target.name)
+    if files.is_stream(target) or kind.lower().lstrip(".") not in {"csv", "tsv"}:
+        written = outputs.write(target, found, file_format).path
+        return None if written is None else Path(written)
+    with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
+        lines: Any = _EmptyFields(stream)
+        writing.write(lines, found, format=kind)
+    return target

@@ -1,0 +1,124 @@
+"""``liftmesh solid``: a surface closed by walls and a base, as for printing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liftmesh.choices import Pinched
+from liftmesh.cli import files, options, outputs, standard_streams, surfaces, terminal
+from liftmesh.cli.reading import with_options as with_reading
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+
+SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."
+HELP = (
+    "Walls and a base are added below the surface: the result is watertight. Give the height of a "
+    "flat base, or a thickness."
+)
+EXAMPLES = [
+    "liftmesh solid jacksboro.tif fault.stl --base 236",
+    "liftmesh solid dem.tif model.3mf --base 200 --longest 150 --z-factor 2",
+    "liftmesh solid tin.ply shell.stl --thickness 2 --max-edge 20 --pinched trim",
+]
+
+
+@with_reading
+@outputs.with_options
+def run(
+    source: surfaces.Source,
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
+    base: Annotated[
+        str | None, typer.Option(metavar="HEIGHT", help="The height of a flat base.")
+    ] = None,
+    thickness: Annotated[
+        str | None,
+        typer.Option(metavar="HEIGHT", help="The base is the surface itself, so much lower."),
+    ] = None,
+    longest: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MM", help="Scale the longer of width and depth to so many millimetres."
+        ),
+    ] = None,
+    z_factor: Annotated[
+        str | None,
+        typer.Option(
+            "--z-factor", metavar="FACTOR", help="With --longest: multiply heights by this."
+        ),
+    ] = None,
+    pinched: Annotated[
+        Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
+    ] = "error",
+    target_format: Annotated[
+        str | None,
+        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
+    ] = None,
+    reading: Any = None,
+    writing: Any = None,
+    json: options.Json = False,
+) -> None:
+    """Read a surface, close it, write the solid, and say how large it is.
+
+    Parameters
+    ----------
+    source, target : Path
+        IN and OUT.
+    base, thickness, longest, z_factor, pinched : str, optional
+        As in `Surface.solid`.
+    target_format : str, optional
+        Format, instead of the suffix.
+    reading : Reading
+        How surfaces are read and trimmed.
+    writing : dict
+        Options of the format of OUT, as in `liftmesh.write`.
+    json : bool
+        Print JSON.
+    """
+    standard_streams.check_stdout()
+    if (base is None) == (thickness is None):
+        raise typer.BadParameter("give either --base or --thickness")
+    if longest is None and z_factor is not None:
+        raise typer.BadParameter("--z-factor needs --longest")
+    lengths = {"thickness": thickness, "longest": longest, "z_factor": z_factor}
+    wanted = {
+        name: surfaces.parse_number(f"--{name.replace('_', '-')}", text, positive=True)
+        for name, text in lengths.items()
+    } | {"base": surfaces.parse_number("--base", base)}
+    files.check_target(target, target_format)
+    outputs.check_options(target, target_format, writing)
+    files.check_apart(reading.polygon, source, target)
+    surface = reading.surface(source)
+    with terminal.stage(f"closing {len(surface.faces):,} faces"):
+        found = surface.solid(**wanted, pinched=pinched)
+    written = outputs.write(target, found, target_format, writing)
+    _say(str(written.path or "-"), found, as_json=json)
+
+
+def _say(path: str, found: Cloud, *, as_json: bool) -> None:
+    faces = 0 if found.faces is None else len(found.faces)
+    size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
+    if as_json:
+        volume = {"triangles": faces, "volume": _volume(found), "size": size}
+        terminal.as_json({"path": path, **volume})
+        return
+    width, depth, height = (f"{each:.6g}" for each in size)
+    terminal.sentence(
+        f"{path}: {faces:,} triangles, volume {_volume(found):,.10g}, size {width} x {depth} x "
+        f"{height}",
+        "good",
+    )
+
+
+def _volume(found: Cloud) -> float:
+    """Return the volume inside the faces: a sixth of the determinants of their corners."""
+    import math  # noqa: PLC0415 - help and --version do without
+
+    import numpy as np  # noqa: PLC0415 - as above
+
+    corners = (found.points - found.points.min(axis=0))[found.faces]
+    parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    return math.fsum(parts.tolist()) / 6

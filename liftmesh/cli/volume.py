@@ -1,0 +1,125 @@
+"""``liftmesh volume``: areas of a surface, and volumes above and below a level."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liftmesh.cli import options, standard_streams, surfaces, terminal
+from liftmesh.cli.reading import with_options as with_reading
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.earthwork import Earthwork
+    from liftmesh.terrain.measures import Volume
+
+SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
+HELP = "Volumes are counted where there are faces only; their unit is that of x, y and z."
+EXAMPLES = [
+    "liftmesh volume before.ply after.ply --json",
+    "liftmesh volume heap.ply --level 12.5",
+    "liftmesh volume survey.csv --level 0 --max-edge 20 --boundary-only --json",
+]
+
+_VOLUMES = ("above", "below", "cut", "fill", "net")
+
+
+@with_reading
+def run(
+    source: surfaces.Source,
+    other: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[AFTER]", help="What IN becomes: prints cut and fill.", show_default=False
+        ),
+    ] = None,
+    level: Annotated[
+        str | None, typer.Option(metavar="HEIGHT", help="The level, 0 by default.")
+    ] = None,
+    within: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Measure inside of polygons alone, cut at their borders."
+        ),
+    ] = None,
+    reading: Any = None,
+    json: options.Json = False,
+) -> None:
+    """Read a surface, measure it, and print what was found.
+
+    Parameters
+    ----------
+    source : Path
+        IN.
+    other : Path, optional
+        AFTER.
+    level : str, optional
+        As in `Surface.volume`.
+    within : Path, optional
+        Polygons, as in `Surface.cut_and_fill`.
+    reading : Reading
+        How surfaces are read and trimmed.
+    json : bool
+        Print JSON.
+    """
+    standard_streams.check_stdout()
+    if within is not None:
+        within.open("rb").close()
+    height = surfaces.parse_number("--level", level)
+    if other is not None and height is not None:
+        raise typer.BadParameter("--level goes with one surface, not with two")
+
+    surface = reading.surface(source)
+    if other is None:
+        with terminal.stage(f"measuring {len(surface.faces):,} faces"):
+            volume, area = surface.volume(height or 0.0, polygon=within), surface.area()
+        values = _values(volume) | ({} if within else {"surface_area": area})
+        _print(values, as_json=json)
+    else:
+        after = reading.surface(other)
+        with terminal.stage("laying the surfaces over each other"):
+            work = surface.cut_and_fill(after, polygon=within)
+        _print(_changes(work), as_json=json)
+
+
+def _values(found: Volume) -> dict[str, Any]:
+    return {
+        "level": found.level,
+        "above": found.above,
+        "below": found.below,
+        "net": found.net,
+        "planar_area": found.area,
+        "cubic_metres": found.cubic_metres,
+    }
+
+
+def _changes(found: Earthwork) -> dict[str, Any]:
+    return {
+        "cut": found.cut,
+        "fill": found.fill,
+        "net": found.net,
+        "planar_area": found.area,
+        "cubic_metres": found.cubic_metres,
+    }
+
+
+def _print(values: dict[str, Any], *, as_json: bool) -> None:
+    """Print numbers, those of volumes with their unit."""
+    if as_json:
+        terminal.as_json(values)
+        return
+    unit = values.pop("cubic_metres")
+    terminal.table(
+        [
+            (name.replace("_", " "), _volume(value, unit) if name in _VOLUMES else f"{value:.10g}")
+            for name, value in values.items()
+        ]
+    )
+
+
+def _volume(value: float, unit: float | None) -> str:
+    """Print a volume in its own unit, and in cubic metres if that is another one."""
+    if unit is None:
+        return f"{value:.10g}  (the units of x, y and z are not all known)"
+    return f"{value:.10g} m3" if unit == 1 else f"{value:.10g}  ({value * unit:.10g} m3)"

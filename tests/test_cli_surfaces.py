@@ -1,0 +1,206 @@
+"""``liftmesh sample``, ``raster`` and ``contour``, and trimming, as a person runs them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import geopandas
+import numpy as np
+import pyproj
+import pytest
+import rasterio
+import trimesh
+from commands import failed, liftmesh as run
+from test_trimming import meadow
+
+import liftmesh
+
+
+@pytest.fixture
+def tin(tmp_path: Path) -> Path:
+    """A mesh that was trimmed from the boundary inwards, as the command writes it."""
+    np.savetxt(tmp_path / "meadow.csv", meadow(), delimiter=",", header="x,y,z", comments="")
+    words = ("--max-edge", "12", "--boundary-only")
+    done = run("triangulate", tmp_path / "meadow.csv", tmp_path / "tin.ply", *words)
+    assert done.returncode == 0, done.stderr
+    return tmp_path / "tin.ply"
+
+
+def surface() -> liftmesh.Surface:
+    return liftmesh.triangulate(meadow()).trim(max_edge=12, boundary_only=True)
+
+
+def test_a_mesh_is_trimmed_before_it_is_written(tin, tmp_path) -> None:
+    whole = liftmesh.triangulate(meadow())
+    assert len(liftmesh.read(tin).faces) == len(surface().faces) < len(whole.faces)
+    done = run("triangulate", tmp_path / "meadow.csv", tin, "--max-edge", "12", "--json")
+    found = json.loads(done.stdout)
+    assert found["trimmed"] == whole.trim(max_edge=12).mask.sum()
+    assert found["triangles"] == len(whole.faces)
+
+
+def test_a_raster_has_the_heights_of_the_surface(tin, tmp_path) -> None:
+    words = ("--resolution", "0.5", "--crs", "EPSG:25832", "--double")
+    done = run("raster", tin, tmp_path / "dtm.tif", *words)
+    assert done.returncode == 0, done.stderr
+    expected = surface().raster(0.5)
+    known = np.isfinite(expected.values).sum()
+    assert done.stdout.endswith(f"pixels of height, {known:,} with a value\n")
+    with rasterio.open(tmp_path / "dtm.tif") as file:
+        np.testing.assert_array_equal(file.read(1), expected.values)
+        assert file.crs.to_epsg() == 25832
+
+
+def test_rasters_of_other_quantities(tin, tmp_path) -> None:
+    words = ("--resolution", "2,1", "--bounds", "0,0,50,50", "--quantity", "hillshade", "--json")
+    done = run("raster", tin, tmp_path / "s.tif", *words, "--cog", "--compress", "none")
+    found = json.loads(done.stdout)
+    assert (found["rows"], found["columns"], found["quantity"]) == (50, 25, "hillshade")
+    with rasterio.open(tmp_path / "s.tif") as file:
+        expected = surface().raster((2, 1), bounds=(0, 0, 50, 50), quantity="hillshade")
+        np.testing.assert_array_equal(file.read(1), expected.values.astype(np.float32))
+
+
+def test_a_raster_by_natural_neighbours(tin, tmp_path) -> None:
+    words = ("--resolution", "5", "--method", "sibson", "--double")
+    assert run("raster", tin, tmp_path / "dtm.tif", *words).returncode == 0
+    with rasterio.open(tmp_path / "dtm.tif") as file:
+        expected = surface().raster(5, method="sibson").values
+        np.testing.assert_array_equal(file.read(1), expected)
+
+
+def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
+    words = ("--interval", "2", "--min-length", "5", "--base", "1")
+    done = run("contour", tin, tmp_path / "lines.geojson", *words)
+    assert done.returncode == 0, done.stderr
+    expected = surface().contours(interval=2, base=1).longer_than(5)
+    tree = json.loads((tmp_path / "lines.geojson").read_text())
+    found = [each["geometry"]["coordinates"] for each in tree["features"]]
+    assert found == [line.points.tolist() for line in expected]
+    assert f"{len(expected):,} lines at " in done.stdout
+    said = json.loads(run("contour", tin, tmp_path / "l.geojson", *words, "--json").stdout)
+    assert said["lines"] == len(expected)
+    assert said["length"] == pytest.approx(expected.lengths.sum())
+
+
+def test_faces_are_left_out_by_radius_and_polygon(tin, tmp_path) -> None:
+    ring = [[10, 10], [60, 10], [60, 70], [10, 70]]
+    area = tmp_path / "area.geojson"
+    area.write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    words = ("--levels", "-1,2", "--polygon", area, "--max-radius", "9", "--json")
+    done = run("contour", tin, tmp_path / "lines.gpkg", *words)
+    expected = surface().trim(polygon=ring, max_radius=9).contours([-1, 2])
+    assert json.loads(done.stdout)["length"] == pytest.approx(expected.lengths.sum())
+    assert len(geopandas.read_file(tmp_path / "lines.gpkg")) == len(expected)
+
+
+def test_a_solid_is_written(tin, tmp_path) -> None:
+    words = ("--base", "-50", "--longest", "100", "--z-factor", "2", "--pinched", "trim")
+    said = json.loads(run("solid", tin, tmp_path / "s.stl", *words, "--json").stdout)
+    found = trimesh.load(tmp_path / "s.stl")
+    assert found.is_volume
+    assert said["volume"] == pytest.approx(found.volume, rel=1e-6)
+    assert max(said["size"][:2]) == 100
+    done = run("solid", tin, tmp_path / "s.3mf", "--thickness", "3", "--pinched", "trim")
+    assert "triangles, volume " in done.stdout
+
+
+def test_a_cloud_is_triangulated_first(tmp_path) -> None:
+    np.savetxt(tmp_path / "meadow.csv", meadow(), delimiter=",", header="x,y,z", comments="")
+    source, target = tmp_path / "meadow.csv", tmp_path / "lines.geojson"
+    done = run("contour", source, target, "--interval", "2", "--max-edge", "12", "--json")
+    expected = liftmesh.triangulate(meadow()).trim(max_edge=12).contours(interval=2)
+    assert json.loads(done.stdout)["lines"] == len(expected)
+
+
+def test_points_get_heights_and_keep_their_values(tin, tmp_path) -> None:
+    (tmp_path / "points.csv").write_text("x,y,id\n20,20,7\n50,50,8\n99,50,9\n")
+    done = run("sample", tin, tmp_path / "heights.csv", "--at", tmp_path / "points.csv")
+    assert done.returncode == 0, done.stderr
+    assert "2 of 3 points have a height" in done.stderr
+    found = liftmesh.read(tmp_path / "heights.csv")
+    expected = surface().sample([[20, 20], [50, 50], [99, 50]])
+    np.testing.assert_array_equal(found.points[:, 2], expected)
+    assert np.isnan(expected[2])
+    assert found.attributes["id"].tolist() == [7, 8, 9]
+    assert (tmp_path / "heights.csv").read_text().splitlines()[-1].split(",")[2] == ""
+    run("sample", tin, tmp_path / "heights.xyz", "--at", tmp_path / "points.csv")
+    assert " nan " in (tmp_path / "heights.xyz").read_text()
+
+
+@pytest.mark.parametrize("crs", ["EPSG:7415", "epsg:28992", pyproj.CRS("EPSG:28992").to_wkt()])
+def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
+    liftmesh.triangulate(meadow(), crs="EPSG:28992").save(tmp_path / "dutch.ply")
+    words = ("dutch.ply", "dtm.tif", "--resolution", "1", "--crs", crs)
+    done = run("raster", *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with rasterio.open(tmp_path / "dtm.tif") as file:
+        assert file.crs == rasterio.CRS.from_user_input(crs)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("raster", "tin.ply", "out.tif", "--resolution", "0"), 3, "give a positive number"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "fine"), 2, "'fine' is not a number"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1,2,3"), 3, "resolution is"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1e-12"), 3, "too many"),
+        (("raster", "tin.ply", "out.tif"), 2, "--resolution"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--bounds", "1,2"), 3, "bounds"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--crs", "EPSG:1"), 3, "EPSG:1"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--compress", "x"), 3, "'x'"),
+        (("raster", "tin.ply", "no/out.tif", "--resolution", "1"), 3, "does not exist"),
+        (("raster", "tin.ply", "tin.ply", "--resolution", "1"), 3, "tin.ply: rasters are written"),
+        (("raster", "a.tif", "a.tif", "--resolution", "1"), 2, "same file"),
+        (("raster", "tin.ply", "-", "--resolution", "1"), 3, "-: rasters are written as GeoTIFF"),
+        (("raster", "none.ply", "o.png", "--resolution", "1"), 3, "o.png: rasters are written"),
+        (("raster", "none.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:abc"), 3, "EPSG:abc"),
+        (("raster", "none.ply", "o.tif", "--resolution", "1", "--compress", "x"), 3, "'x'"),
+        (("raster", "utm.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:4326"), 3, "not in --"),
+        (
+            ("sample", "utm.ply", "out.ply", "--at", "dutch.ply"),
+            3,
+            "dutch.ply is in 'EPSG:28992'",
+        ),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1e-320"), 3, "pixels are too many"),
+        (("contour", "none.ply", "lines.kml", "--interval", "1"), 3, "lines.kml: contours are"),
+        (("raster", "none.ply", "out.tif", "--resolution", "1"), 3, "none.ply: No such file"),
+        (("raster", "bent.ply", "out.tif", "--resolution", "1"), 3, "bent.ply: face 0, of the"),
+        (("contour", "tin.ply", "out.geojson", "--interval", "0"), 2, "not a positive number"),
+        (("contour", "tin.ply", "out.geojson", "--interval", "1e-9"), 3, "levels: give a larger"),
+        (("contour", "tin.ply", "out.geojson", "--interval", "1", "--base", "x"), 2, "--base"),
+        (("contour", "tin.ply", "out.geojson", "--interval", "1", "--boundary-only"), 2, "needs"),
+        (("contour", "tin.ply", "out.geojson", "--interval", "1", "--max-edge", "1e-9"), 3, "left"),
+        (("contour", "tin.ply", "out.geojson"), 2, "either --interval or --levels"),
+        (("contour", "tin.ply", "out.geojson", "--levels", "1,x"), 2, "'x' is not a number"),
+        (("contour", "tin.ply", "o.gpkg", "--levels", "1", "--polygon", "none.gpkg"), 3, "none"),
+        (("contour", "tin.ply", "o.gpkg", "--levels", "1", "--polygon", "at.csv"), 3, "at.csv"),
+        (("contour", "tin.ply", "o.gpkg", "--levels", "1", "--max-radius", "0"), 2, "positive"),
+        (("contour", "tin.ply", "no/out.geojson", "--interval", "1"), 3, "does not exist"),
+        (("sample", "tin.ply", "out.csv", "--at", "none.csv"), 3, "none.csv: No such file"),
+        (("sample", "tin.ply", "out.csv"), 2, "--at"),
+        (("solid", "tin.ply", "out.stl"), 2, "either --base or --thickness"),
+        (("solid", "tin.ply", "out.stl", "--base", "1", "--z-factor", "2"), 2, "needs --longest"),
+        (("solid", "tin.ply", "out.stl", "--base", "1e9"), 3, "reaches its base"),
+        (("solid", "tin.ply", "out.stl", "--thickness", "0"), 2, "not a positive number"),
+        (("solid", "none.ply", "out.png", "--base", "0"), 3, "out.png"),
+        (("sample", "tin.ply", "out.csv", "--at", "at.csv", "--method", "cubic"), 2, "--method"),
+        (("sample", "tin.ply", "out.what", "--at", "at.csv"), 3, "out.what"),
+        (("sample", "tin.ply", "at.csv", "--at", "at.csv"), 2, "same file"),
+        (("triangulate", "meadow.csv", "out.ply", "--max-edge", "-1"), 2, "not a positive number"),
+        (("triangulate", "meadow.csv", "out.ply", "--boundary-only"), 2, "needs --max-edge"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing_behind(
+    tin, tmp_path, words, code: int, said: str
+) -> None:
+    (tmp_path / "at.csv").write_text("x,y\n20,20\n")
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    liftmesh.write(tmp_path / "bent.ply", liftmesh.Cloud(square, faces=faces))
+    liftmesh.triangulate(square, crs="EPSG:25832").save(tmp_path / "utm.ply")
+    liftmesh.triangulate(square, crs="EPSG:28992").save(tmp_path / "dutch.ply")
+    before = {each.name: each.read_bytes() for each in tmp_path.iterdir()}
+    failed(run(*words, cwd=tmp_path), code, said)
+    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == before
