@@ -2,9 +2,9 @@
 
 Figures 2.1 to 5.2 show results of the other modules of this room: exact planes and cross-sections,
 real triangulations and hulls, random points. Figures 6.1 and 6.2 show the printed running times,
-and ours if measured. Two additional figures show the effect of the restricted region, two what
-the last section names, a power diagram and another metric, and one the upper hull. Each function
-returns a matplotlib ``Figure`` that is not attached to a window.
+and ours if measured. Two additional figures show the effect of the restricted region, four what the
+last section names (a power diagram, another metric, a metric for each point, and disks), and one
+the upper hull. Each function returns a matplotlib ``Figure`` that is not attached to a window.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from liftmesh.paper.pictures.adaptive import figure_adaptive
 from liftmesh.paper.pictures.data import figure_5_1, figure_5_2
+from liftmesh.paper.pictures.disks import figure_disks
 from liftmesh.paper.pictures.farthest import figure_farthest
 from liftmesh.paper.pictures.files import save
 from liftmesh.paper.pictures.first_edge import figure_3_1
@@ -25,6 +27,7 @@ from liftmesh.paper.pictures.power import figure_power
 from liftmesh.paper.pictures.region import figure_4_3
 from liftmesh.paper.pictures.running_times import figure_6_1, figure_6_2
 from liftmesh.paper.pictures.section import figure_4_1
+from liftmesh.paper.pictures.stars import figure_stars
 from liftmesh.paper.pictures.work import figure_dot_products, figure_rejections
 
 if TYPE_CHECKING:
@@ -46,6 +49,9 @@ FIXED: Mapping[str, Drawer] = {
     "power_diagram": figure_power,
     "metric": figure_metric,
     "farthest": figure_farthest,
+    "stars": figure_stars,
+    "disks": figure_disks,
+    "adaptive_thinning": figure_adaptive,
 }
 """The figures that do not need measurements: the paper's, and what its last section names."""
 
@@ -99,7 +105,7 @@ def draw_all(
     >>> import tempfile
     >>> files = draw_all(Path(tempfile.mkdtemp()))
     >>> len(files), files[0].name
-    (26, 'figure_2_1.png')
+    (32, 'figure_2_1.png')
     """
     directory.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []

@@ -1,0 +1,166 @@
+"""Disks with their graph and cells, and lifted disks with a plane that supports three of them.
+
+By Lemma 4.2 a plane that supports the lifted disks from below, and touches three of them, is a
+circle that touches three disks from outside and that no disk enters: `liftmesh.paper.disks`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.optional import load
+from liftmesh.paper.pictures.style import (
+    BLUE,
+    INK,
+    ORANGE,
+    SKY,
+    SOFT,
+    VERMILION,
+    blank_axes,
+    new_figure,
+    styled,
+)
+from liftmesh.planar.apollonius import apollonius
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from liftmesh.planar.apollonius_graph import ApolloniusGraph
+
+LIMITS = (-1.2, 9.0)
+_DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 0.25]]
+
+
+def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
+    """Return the disks of the picture.
+
+    Parameters
+    ----------
+    overlapping : bool
+        Whether they overlap, so that some are hidden.
+
+    Returns
+    -------
+    centers : (n, 2) ndarray of float64
+        Their centres.
+    radii : (n,) ndarray of float64
+        Their radii.
+
+    Examples
+    --------
+    >>> apollonius(*example_disks(overlapping=False)).hidden.size
+    0
+    >>> apollonius(*example_disks(overlapping=True)).hidden.size > 0
+    True
+    """
+    rng = np.random.default_rng(6)
+    cells = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0)), -1).reshape(-1, 2) * 2.2
+    centers = cells + rng.uniform(0.0, 1.0, cells.shape)
+    radii = 0.12 + 0.45 * rng.random(len(cells)) ** 1.5
+    if not overlapping:
+        return centers, radii
+    inner = centers[radii > 0.4] + 0.35
+    return np.vstack([centers, inner]), np.append(2.6 * radii, np.full(len(inner), 0.3))
+
+
+@styled
+def figure_disks() -> Figure:
+    """Draw disjoint and overlapping disks with graph and cells, and lifted disks with a plane.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The picture.
+
+    Examples
+    --------
+    >>> len(figure_disks().axes)
+    3
+    """
+    load("mpl_toolkits.mplot3d", extra="plot")  # makes the 3-D axes known
+    figure = new_figure(7.4, 3.1)
+    for column, overlapping in enumerate((False, True)):
+        axes = blank_axes(figure, (0.33 * column, 0.18, 0.33, 0.81))
+        axes.set(xlim=LIMITS, ylim=LIMITS)
+        _graph(axes, apollonius(*example_disks(overlapping=overlapping)))
+    solid: Any = figure.add_axes((0.66, 0.16, 0.34, 0.86), projection="3d", computed_zorder=False)
+    _lifted(solid, np.array(_DISJOINT))
+    for x, text in (
+        (0.165, "(a) disjoint disks"),
+        (0.495, "(b) overlapping disks"),
+        (0.83, "(c) a supporting plane"),
+    ):
+        figure.text(x, 0.12, text, ha="center")
+    _legend(figure)
+    return figure
+
+
+def _legend(figure: Figure) -> None:
+    line = load("matplotlib.lines", extra="plot").Line2D
+    named = (
+        (SKY, "disk"),
+        (VERMILION, "hidden disk, or one apart"),
+        (BLUE, "edge, or lifted disk"),
+        (INK, "side of a cell"),
+        (ORANGE, "plane and its circle"),
+    )
+    handles = [line([], [], color=color, lw=1.2, label=label) for color, label in named]
+    figure.legend(
+        handles=handles,
+        loc="lower center",
+        ncols=5,
+        fontsize=8.5,
+        columnspacing=1.2,
+        frameon=False,
+        labelcolor=SOFT,
+    )
+
+
+def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
+    patches = load("matplotlib.patches", extra="plot")
+    lines = load("matplotlib.collections", extra="plot").LineCollection
+    hidden = set(graph.hidden.tolist())
+    for row, (center, radius) in enumerate(zip(graph.centers, graph.radii, strict=True)):
+        color = VERMILION if row in hidden else SKY
+        axes.add_patch(patches.Circle(center, radius, fc=color, alpha=0.18, lw=0))
+        axes.add_patch(patches.Circle(center, radius, fc="none", ec=color, lw=1.0))
+    edges = graph.centers[graph.edges]
+    axes.add_collection(lines(list(edges), colors=BLUE, linewidths=0.6, gid="edges"))
+    sides = [line for _, line in graph.cell_sides((*LIMITS[:1] * 2, *LIMITS[1:] * 2), 0.01)]
+    axes.add_collection(lines(sides, colors=INK, linewidths=1.2, gid="cells"))
+
+
+def _lifted(axes: Any, disks: Floats) -> None:
+    graph = apollonius(disks[:, :2], disks[:, 2])
+    x, y, radius = graph.circles[0]
+    angles = np.linspace(0, 2 * np.pi, 181)
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    _paraboloid(axes)
+    for row, (*center, size) in enumerate(disks.tolist()):
+        points = center + size * around
+        color = BLUE if row in graph.simplices[0] else VERMILION
+        axes.plot(*points.T, (points**2).sum(1), color=color, lw=1.8, gid="lifted")
+        axes.plot(*points.T, 0 * angles - 1.4, color=color, lw=1.2)
+    plane = np.array([2 * x, 2 * y, radius**2 - x**2 - y**2])
+    circle = np.array([x, y]) + radius * around
+    axes.plot(*circle.T, (circle**2).sum(1), color=ORANGE, lw=1.6, gid="section")
+    axes.plot(*circle.T, 0 * angles - 1.4, color=ORANGE, lw=1.2)
+    corners = np.array([[-1.5, -1.5], [1.7, -1.5], [1.7, 1.6], [-1.5, 1.6]])
+    heights = corners @ plane[:2] + plane[2]
+    solid = load("mpl_toolkits.mplot3d.art3d", extra="plot").Poly3DCollection
+    sheet = np.column_stack([corners, heights])
+    axes.add_collection3d(solid([sheet], facecolors=ORANGE, alpha=0.22, edgecolors=ORANGE))
+    axes.view_init(elev=14, azim=-62)
+    axes.set_axis_off()
+    axes.set_box_aspect((1, 1, 1.1), zoom=1.25)
+
+
+def _paraboloid(axes: Any) -> None:
+    angles = np.linspace(0, 2 * np.pi, 61)
+    reach = np.linspace(0, 2.0, 11)
+    x, y = np.outer(reach, np.cos(angles)), np.outer(reach, np.sin(angles))
+    axes.plot_wireframe(x, y, x**2 + y**2, color="#cccccc", lw=0.4, rcount=9, ccount=25)

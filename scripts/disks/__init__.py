@@ -1,0 +1,1 @@
+"""Graphs of disks compared with CGAL's."""
