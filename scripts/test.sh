@@ -16,8 +16,10 @@ format_cpp() {
     find liftmesh/_core scripts tests -name '*.[ch]pp' -print0 -o -name '*.[ch]' -print0 | xargs -0 .venv-test/bin/clang-format --dry-run -Werror
 }
 
-# The wheel is installed and used outside the repository, so that nothing but its own files can be imported.
+# The wheel is installed and used outside the repository, so that nothing but its own files can be imported. Byte code
+# is written for what is imported, a small part of what is installed.
 wheel() (
+    unset PYTHONDONTWRITEBYTECODE
     local terrain=$PWD/data/jacksboro.ply checker=$PWD/scripts/check_wheel.py python=$PWD/.venv-test/bin/python
     outside=$(mktemp -d)
     trap 'rm -rf "$outside"' EXIT
@@ -26,21 +28,34 @@ wheel() (
     cd "$outside"
     run_quietly "Making an environment outside the repository" "$python" -m venv environment
     run_quietly "Installing the wheel there" \
-        environment/bin/python -m pip install --disable-pip-version-check --no-input ./*.whl
+        environment/bin/python -m pip install --disable-pip-version-check --no-input --no-compile ./*.whl
     environment/bin/python "$checker" ./*.whl "$terrain"
 )
+
+wheel_is_done() {
+    local code=0
+    wait "$wheel_process" || code=$?
+    cat "$wheel_log"
+    return "$code"
+}
 
 prepare_machine tests
 make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --editable '.[test]'
 # As pip does for what it installs: the tests start hundreds of processes, also where Python writes no bytecode.
 .venv-test/bin/python -m compileall -q liftmesh tests
 
+# The wheel takes one processor, mostly to wait for pip, and what only reads the sources takes another.
+wheel_log=$(mktemp)
+wheel >"$wheel_log" 2>&1 &
+wheel_process=$!
+trap 'wait; rm -f "$wheel_log"' EXIT
+
 check "ruff: lint" .venv-test/bin/ruff check .
 check "ruff: format" .venv-test/bin/ruff format --check .
 check "clang-format" format_cpp
 check "mypy" .venv-test/bin/mypy
 check "import-linter" .venv-test/bin/lint-imports
-check "the wheel, outside the repository" wheel
-check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --doctest-modules liftmesh tests
+check "the wheel, outside the repository" wheel_is_done
+check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --dist worksteal --doctest-modules liftmesh tests
 say
 say "All checks passed in $SECONDS s."

@@ -253,4 +253,6 @@ def _means(text: str, loss: str) -> bool:
         return True
     if kind == "rounded":
         return text in (f"double precision of {name}", f"whole numbers of {name} beyond 2**53")
+    if loss == PRECISION and text.startswith("last bits of coordinates"):
+        return True
     return text == loss or (loss == ROUNDED and text in (ALPHA, DEEP))

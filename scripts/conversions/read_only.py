@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import open3d as o3d
 import rasterio
+from beside.e57_files import Scan, e57
+from pye57 import libe57
 
 from conversions.objects import to_structured, to_tensor_points
 from conversions.passages import Arrival, Passage, without_others
@@ -102,9 +104,31 @@ def raster(cloud: Cloud, path: Path) -> None:
     path.with_suffix(".tif").rename(path)
 
 
+def scan(cloud: Cloud, path: Path) -> None:
+    """A scan of E57, of the types that libE57 writes."""
+    values = dict(zip(("cartesianX", "cartesianY", "cartesianZ"), cloud.points.T, strict=True))
+    for each in _eight_bits(cloud):
+        values |= dict(zip(("colorRed", "colorGreen", "colorBlue"), each.T, strict=True))
+    for name, each in _with_numbers(cloud).attributes.items():
+        if each.ndim > 1 or (each.dtype == np.uint64 and (each > 1 << 62).any()):
+            raise InputError("E57 has no such values")
+        values[name] = each.astype(_STORED.get(each.dtype.newbyteorder("=").name, each.dtype))
+    if not set(cloud.crs or "") <= _IN_XML:
+        raise InputError("XML has no such characters")
+    try:
+        path.write_bytes(e57(Scan(values), crs=cloud.crs or ""))
+    except (libe57.E57Exception, UnicodeEncodeError) as error:
+        raise InputError("E57 has no such field or text") from error
+
+
+_IN_XML = {chr(k) for k in (9, 10, *range(32, 0xD800), *range(0xE000, 0xFFFE))}
+_STORED = {"bool": "u1", "float16": "f4"} | dict.fromkeys(
+    ("int32", "uint32", "int64", "uint64"), "q"
+)
+
 MAKERS: dict[str, Callable[[Cloud, Path], None]] = {
     "npy": npy, "pcd": pcd, "pts": pts, "xyzrgb": xyzrgb, "xyzn": xyzn, "node": node, "ele": ele,
-    "raster": raster,
+    "raster": raster, "e57": scan,
 }  # fmt: skip
 
 

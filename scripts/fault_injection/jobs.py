@@ -158,6 +158,9 @@ def _commands(samples: Path) -> list[Job]:
         "verify mesh.ply --certificate new.json": "new.json",
         "info mesh.npy --json": "",
         "info mesh.obj": "",
+        "contour mesh.ply new.geojson --interval 1e-1": "new.geojson",
+        "raster mesh.npz new.tif --resolution 1e-1": "new.tif",
+        "solid mesh.ply new.stl --thickness 1": "new.stl",
     }
     for line in lines:  # imports what the forks would import
         main([str(samples / word) if "." in word else word for word in line.split()])

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 from beside import stream_of
 
 import liftmesh
-from growth import functions, weighted
+from growth import cells, changing, disks, functions, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
+from growth.files.e57 import E57
 from growth.files.gltf import GLB, GLTF, HEAVY
 from growth.files.lidar import LAS
 from growth.files.ply import PLY
@@ -52,6 +53,7 @@ FILES: dict[str, Families] = {
     "ele": ELE,
     "las": LAS,
     "raster": RASTER,
+    "e57": E57,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
@@ -67,7 +69,7 @@ among all others shows the earlier, the less there is beside it."""
 
 SLOW = (
     "text elements", "list elements", "members", "members deflated", "members bzip2",
-    "members lzma", "skipped members",
+    "members lzma", "skipped members", "chunks of one point", "nodes of one point",
 )  # fmt: skip
 """Of parts that cost much each: they are counted at an eighth as many."""
 
@@ -89,21 +91,36 @@ CHUNKS = 16
 
 
 WITHOUT_DATA = {
+    "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
+    "Relaxed": "a result, made by lloyd",
+    "Transported": "a result, made by transport",
+    "Cells": "a result, made by voronoi; its methods and properties are watched",
+    "Unclipped": "a result, made by Cells.unclipped; its properties are watched",
+    "AnisotropicStars": "a result, made by anisotropic_stars; its methods are watched",
+    "ApolloniusGraph": "a result, made by apollonius; its methods are watched",
     "Adapter": "describes a conversion",
     "Format": "describes a format",
     "Written": "tells what was written",
+    "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "Flaw": "a result, made by verify",
     "Offender": "a result, made by verify",
     "Certificate": "a result, made by verify; its methods are watched",
     "Comparison": "a result, made by compare; its methods are watched",
+    "Contour": "a line of Contours",
+    "Contours": "a result, made by Surface.contours; its methods are watched",
     "Counters": "a result, made by delaunay",
     "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
+    "Earthwork": "a result, made by Surface.cut_and_fill",
+    "Profile": "a result, made by Surface.profile",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
+    "Raster": "a result, made by Surface.raster; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",
     "Report": "a result, made by triangulate",
     "Surface": "a result, made by triangulate; its methods are watched",
+    "Tiled": "a result, made by tile; its methods are watched",
     "Triangulation": "a result, made by delaunay; its methods and properties are watched",
+    "Volume": "a result, made by Surface.volume",
 }
 """Public names that are not watched, each with the reason; nor are exceptions and the version."""
 
@@ -189,5 +206,16 @@ def of_formats() -> Iterator[Subject]:
 
 def subjects() -> dict[str, Subject]:
     """Return all subjects by name."""
-    made = (Subject(*each) for each in (*functions.FUNCTIONS, *weighted.FUNCTIONS))
+    made = (
+        Subject(*each)
+        for each in (
+            *functions.FUNCTIONS,
+            *weighted.FUNCTIONS,
+            *cells.FUNCTIONS,
+            *surfaces.FUNCTIONS,
+            *disks.FUNCTIONS,
+            *stars.FUNCTIONS,
+            *changing.CHANGING,
+        )
+    )
     return {each.name: each for each in (*made, *of_formats())}

@@ -95,6 +95,14 @@ def _regular(folder: Path, threads: int | None) -> Action:
     return lambda progress: liftmesh.regular(points, **options, progress=progress)
 
 
+def _tile(folder: Path) -> Action:
+    points = np.load(folder / "cloud.npy")[:, :2]
+    options: dict[str, Any] = {"tile_rows": max(16, len(points) // 4), "resume": False}
+    return lambda progress: liftmesh.tile(
+        points, folder / "out" / "tiles", **options, progress=progress
+    )
+
+
 def _triangulate(folder: Path) -> Action:
     points = np.load(folder / "cloud.npy")
     points[: len(points) // 5, :2] = points[
@@ -115,6 +123,19 @@ def _find_simplex(folder: Path) -> Action:
     return lambda _: few.find_simplex(points)
 
 
+def _surface(folder: Path, ask: Callable[[liftmesh.Surface], object]) -> Action:
+    """Ask a surface of a tenth of the rows."""
+    points = np.load(folder / "cloud.npy")
+    surface = liftmesh.triangulate(points[: len(points) // 10])
+    return lambda _: ask(surface)
+
+
+def _cut_and_fill(folder: Path) -> Action:
+    points = np.load(folder / "cloud.npy")
+    one, two = (liftmesh.triangulate(points[k::20]) for k in range(2))
+    return lambda _: one.cut_and_fill(two)
+
+
 # Each prepares its input, and returns the call that is interrupted.
 JOBS: dict[str, Callable[[Path], Action]] = {
     **{job: partial(_reading, name) for job, name in FILES.items()},
@@ -122,10 +143,14 @@ JOBS: dict[str, Callable[[Path], Action]] = {
     "delaunay": partial(_delaunay, threads=None),
     "regular, 1 thread": partial(_regular, threads=1),
     "regular": partial(_regular, threads=None),
+    "tile": _tile,
     "triangulate": _triangulate,
     "verify, 1 thread": partial(_verify, threads=1),
     "verify": partial(_verify, threads=None),
     "find_simplex": _find_simplex,
+    "raster": partial(_surface, ask=lambda surface: surface.raster(1e-3)),
+    "contours": partial(_surface, ask=lambda surface: surface.contours(interval=0.05)),
+    "cut and fill": _cut_and_fill,
     "write PLY": partial(_writing, "mesh.ply"),
     "write PLY, text": partial(_writing, "text.ply", encoding="ascii"),
     "write OBJ": partial(_writing, "mesh.obj"),

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/floating_point.hpp"
+#include "cells.hpp"
 #include "digest.hpp"
 #include "family.hpp"
 #include "meshes.hpp"
@@ -32,6 +33,7 @@ void run_sets(const char* file) {
         const auto rows = static_cast<std::size_t>(values[at]);
         const double* coordinates = &values[at + 1];
         add_meshes(coordinates, rows, digests);
+        add_cells(coordinates, rows, digests);
         add_family(coordinates, rows, digests);
         add_signs(coordinates, rows, digests);
         add_printed(coordinates, rows, digests);

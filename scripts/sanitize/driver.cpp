@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "cells.hpp"
+#include "changing.hpp"
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
@@ -23,7 +25,9 @@
 #include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
 #include "spoilt.hpp"
+#include "surfaces.hpp"
 #include "text.hpp"
+#include "tiles.hpp"
 #include "verify/verify.hpp"
 
 namespace parallel {
@@ -168,8 +172,12 @@ void check(const Cloud& cloud) {
     if (alone.status == Status::ok && alone.result.triangle_count > 0) {
         verified(cloud, alone);
         located(cloud, alone);
+        check_cells(cloud, alone);
+        check_surfaces(cloud, alone);
     }
     check_family(cloud);
+    check_tiles(cloud, alone.result.triangle_count);
+    check_changes(cloud);
     std::printf("%s: %zu rows, %zu triangles\n", cloud.name.c_str(), cloud.points.size(),
                 alone.result.triangle_count);
     std::fflush(stdout);
@@ -182,6 +190,8 @@ void check(const Cloud& cloud) {
 int main(int, char** arguments) {
     const std::size_t rows = std::stoul(arguments[1]);
     parallel::check_text(rows);
-    parallel::check_spoilt_rows(rows / 2, static_cast<unsigned>(std::stoul(arguments[2])));
+    const auto writers = static_cast<unsigned>(std::stoul(arguments[2]));
+    parallel::check_spoilt_rows(rows / 2, writers);
+    parallel::check_spoilt_surfaces(rows / 10, writers);
     for (const parallel::Cloud& cloud : parallel::clouds(rows)) parallel::check(cloud);
 }

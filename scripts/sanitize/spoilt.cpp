@@ -1,6 +1,4 @@
-// Another thread may write the caller's rows at any moment. Here the run itself does so whenever it
-// polls its interrupt, for the n-th time or from then on: single rows, many or all of them lose
-// their values, move, or come to lie on each other. What comes out need not be the triangulation
+// Triangulations of rows that are written meanwhile: what comes out need not be the triangulation
 // of either state, but is one of points that each were one reading of a row.
 
 #include "spoilt.hpp"
@@ -9,55 +7,16 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
+#include "spoiler.hpp"
 
 namespace parallel {
 
 namespace {
-
-using liftmesh::Point;
-
-struct Spoiling {
-    const char* name;
-    void (*change)(Point& p, std::size_t row);
-};
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-constexpr Spoiling spoilings[] = {
-    {"NaN", [](Point& p, std::size_t) { p.y = none; }},
-    {"infinite", [](Point& p, std::size_t row) { p.x = row % 2 == 0 ? infinity : -infinity; }},
-    {"moved", [](Point& p, std::size_t) { p = {0.75 - p.y, p.x}; }},
-    {"far", [](Point& p, std::size_t row) { p.x += row % 2 == 0 ? 1e9 : -1e300; }},
-    {"small", [](Point& p, std::size_t row) { p.x *= row % 3 == 0 ? 1e-300 : 1e-9; }},
-    {"one place", [](Point& p, std::size_t) { p = {0.25, 0.5}; }},
-    {"few places", [](Point& p, std::size_t row) { p = {row % 7 / 7.0, row % 5 / 5.0}; }},
-    {"one line", [](Point& p, std::size_t) { p.y = p.x; }},
-};
-
-class Spoiler final : public liftmesh::Interrupt {
- public:
-    Spoiler(std::vector<Point>& rows, const Spoiling& by, std::size_t step, std::size_t moment)
-        : rows_(rows), by_(by), step_(step), moment_(moment) {}
-
-    bool requested() override {
-        if (++asked_ % moment_ == 0)
-            for (std::size_t row = asked_ % step_; row < rows_.size(); row += step_)
-                by_.change(rows_[row], row);
-        return false;
-    }
-
- private:
-    std::vector<Point>& rows_;
-    const Spoiling& by_;
-    std::size_t step_, moment_, asked_ = 0;
-};
 
 // Whether every row is either a vertex, a duplicate of one, or skipped.
 bool names_each_row_once(const liftmesh::Delaunay& found, std::size_t rows) {

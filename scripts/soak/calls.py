@@ -74,6 +74,12 @@ def _find_simplex(rows: np.ndarray, rng: Generator) -> object:
     return _triangulation(rows).find_simplex(rng.random((100, 2)))
 
 
+def _sample(rows: np.ndarray, rng: Generator) -> object:
+    surface = liftmesh.triangulate(rows)
+    asked = rng.random((100, 2))
+    return surface.sample(asked), surface.aspect(asked)
+
+
 def _lower_hull(rows: np.ndarray, _: Generator) -> object:
     return liftmesh.lower_hull(rows).faces
 
@@ -155,8 +161,8 @@ def _stop(*_: Any) -> None:
 # The last one interrupts one of the others. Formats that trimesh reads and writes take many times
 # as long as the rest.
 SMALL: tuple[Call, ...] = (
-    _delaunay, _regular, _triangulate, _verify, _find_simplex, _lower_hull, _predicates, _copies,
-    _wrong, _with_progress, _broken_file, _files("ply", "obj", "npz"), _signalled,
+    _delaunay, _regular, _triangulate, _verify, _find_simplex, _sample, _lower_hull, _predicates,
+    _copies, _wrong, _with_progress, _broken_file, _files("ply", "obj", "npz"), _signalled,
 )  # fmt: skip
 RARE: tuple[Call, ...] = (_of_two_threads, _files("off", "stl", "glb"))
 RARELY = 0.01

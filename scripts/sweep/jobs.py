@@ -56,7 +56,13 @@ class Known:
 
 def all_jobs() -> list[Job]:
     """List every command with every format that it reads; the formats it writes take turns."""
-    return [Job(("--version",), (), "version"), *_of_clouds(), *_of_meshes(), _paper()]
+    return [
+        Job(("--version",), (), "version"),
+        *_of_clouds(),
+        *_of_meshes(),
+        *_of_surfaces(),
+        _paper(),
+    ]
 
 
 def _of_clouds() -> Iterator[Job]:
@@ -78,6 +84,17 @@ def _of_meshes() -> Iterator[Job]:
     for kind in _MESHES:
         words = ("verify", f"../in.{kind}", "--certificate", "out.json")
         yield Job(words, ("out.json",), _kind("verify", kind))
+
+
+def _of_surfaces() -> Iterator[Job]:
+    words = ("contour", "../in.ply", "lines.geojson", "--interval", "0.1")
+    yield Job(words, ("lines.geojson",), "contour")
+    words = ("raster", "../in.npz", "heights.tif", "--resolution", "0.01")
+    yield Job(words, ("heights.tif",), "raster")
+    words = ("solid", "../in.ply", "block.stl", "--thickness", "1")
+    yield Job(words, ("block.stl",), "solid")
+    words = ("sample", "../in.obj", "heights.csv", "--at", "../in.xyz")
+    yield Job(words, ("heights.csv",), "sample")
 
 
 def _paper() -> Job:

@@ -10,6 +10,7 @@ cost nothing: it shows what the order of the work allows, not how well a machine
 from __future__ import annotations
 
 import heapq
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -27,7 +28,7 @@ NAMES = {
     "SpatialSort::close_up": "cells without duplicates",
     "unite": "duplicates by row",
     "SpatialSort::move_to_scale": "points to the scale of the predicates",
-    "Engine::run": "subtrees: halving, leaves, merges",
+    "Recursion::whole": "subtrees: halving, leaves, merges",
     "Ghosts::find": "walks along the hull",
     "Compaction::write_hull": "rows of the hull",
     "Compaction::finish": "vertices to rows, edges to triangles",
@@ -54,11 +55,13 @@ def stages(steps: list[Step], threads: int) -> list[Stage]:
     merging = False
     for step in steps:
         name = name_of(step, merging)
-        merging |= name == NAMES["Engine::run"]
+        merging |= name == NAMES["Recursion::whole"]
         found.append(Stage(f"one thread, before: {name}", 0, step.alone, step.alone))
         if step.tasks:
             length = makespan(step.tasks, threads)
             found.append(Stage(name, len(step.tasks), sum(step.tasks), length))
+    if not merging:  # one thread builds the whole tree without a list of tasks
+        max(found, key=lambda stage: stage.length).name = NAMES["Recursion::whole"]
     return found
 
 
@@ -66,14 +69,22 @@ def name_of(step: Step, merging: bool) -> str:
     """Name a list of tasks: the second and later ones of the engine are merges."""
     if not step.tasks:
         return "the end"
+    work = without_arguments(step.work)
     for function, name in NAMES.items():
-        if f"{function}(" in step.work or mangled(function) in step.work:
-            if merging and function == "Engine::run":
+        if f"{function}(" in work or mangled(function) in work:
+            if merging and function == "Recursion::whole":
                 return MERGES.format(len(step.tasks), "s" * (len(step.tasks) > 1))
             return name
-    if "Compaction" in step.work:
+    if "Compaction" in work:
         return "ghosts give way"
     raise ValueError(f"no name is known for the work of {step.work}")
+
+
+def without_arguments(work: str) -> str:
+    """Return a function's name without the arguments of its templates."""
+    while (shorter := re.sub(r"<[^<>]*>", "", work)) != work:
+        work = shorter
+    return work
 
 
 def mangled(function: str) -> str:

@@ -37,6 +37,11 @@ std::string name_of(const std::function<void(std::size_t)>& work) {
 
 }  // namespace
 
+// A counted run is never forked.
+unsigned forks_so_far() {
+    return 0;
+}
+
 ThreadPool::ThreadPool(Threads threads, Interrupt& interrupt)
     : interrupt_(interrupt), size_(threads.limit), forks_(0) {}
 

@@ -37,6 +37,9 @@ void check_verification(Case& c, const liftmesh::Delaunay& found);
 // Weights, radii and the farthest site: every edge is locally convex, and every other row above.
 void check_family(Case& c, const Expectation& expected);
 
+// Points that are inserted and removed leave the triangles of a fresh run.
+void check_changes(Case& c, const Rows& rows);
+
 // An interrupted run says so, unless it finished before.
 void check_interruption(Case& c, const liftmesh::Delaunay& found);
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,8 @@ class Case:
     """A file; ``points`` are its rows in the order of `in_order`, None if lies were told.
 
     ``content`` is the size of what it holds, for a file that is compressed; ``others`` says that
-    it holds more than the points, which must be read as well, or named.
+    it holds more than the points, which must be read as well, or named. With ``options`` it is read
+    once more, to any end.
     """
 
     kind: str
@@ -26,6 +28,7 @@ class Case:
     points: Points | None = None
     content: int = 0
     others: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def size(self) -> int:

@@ -66,6 +66,9 @@ def _measured(case: Case) -> tuple[float, int, str]:
     began = time.process_time()
     fault = ""
     try:
+        if case.options:
+            read(stream, format=case.kind, **case.options)
+            stream.seek(0)
         read(stream, format=case.kind)
     except FormatError:
         pass

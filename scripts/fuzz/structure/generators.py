@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from fuzz.structure.e57 import scans
 from fuzz.structure.gltf import gltf
-from fuzz.structure.las import las, laz
+from fuzz.structure.las import copc, las, laz
 from fuzz.structure.numpy_files import npy, npz
 from fuzz.structure.parts import Chance
 from fuzz.structure.ply import ply
@@ -35,6 +36,8 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "gzip": compressed,
     "las": las,
     "laz": laz,
+    "copc": copc,
+    "e57": scans,
     "geotiff": geotiff,
     "grid": grid,
 }

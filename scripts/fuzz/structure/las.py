@@ -7,6 +7,7 @@ import struct
 
 import laspy
 import numpy as np
+from growth.files.lidar import nodes_of_one_point
 
 from fuzz.structure.case import Case, Points, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
@@ -17,6 +18,7 @@ _SIZES = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
 TRACED = 2 << 20
 """Where lazrs meets damage that it did not foresee, Rust may look up the names of functions: that
 takes 30 MB, whatever the file."""
+_INFO = 375 + 54  # the place of what COPC says of its index
 _COUNT_FORMS = ("<H", "<I", "<B", "<Q", "<d", "<q")
 
 
@@ -95,6 +97,26 @@ def laz(chance: Chance) -> Case:
         damaged[place : place + len(part)] = part
     end = chance.randrange(len(damaged)) if chance.one_in(6) else len(damaged)
     return Case("laz", bytes(damaged[:end]), content=TRACED)
+
+
+def copc(chance: Chance) -> Case:
+    """Make a COPC file with a point in each node; its index lies in three of four."""
+    count = chance.randint(1, 12)
+    data = bytearray(nodes_of_one_point(count))
+    data[8:24] = bytes(chance.randrange(256) for _ in range(16))  # the GUID of a project
+    index = len(data) - 32 * (count + count // 2)
+    options = chance.choice(({"bbox": (0, 0, 400, 400)}, {"resolution": 3.0}, {"z_range": (0, 9)}))
+    if chance.one_in(4):
+        points = np.array(laspy.read(io.BytesIO(data)).xyz)
+        return Case("laz", bytes(data), in_order(points), options=options)
+    for _ in range(chance.randint(1, 4)):
+        form = chance.choice(("<i", "<Q", "<d"))
+        value = chance.whole() if form != "<d" else chance.real()
+        part = Part(value, form).encode()
+        places = (range(_INFO, _INFO + 72, 8), range(index, len(data) - 8, 4))
+        place = chance.choice(chance.choice(places))
+        data[place : place + len(part)] = part
+    return Case("laz", bytes(data), content=TRACED, options=options)
 
 
 def _compressed(points: Points, point_format: int) -> bytes:

@@ -21,7 +21,7 @@ from typing import Any, TextIO
 from fuzz.shrink import shrunk
 from fuzz.structure.case import Case
 from fuzz.structure.checks import check
-from fuzz.structure.generators import GENERATORS, generated
+from fuzz.structure.generators import generated
 
 ROOM = 1 << 30
 SHRINKING = 10.0
@@ -51,9 +51,9 @@ class Worker:
         for stream in (1, 2):
             os.dup2(self._printed, stream)
 
-    def warm_up(self) -> None:
+    def warm_up(self, names: list[str]) -> None:
         """Let the readers import what they import, which is neither their time nor their memory."""
-        for name in GENERATORS:
+        for name in names:
             for number in range(10):
                 check(generated(name, number), self._printed)
 
@@ -132,7 +132,7 @@ def main() -> None:
     folder, seed, step, cases, seconds, *names = sys.argv[1:]
     report = os.fdopen(os.dup(1), "w")
     worker = Worker(Path(folder), report)
-    worker.warm_up()
+    worker.warm_up(names)
     limit_memory()
     first = int(seed)
     worker.run(range(first, first + int(cases) * int(step), int(step)), names, float(seconds))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import struct
 import zipfile
+from functools import cache
 
 import numpy as np
 
@@ -186,6 +187,7 @@ def foreign_members(n: int) -> bytes:
     return stream.getvalue()
 
 
+@cache  # it is the same for every number of notes, and takes a second or two to compress
 def going_on(method: int) -> bytes:
     """Change an archive of a method so that its member states fewer bytes than its stream has."""
     whole, more = npy(np.eye(3)), bytes(1 << 26)

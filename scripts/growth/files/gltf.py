@@ -198,7 +198,7 @@ TREES = (
     soup, indexed, chain, moved_chain, instances, meshes, primitives, one_name, unused,
     unused_meshes, empty_nodes, strip, flat_json, one_address, named_values, shared_values,
 )  # fmt: skip
-HEAVY = ("moved chain", "primitives", "one name", "instances", "one address")
+HEAVY = ("moved chain", "meshes", "primitives", "one name", "instances", "one address")
 """Each part of these costs thousands of instructions: they are counted at fewer parts."""
 
 

@@ -1,0 +1,149 @@
+"""Time the way from a LAZ file to the mesh of its ground, beside the decoding alone.
+
+    python scripts/bench_lidar.py                 a million points
+    python scripts/bench_lidar.py --n 10000000    ten million
+
+The file is made: point format 6, seven of ten points are ground. Every run is a fresh process on
+two threads. "decode" is lazrs, which decompresses all points on these threads and keeps nothing.
+"own" is what liftmesh does besides: selection, surface, and the PLY file. Memory is the growth of
+the peak since the imports, and what the arrays of cloud and surface hold.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
+from typing import Any
+
+import laspy
+import numpy as np
+from benchmark.worker import memory
+
+import liftmesh
+from liftmesh.io.las.records import Points
+
+THREADS = "2"
+GROUND = 0.7
+_PART = 1 << 20  # points made at a time
+
+
+def make(path: Path, n: int) -> None:
+    """Write a LAZ file of n points."""
+    rng = np.random.default_rng(1)
+    header = laspy.LasHeader(point_format=6, version="1.4")
+    header.scales, header.offsets = np.full(3, 0.001), np.array([500000.0, 5400000.0, 0.0])
+    side = float(np.sqrt(n))
+    with laspy.open(path, "w", header=header) as file:
+        for first in range(0, n, _PART):
+            count = min(_PART, n - first)
+            points = laspy.ScaleAwarePointRecord.zeros(count, header=header)
+            x, y = rng.random((2, count)) * [[side], [side * min(_PART, n) / n]]
+            points.x, points.y = 500000 + x, 5400000 + y + side * first / n
+            is_ground = rng.random(count) < GROUND
+            points.z = 5 * np.sin(x / 50) + np.where(is_ground, 0, 10 * rng.random(count))
+            points.classification = np.where(is_ground, 2, 5)
+            points.intensity = rng.integers(0, 60_000, count)
+            points.return_number = points.number_of_returns = np.ones(count, np.uint8)
+            points.gps_time = 1e5 + np.arange(first, first + count) * 1e-5
+            file.write_points(points)
+
+
+def decode(path: str) -> dict[str, float]:
+    """Decompress all points as laspy does, and keep none."""
+    began, cpu = perf_counter(), process_time()
+    with laspy.open(path, laz_backend=laspy.LazBackend.LazrsParallel) as file:
+        for _ in file.chunk_iterator(1 << 18):
+            pass
+    return {"seconds": perf_counter() - began, "cpu": process_time() - cpu}
+
+
+def mesh(path: str) -> dict[str, float]:
+    """Read the ground, triangulate it, and write PLY."""
+    blocks, decoding = Points.blocks, [0.0]
+
+    def timed(self: Any, *rest: Any) -> Iterator[Any]:
+        pieces = blocks(self, *rest)
+        while True:
+            began = perf_counter()
+            block = next(pieces, None)
+            decoding[0] += perf_counter() - began
+            if block is None:
+                return
+            yield block
+
+    Points.blocks = timed  # type: ignore[method-assign]
+    try:
+        return _measured_steps(path, decoding)
+    finally:
+        Points.blocks = blocks  # type: ignore[method-assign]
+
+
+def _measured_steps(path: str, decoding: list[float]) -> dict[str, float]:
+    liftmesh.triangulate(np.eye(3))
+    held = memory("VmRSS")
+    began, cpu = perf_counter(), process_time()
+    cloud = liftmesh.read(path, classes=2)
+    read = perf_counter()
+    surface = liftmesh.triangulate(cloud)
+    made = perf_counter()
+    surface.save(f"{path}.ply")
+    end, cpu = perf_counter(), process_time() - cpu
+    peak = memory("VmHWM")
+    arrays = [cloud.points, *cloud.attributes.values(), surface.triangulation.simplices]
+    arrays.append(surface.triangulation.neighbors)
+    return {
+        "rows": len(cloud), "decode": decoding[0], "selection": read - began - decoding[0],
+        "triangulate": made - read, "write": end - made, "own": end - began - decoding[0],
+        "cpu": cpu, "peak": peak - held, "arrays": sum(each.nbytes for each in arrays),
+    }  # fmt: skip
+
+
+def measured(job: str, path: Path) -> dict[str, float]:
+    """Run a job in a process of its own."""
+    environment = {**os.environ, "RAYON_NUM_THREADS": THREADS, "LIFTMESH_NUM_THREADS": THREADS}
+    words = [sys.executable, __file__, "--job", job, str(path)]
+    done = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
+    found: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def main() -> None:
+    """Run the benchmark."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    parser.add_argument("--n", type=int, default=1_000_000, help="points")
+    parser.add_argument("--runs", type=int, default=3, help="of each, one after the other")
+    parser.add_argument("--json", type=Path, help="write the figures to a file")
+    parser.add_argument("--job", nargs=2, metavar=("JOB", "FILE"), help="used by itself")
+    options = parser.parse_args()
+    if options.job:
+        print(json.dumps({"decode": decode, "mesh": mesh}[options.job[0]](options.job[1])))
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "made.laz")
+        make(path, options.n)
+        runs = [(measured("decode", path), measured("mesh", path)) for _ in range(options.runs)]
+    found = {
+        job: {key: median(run[k][key] for run in runs) for key in runs[0][k]}
+        for k, job in enumerate(("decode", "mesh"))
+    }
+    if options.json:
+        options.json.write_text(json.dumps({"n": options.n, **found}, indent=2))
+    for job, values in found.items():
+        print(job, "  ".join(f"{key} {value:,.3f}" for key, value in values.items()))
+    ratio = found["mesh"]["own"] / found["decode"]["seconds"]
+    share = found["mesh"]["peak"] / found["mesh"]["arrays"]
+    cpu = found["mesh"]["cpu"] / found["decode"]["cpu"] - 1
+    print(f"own steps / decoding: {ratio:.2f}, of processors' time {cpu:.2f}")
+    print(f"peak / arrays: {share:.2f}")
+
+
+if __name__ == "__main__":
+    main()

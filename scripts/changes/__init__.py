@@ -1,0 +1,1 @@
+"""Points that come and go, held against fresh triangulations."""

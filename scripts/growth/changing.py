@@ -1,0 +1,71 @@
+"""Points that are inserted and removed, and surfaces that are simplified, as subjects to watch."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from distributions import Points
+
+import liftmesh
+from growth.counting import Work
+from growth.functions import EXACT, TERRAIN, on_points, on_surface
+from growth.planar import FANS, PLANAR
+from growth.spatial import SPATIAL
+
+
+def inserted(points: Points) -> Work:
+    """Prepare the insertion of points, a tenth of all at once, into the others."""
+    part = len(points) // 10
+    tri = liftmesh.DynamicTriangulation(points[part:])
+    return Work(lambda: copy.copy(tri).insert(points[:part]), len(points))
+
+
+def removed(points: Points) -> Work:
+    """Prepare the removal of a tenth of the points, those with the most neighbours among them."""
+    tri = copy.copy(liftmesh.DynamicTriangulation(points))
+    degree = np.bincount(tri.simplices.ravel(), minlength=len(tri.points))
+    gone = np.intersect1d(np.argsort(-degree, kind="stable")[: len(points) // 10], tri.vertices)
+    return Work(lambda: copy.copy(tri).remove(gone), len(points))
+
+
+def looked_up(points: Points) -> Work:
+    """Prepare a look at all that a changing triangulation tells."""
+    tri = liftmesh.DynamicTriangulation(points)
+
+    def look() -> object:
+        twin = copy.copy(tri)
+        told = twin.points, twin.vertices, twin.simplices, twin.neighbors, twin.hull
+        return told, twin.find(points[:, :2])
+
+    return Work(look, len(points))
+
+
+def simplified(points: Points) -> Work:
+    """Prepare an approximation within a fifth of the range of heights."""
+    bound = float(np.ptp(points[:, 2] / 2)) / 2.5
+    return Work(lambda: liftmesh.simplify(points, max_error=bound), len(points))
+
+
+def few_vertices(surface: liftmesh.Surface) -> object:
+    """Simplify a surface to a quarter of its rows."""
+    return liftmesh.simplify(surface, max_points=max(len(surface.vertices) // 4, 64))
+
+
+def subjects() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation and counted families."""
+    whole = on_points(lambda p: liftmesh.DynamicTriangulation(p).to_triangulation())
+    yield "DynamicTriangulation", PLANAR, on_points(liftmesh.DynamicTriangulation), ("lattice",)
+    yield "DynamicTriangulation.insert", PLANAR, inserted, ("uniform", *FANS, *EXACT)
+    # On rings of cocircular points each removal of the hub of a fan makes another hub.
+    fans = [name for name in FANS if name != "polar scan"]
+    yield "DynamicTriangulation.remove", PLANAR, removed, ("uniform", *fans, *EXACT)
+    yield "DynamicTriangulation.find", PLANAR, looked_up, ("uniform",)
+    yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()
+    yield "simplify", SPATIAL, simplified, TERRAIN
+    yield "simplify a surface", SPATIAL, on_surface(few_vertices), ("random heights",)
+
+
+CHANGING = tuple(subjects())

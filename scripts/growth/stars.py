@@ -1,0 +1,64 @@
+"""Stars of points in metrics of their own, as subjects to watch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from distributions import Points
+
+import liftmesh
+from growth.counting import Work
+from growth.planar import PLANAR
+
+if TYPE_CHECKING:
+    from growth.functions import Prepare
+
+
+SPREAD = {
+    name: PLANAR[name]
+    for name in ("uniform", "gaussian", "kuzmin", "clusters", "lattice", "polar scan")
+}
+"""Where a star takes few steps: on convex curves it takes all rows, or where no filter decides."""
+
+
+def metrics_of(points: Points) -> np.ndarray:
+    """Ask for triangles up to eight times as long as wide, in directions that turn slowly."""
+    extent = max(np.ptp(points / 2, axis=0).max(), 1e-300)
+    x, y = ((points / 2 - points.min(0) / 2) / extent).T
+    along = np.column_stack([np.cos(x + 2 * y), np.sin(x + 2 * y)])
+    stretch = 1 + 63 * x
+    found = np.eye(2) + stretch[:, None, None] * along[:, :, None] * along[:, None, :]
+    return (found + found.transpose(0, 2, 1)) / 2
+
+
+def prepare(points: Points) -> Work:
+    """Prepare all stars."""
+    metrics = metrics_of(points)
+    return Work(lambda: liftmesh.anisotropic_stars(points, metrics), len(points))
+
+
+def on_stars(call: Callable[[liftmesh.AnisotropicStars], object]) -> Prepare:
+    """Prepare a call on stars."""
+
+    def prepared(points: Points) -> Work:
+        stars = liftmesh.anisotropic_stars(points, metrics_of(points))
+        return Work(lambda: call(stars), len(points))
+
+    return prepared
+
+
+def star_functions() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation and counted families of what takes metrics."""
+    yield "anisotropic_stars", SPREAD, prepare, ("uniform", "lattice")
+    yield "AnisotropicStars.star", SPREAD, on_stars(lambda stars: stars.star(0)), ()
+    yield (
+        "AnisotropicStars.simplices",
+        PLANAR,
+        on_stars(lambda stars: stars.simplices),
+        ("uniform",),
+    )
+
+
+FUNCTIONS = tuple(star_functions())

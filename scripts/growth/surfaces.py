@@ -1,0 +1,167 @@
+"""What surfaces are asked, as subjects to watch: on the triangulations that are hard to walk in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from math import isqrt
+from typing import Any
+
+import numpy as np
+from distributions import Points
+
+import liftmesh
+from growth.counting import Work
+from growth.families import random
+from growth.functions import near_the_middle
+from growth.planar import FANS, HARD_TO_WALK, PLANAR
+from liftmesh import Surface, Triangulation
+
+Prepare = Callable[[Any], Work]
+LEAST = 256  # rows, from which on walks are long enough in all families
+
+
+def surface_over(points: Points) -> Surface:
+    """Make a surface with random heights."""
+    heights = random().random(len(points))
+    return liftmesh.triangulate(np.column_stack([points, heights]), threads=1)
+
+
+def asked(name: str, of: Callable[[Triangulation], Points], **options: Any) -> Prepare:
+    """Prepare a method for as many points as there are rows, with the index at hand."""
+
+    def prepare(points: Points) -> Work:
+        found = surface_over(points)
+        given = of(found.triangulation)
+        call = getattr(found, name)
+        call(given, threads=1, **options)
+        return Work(lambda: call(given, threads=1, **options), len(given))
+
+    return prepare
+
+
+def rasters(**options: Any) -> Prepare:
+    """Prepare a raster of as many pixels as there are rows."""
+
+    def prepare(points: Points) -> Work:
+        found = surface_over(points)
+        low, high = found.triangulation.min_bound, found.triangulation.max_bound
+        side = max(isqrt(len(points)), 2)
+        steps = np.maximum((high / 2 - low / 2) * 2, np.abs(high) * 1e-9 + 1e-9) / side
+        transform = (steps[0], 0.0, low[0], 0.0, -steps[1], high[1])
+        call = partial(found.raster, transform=transform, shape=(side, side), **options)
+        call(threads=1)
+        return Work(lambda: call(threads=1), len(points))
+
+    return prepare
+
+
+def on_surface(call: Callable[[Surface], object]) -> Prepare:
+    """Prepare a call on a surface with random heights."""
+
+    def prepare(points: Points) -> Work:
+        found = surface_over(points)
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def half_of(found: Surface) -> Surface:
+    """Leave out every second face: nearly every side is on the boundary."""
+    mask = np.arange(found.triangulation.nsimplex) % 2 == 1
+    return replace(found, mask=mask, faces=found.triangulation.simplices[~mask])
+
+
+def trimmed_inwards(found: Surface) -> Surface:
+    """Leave out faces with a side longer than most."""
+    points, edges = found.triangulation.points, found.triangulation.edges
+    longest = np.abs(np.diff(points[edges], axis=1)).max(axis=2)
+    return found.trim(max_edge=max(np.quantile(longest, 0.7), 1e-300), boundary_only=True)
+
+
+def bounded(points: Points) -> Work:
+    """Prepare the rings of a surface of which half of the faces are left out."""
+    found = half_of(surface_over(points))
+    return Work(found.boundary, len(points))
+
+
+def compared(points: Points) -> Work:
+    """Prepare two surfaces over the same ground, of which one has other points."""
+    one = surface_over(points)
+    other = surface_over(points[::2])
+    return Work(lambda: one.cut_and_fill(other), len(points))
+
+
+def contoured(call: Callable[[liftmesh.Contours], object]) -> Prepare:
+    """Prepare a call on the contours of a surface with random heights."""
+
+    def prepare(points: Points) -> Work:
+        found = surface_over(points).contours(interval=0.25)
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def on_raster(call: Callable[[liftmesh.Raster], object]) -> Prepare:
+    """Prepare a call on a raster of as many pixels as there are rows."""
+
+    def prepare(points: Points) -> Work:
+        side = max(isqrt(len(points)), 2)
+        found = surface_over(points).raster(transform=(1, 0, 0, 0, 1, 0), shape=(side, side))
+        return Work(lambda: call(found), len(points))
+
+    return prepare
+
+
+def saved(found: liftmesh.Raster) -> object:
+    """Write a raster where nothing is kept."""
+    return found.save("/dev/null")
+
+
+def saved_lines(found: liftmesh.Contours) -> object:
+    """The same with contours."""
+    return found.save("/dev/null")
+
+
+def surface_functions() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation, counted families and least size."""
+    for name in ("sample", "gradient"):
+        middle, rows = asked(name, near_the_middle), asked(name, lambda tri: tri.points)
+        yield f"Surface.{name} near the middle", PLANAR, middle, HARD_TO_WALK, LEAST
+        yield f"Surface.{name} of rows", PLANAR, rows, FANS[:2], LEAST
+    for method in ("nearest", "laplace", "sibson"):
+        label, by = f"Surface.sample by {method}", asked("sample", near_the_middle, method=method)
+        yield label, PLANAR, by, ("uniform", "lattice"), LEAST
+    for name in ("slope", "aspect"):
+        yield f"Surface.{name}", PLANAR, asked(name, near_the_middle), ("uniform",), LEAST
+    yield "Surface.trim", PLANAR, on_surface(trimmed_inwards), FANS, LEAST
+    square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    within = on_surface(lambda found: found.trim(polygon=square, max_radius=1e300))
+    yield "Surface.trim by a polygon", PLANAR, within, ("uniform",), LEAST
+    yield "Surface.boundary", PLANAR, bounded, FANS, LEAST
+    yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
+    cut = on_surface(lambda found: found.volume(0.5))
+    yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
+    inside = on_surface(lambda found: found.volume(0.5, polygon=[[0, 0], [1, 0], [0.5, 1]]))
+    yield "Surface.volume in a polygon", PLANAR, inside, ("uniform",), LEAST
+    line = on_surface(lambda found: found.profile([[0, 0], [1, 1], [0, 1]]))
+    yield "Surface.profile", PLANAR, line, ("uniform", "lattice"), LEAST
+    yield "Surface.cut_and_fill", PLANAR, compared, ("uniform", "lattice"), LEAST
+    closed = on_surface(lambda found: found.solid(thickness=1.0))
+    yield "Surface.solid", PLANAR, closed, ("uniform", "lattice"), LEAST
+    found_again = on_surface(lambda found: liftmesh.as_surface(found.to_cloud(), threads=1))
+    yield "as_surface", PLANAR, found_again, ("uniform", "lattice"), LEAST
+    lines = on_surface(lambda found: found.contours(interval=0.25, threads=1))
+    yield "Surface.contours", PLANAR, lines, FANS, LEAST
+    longer = contoured(lambda found: found.longer_than(0.1))
+    yield "Contours.longer_than", PLANAR, longer, ("uniform",), LEAST
+    yield "Contours.save", PLANAR, contoured(saved_lines), ("uniform",), LEAST
+    yield "Surface.raster", PLANAR, rasters(), HARD_TO_WALK, LEAST
+    hillshade = rasters(quantity="hillshade")
+    yield "Surface.raster of hillshade", PLANAR, hillshade, ("uniform", "lattice"), LEAST
+    yield "Raster.centres", PLANAR, on_raster(liftmesh.Raster.centres), ("uniform",), LEAST
+    yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
+
+
+FUNCTIONS = tuple(surface_functions())

@@ -1,0 +1,89 @@
+#include "changing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+#include "dynamic/triangulation.hpp"
+#include "simplification/simplify.hpp"
+
+namespace parallel {
+
+namespace {
+
+using liftmesh::Point;
+using liftmesh::Vertex;
+
+class Never final : public liftmesh::Interrupt {
+ public:
+    bool requested() override { return false; }
+};
+
+void demand(bool condition, const Cloud& cloud, const char* what) {
+    if (condition) return;
+    std::fprintf(stderr, "%s: %s\n", cloud.name.c_str(), what);
+    std::exit(1);
+}
+
+std::vector<Point> finite(const Cloud& cloud, std::size_t most) {
+    std::vector<Point> points;
+    for (Point p : cloud.points)
+        if (liftmesh::is_finite(p) && points.size() < most)
+            points.push_back({p.x + 0.0, p.y + 0.0});
+    return points;
+}
+
+std::size_t fresh_triangles(const liftmesh::dynamic::Triangulation& mesh) {
+    std::vector<Point> present;
+    for (Vertex v = 0; v < mesh.vertex_end(); ++v)
+        if (mesh.is_present(v)) present.push_back(mesh.point(v));
+    Never never;
+    const auto input = liftmesh::dynamic::input_of(present);
+    return liftmesh::delaunay(input, false, {}, never).result.triangle_count;
+}
+
+void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
+    Never never;
+    liftmesh::dynamic::Triangulation mesh;
+    std::vector<Vertex> found(points.size());
+    const std::size_t half = points.size() / 2;
+    for (std::size_t i = 0; i < half; ++i) found[i] = mesh.insert(points[i]);
+    const std::vector<Point> rest(points.begin() + static_cast<std::ptrdiff_t>(half), points.end());
+    mesh.insert(liftmesh::dynamic::input_of(rest), found.data() + half, never);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    for (std::size_t i = 0; i < found.size(); i += 3) mesh.remove(found[i]);
+    demand(mesh.result().triangle_count == fresh_triangles(mesh), cloud, "triangles are missing");
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (i % 3 != 0) mesh.remove(found[i]);
+    demand(mesh.size() == 0, cloud, "points are left");
+}
+
+void simplified(const Cloud& cloud, const std::vector<Point>& points) {
+    Never never;
+    const auto whole = liftmesh::delaunay(liftmesh::dynamic::input_of(points), false, {}, never);
+    if (whole.status != liftmesh::Status::ok || !whole.duplicates.empty()) return;
+    std::vector<double> heights;
+    for (const Point p : points) heights.push_back(std::sin(9 * p.x) + std::cos(7 * p.y));
+    const liftmesh::simplification::Terrain terrain{points.data(), heights.data(), points.size(),
+                                                    whole.result.hull.get(),
+                                                    whole.result.hull_count};
+    const auto within = liftmesh::simplification::simplify(terrain, 0.1, 0, true, never);
+    const auto thinned = liftmesh::simplification::thin(terrain, points.size() / 2, never);
+    demand(within.is_within && within.rows.size() <= points.size(), cloud, "not within");
+    demand(thinned.rows.size() <= points.size(), cloud, "not thinned");
+}
+
+}  // namespace
+
+void check_changes(const Cloud& cloud) {
+    const std::vector<Point> points = finite(cloud, 3000);
+    std::thread other([&] { come_and_go(cloud, points); });
+    come_and_go(cloud, points);
+    other.join();
+    simplified(cloud, points);
+}
+
+}  // namespace parallel
