@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+from pathlib import Path
 
 from benchmark.stages.counting import PROGRAM, Step, steps
 from benchmark.stages.table import (
@@ -21,7 +22,8 @@ from native.build import KERNEL
 
 ALONE = "desc: Trigger: Client Request: alone"
 CELLS = "liftmesh::(anonymous namespace)::SpatialSort::find_cells()::{lambda(unsigned long)#1}"
-ENGINE = "liftmesh::(anonymous namespace)::Engine::run()::{lambda(unsigned long)#1}"
+RECURSION = "liftmesh::Recursion<liftmesh::(anonymous namespace)::Engine<liftmesh::Paraboloid>, "
+ENGINE = RECURSION + "liftmesh::Part, liftmesh::Bounds>::whole()::{lambda(unsigned long)#1}"
 
 
 def part(trigger: str, instructions: int) -> str:
@@ -64,9 +66,14 @@ def test_a_list_is_as_long_as_its_busiest_thread() -> None:
     assert [stage.length for stage in found] == [100, 3200, 10, 3200, 0, 80, 7]
     assert [stage.name for stage in found if stage.tasks] == [
         NAMES["SpatialSort::find_cells"],
-        NAMES["Engine::run"],
+        NAMES["Recursion::whole"],
         "merges into 2 parts",
     ]
+
+
+def test_one_thread_builds_the_tree_without_a_list_of_tasks() -> None:
+    found = stages([Step(100, CELLS, [1600] * 32), Step(90_000), Step(7)], 1)
+    assert [stage.name for stage in found if stage.length == 90_000] == [NAMES["Recursion::whole"]]
 
 
 def test_the_table_has_a_row_for_each_and_the_sum_of_all() -> None:
@@ -111,18 +118,34 @@ def test_a_name_that_stays_mangled_is_known() -> None:
 
 
 def test_the_named_functions_are_those_that_share_out_work() -> None:
-    sources = "\n".join(path.read_text("utf-8") for path in KERNEL.rglob("*.cpp"))
+    sources = "\n".join(path.read_text("utf-8") for path in KERNEL.rglob("*.[ch]pp"))
     for function in NAMES:
         name = function.rpartition("::")[2]
         body = re.search(rf"[ :]{name}\([^;{{]*\{{\n(?:.*\n)*?(?:\}}| {{4}}\}})\n", sources)
         assert body is not None, function
 
 
-def test_the_counting_pool_fits_the_kernel() -> None:
-    replaced = {path.name for path in PROGRAM.folder.glob("*.cpp")}
-    assert replaced == {"thread_pool.cpp"}
-    for source in PROGRAM.sources():
-        if source.name in {"thread_pool.cpp", "driver.cpp"}:
-            assert not source.is_relative_to(KERNEL)
-            command = [*PROGRAM.compiled_with(source), "-fsyntax-only", str(source)]
-            subprocess.run(command, check=True)
+def test_the_counting_pool_has_all_that_the_kernels_has(tmp_path: Path) -> None:
+    (own,) = PROGRAM.folder.glob("*.cpp")
+    (replaced,) = KERNEL.rglob(own.name)
+    known = defined_by(own, tmp_path / "own.o")
+    missing = defined_by(replaced, tmp_path / "kernel.o") - known
+    declared, _, private = replaced.with_suffix(".hpp").read_text("utf-8").partition(" private:")
+    assert "forks_so_far(" in declared
+    assert "run_alone(" in private
+    assert not [name for name in missing if f"{bare(name)}(" in declared]
+
+
+def bare(function: str) -> str:
+    """Return a function's name without its class and its arguments."""
+    return function.partition("(")[0].rpartition("::")[2]
+
+
+def defined_by(source: Path, compiled: Path) -> set[str]:
+    """Return the functions of a source that others can call."""
+    command = [*PROGRAM.compiled_with(source), "-O1", "-c", str(source), "-o", str(compiled)]
+    subprocess.run(command, check=True)
+    command = ["nm", "--demangle", "--extern-only", "--defined-only", str(compiled)]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    named = (line.split(maxsplit=2)[1:] for line in listed.splitlines())
+    return {name for kind, name in named if kind == "T"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import io
+import os
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -17,12 +18,19 @@ from liftmesh import Cloud, InputError, LiftmeshError, UnsupportedTypeError
 ROWS = np.random.default_rng(0).random((10, 3))
 PLANAR = ROWS[:, :2].copy()
 TRIANGULATION = liftmesh.delaunay(PLANAR)
+STARS = liftmesh.anisotropic_stars(PLANAR, [np.eye(2)] * len(PLANAR))
+GRAPH = liftmesh.apollonius(PLANAR, PLANAR[:, 0] ** 2)
 SURFACE = liftmesh.triangulate(ROWS)
 TEXT = b"0 0 1\n1 0 2\n0 1 3\n"
 
 
 def chunks(**options: Any) -> list[Cloud]:
     return list(liftmesh.read_chunks(**options))
+
+
+def tiles(**options: Any) -> liftmesh.Tiled:
+    """Write to a folder of its own, so that no call finds what another has begun."""
+    return liftmesh.tile(**{"out": f"tiles-{len(os.listdir())}", **options})  # noqa: PTH208
 
 
 CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] = {
@@ -33,12 +41,53 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.regular,
         {"points": PLANAR, "radii": ROWS[:, 2]},
     ),
+    "voronoi": (liftmesh.voronoi, liftmesh.voronoi, {"points": PLANAR}),
+    "power_diagram": (
+        liftmesh.power_diagram,
+        liftmesh.power_diagram,
+        {"points": PLANAR, "weights": ROWS[:, 2]},
+    ),
+    "power_diagram by radii": (
+        liftmesh.power_diagram,
+        liftmesh.power_diagram,
+        {"points": PLANAR, "radii": ROWS[:, 2]},
+    ),
+    "natural_neighbors": (
+        liftmesh.natural_neighbors,
+        liftmesh.natural_neighbors,
+        {"points": PLANAR, "queries": PLANAR[:3]},
+    ),
+    "NaturalNeighbors.interpolate": (
+        liftmesh.natural_neighbors(PLANAR, PLANAR[:3]).interpolate,
+        liftmesh.NaturalNeighbors.interpolate,
+        {"values": PLANAR[:, 0]},
+    ),
+    "lloyd": (liftmesh.lloyd, liftmesh.lloyd, {"points": PLANAR, "steps": 2}),
+    "transport": (
+        liftmesh.transport,
+        liftmesh.transport,
+        {"points": PLANAR, "masses": np.ones(len(PLANAR)), "steps": 2},
+    ),
+    "Voronoi": (liftmesh.Voronoi, liftmesh.Voronoi, {"points": PLANAR}),
     "triangulate": (liftmesh.triangulate, liftmesh.triangulate, {"cloud": ROWS}),
     "verify": (
         liftmesh.verify,
         liftmesh.verify,
         {"points": PLANAR, "simplices": TRIANGULATION.simplices},
     ),
+    "anisotropic_stars": (
+        liftmesh.anisotropic_stars,
+        liftmesh.anisotropic_stars,
+        {"points": PLANAR, "metrics": [np.eye(2)] * len(PLANAR)},
+    ),
+    "star": (STARS.star, STARS.star, {"row": 0}),
+    "apollonius": (
+        liftmesh.apollonius,
+        liftmesh.apollonius,
+        {"centers": PLANAR, "radii": PLANAR[:, 0] ** 2},
+    ),
+    "cell_sides": (GRAPH.cell_sides, GRAPH.cell_sides, {"box": (0, 0, 1, 1), "tolerance": 0.1}),
+    "neighbors_of": (GRAPH.neighbors_of, GRAPH.neighbors_of, {"row": 0}),
     "lift": (liftmesh.lift, liftmesh.lift, {"points": PLANAR}),
     "project": (liftmesh.project, liftmesh.project, {"points": ROWS}),
     "lower_hull": (liftmesh.lower_hull, liftmesh.lower_hull, {"points": ROWS}),
@@ -51,6 +100,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "thin random": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "random": 2}),
     "thin cell": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "cell": 0.5}),
     "thin distance": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "distance": 0.5}),
+    "simplify": (liftmesh.simplify, liftmesh.simplify, {"cloud": ROWS, "max_error": 0.5}),
     "as_cloud": (liftmesh.as_cloud, liftmesh.as_cloud, {"source": ROWS}),
     "read": (liftmesh.read, liftmesh.read, {"source": TEXT, "format": "xyz"}),
     "read_chunks": (chunks, liftmesh.read_chunks, {"source": TEXT, "format": "xyz"}),
@@ -59,6 +109,8 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.write,
         {"target": b"", "mesh": SURFACE, "format": "ply"},
     ),
+    "tile": (tiles, liftmesh.tile, {"source": PLANAR}),
+    "open_tiled": (liftmesh.open_tiled, liftmesh.open_tiled, {"directory": "missing"}),
     "save": (
         partial(SURFACE.save, format="ply"),
         liftmesh.Surface.save,
@@ -91,6 +143,21 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     ),
     "replace": (SURFACE.replace, liftmesh.Surface.replace, {}),
     "with_attributes": (SURFACE.with_attributes, SURFACE.with_attributes, {}),
+    "as_surface": (liftmesh.as_surface, liftmesh.as_surface, {"mesh": SURFACE.to_cloud()}),
+    "sample": (SURFACE.sample, SURFACE.sample, {"points": PLANAR}),
+    "gradient": (SURFACE.gradient, SURFACE.gradient, {"points": PLANAR}),
+    "raster": (SURFACE.raster, SURFACE.raster, {"resolution": 0.1}),
+    "trim": (SURFACE.trim, SURFACE.trim, {"max_edge": 5.0}),
+    "contours": (SURFACE.contours, SURFACE.contours, {"interval": 0.1}),
+    "longer_than": (
+        SURFACE.contours(interval=0.1).longer_than,
+        liftmesh.Contours.longer_than,
+        {"length": 0.1},
+    ),
+    "volume": (SURFACE.volume, SURFACE.volume, {}),
+    "profile": (SURFACE.profile, SURFACE.profile, {"line": [[0.1, 0.2], [0.5, 0.4]]}),
+    "solid": (SURFACE.solid, SURFACE.solid, {"thickness": 1.0}),
+    "cut_and_fill": (SURFACE.cut_and_fill, SURFACE.cut_and_fill, {"other": SURFACE}),
     "to_open3d_t": (SURFACE.to_open3d_t, liftmesh.Surface.to_open3d_t, {}),
     "Format": (
         liftmesh.Format,

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 import liftmesh
+import liftmesh.dask
 from liftmesh import errors
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -34,14 +35,26 @@ def public_names() -> Iterator[tuple[str, object]]:
     for name in liftmesh.__all__:
         if name not in EXCEPTIONS and name != "__version__":
             yield name, getattr(liftmesh, name)
+    yield "dask.delaunay", liftmesh.dask.delaunay
 
 
 def public_methods() -> Iterator[tuple[str, object]]:
     for name, value in public_names():
         if inspect.isclass(value):
-            for key, member in vars(value).items():
+            for key, member in own_members(value).items():
                 if inspect.isfunction(member) and not key.startswith("_"):
                     yield f"{name}.{key}", member
+
+
+def own_members(kind: type) -> dict[str, object]:
+    """Members of a class and of those private bases that its methods are divided among."""
+    public = {getattr(liftmesh, name) for name in liftmesh.__all__}
+    bases = [
+        base
+        for base in kind.__mro__[1:]
+        if base.__module__.startswith("liftmesh.") and base not in public
+    ]
+    return {k: v for each in (*bases, kind) for k, v in vars(each).items()}
 
 
 NAMES = dict(public_names())
@@ -149,19 +162,28 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "text": {"base", "parallel"},
     "sorting": {"base", "predicates", "parallel"},
     "delaunay": {"base", "predicates", "parallel", "sorting"},
+    "anisotropic": {"base", "predicates", "parallel", "sorting"},
+    "apollonius": {"base", "predicates", "parallel", "sorting"},
+    "dynamic": {"base", "predicates", "sorting", "delaunay"},
+    "simplification": {"base", "predicates", "sorting", "delaunay", "dynamic"},
     "paper": {"base", "predicates"},
     "hull": {"base", "predicates", "parallel", "sorting", "delaunay", "paper"},
+    "cells": {"base", "predicates", "parallel"},
+    "tiles": {"base", "predicates", "parallel", "sorting", "delaunay"},
     "verify": {"base", "predicates", "parallel", "sorting"},
+    "surface": {"base", "predicates", "parallel", "sorting", "delaunay"},
 }
 
 
 def test_kernel_sources_include_what_is_below_them_by_room() -> None:
     core = PACKAGE / "_core"
-    assert {p.name for p in core.iterdir() if p.is_dir()} == KERNEL_ROOMS.keys()
+    assert {p.parent.name for p in core.glob("*/*.[ch]pp")} == KERNEL_ROOMS.keys()
     names = {p.name for p in core.glob("*.[ch]pp")}
     assert names == {
-        *("bindings.cpp", "bindings_lifted.cpp", "bindings_text.cpp", "bindings_verify.cpp"),
-        *("bindings.hpp", "bindings_runs.hpp"),
+        *("bindings.cpp", "bindings_anisotropic.cpp", "bindings_apollonius.cpp"),
+        *("bindings_cells.cpp", "bindings_dynamic.cpp", "bindings_lifted.cpp"),
+        *("bindings_surface.cpp", "bindings_text.cpp", "bindings_tiles.cpp"),
+        *("bindings_verify.cpp", "bindings.hpp", "bindings_locate.hpp", "bindings_runs.hpp"),
     }
     for room, below in KERNEL_ROOMS.items():
         for source in (core / room).glob("*.[ch]pp"):

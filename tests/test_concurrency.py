@@ -201,6 +201,24 @@ def test_ctrl_c_stops_long_walks_within_a_second() -> None:
     assert seconds_to_stop(program, 0.3) < 1.0
 
 
+def test_ctrl_c_stops_long_clipping_within_a_second() -> None:
+    prepare = "; ".join(
+        [
+            "from liftmesh.cells.clipping import clip",
+            "from liftmesh.cells.domain import as_domain",
+            "from liftmesh.cells.dual import dual_of",
+            "domain = as_domain((0, 0, 1, 1), points)",
+            "dual = dual_of(points)",
+        ]
+    )
+    program = LONG_RUN.format(
+        points="rng.random((2_000_000, 2))",
+        prepare=prepare,
+        call="[clip(dual, domain) for _ in range(9)]",
+    )
+    assert seconds_to_stop(program, 0.3) < 1.0
+
+
 def seconds_to_stop(program: str, delay: float) -> float:
     """Interrupt a program some seconds after it is ready; how long it takes to hear that."""
     child = subprocess.Popen(

@@ -114,7 +114,7 @@ class TestTheKernelHere:
 
     def test_every_target_that_computes_has_the_option(self):
         """It is public: whatever links to the library is compiled with it, the module too."""
-        listed = (CORE / "CMakeLists.txt").read_text("utf-8")
+        listed = "".join(path.read_text("utf-8") for path in CORE.rglob("CMakeLists.txt"))
         assert options() == ["-ffp-contract=off"]
         targets = re.findall(r"(?:add_library|nanobind_add_module)\((\w+)", listed)
         linked = re.findall(r"target_link_libraries\((\w+) PRIVATE liftmesh_core\)", listed)

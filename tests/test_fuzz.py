@@ -1,4 +1,4 @@
-"""Ten seconds of fuzzing for every target, and the parallel paths under ThreadSanitizer.
+"""Five seconds of fuzzing for every target, and the parallel paths under ThreadSanitizer.
 
 A longer campaign is `python scripts/fuzz TARGET --seconds N`. That finds are noticed, shrunk and
 told is tested with a target that fails.
@@ -35,8 +35,8 @@ def script(*words: object) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("name", TARGETS)
-def test_ten_seconds_find_nothing(name: str, tmp_path: Path) -> None:
-    done = script("fuzz", name, "--seconds", 10, "--seed", 20, "--folder", tmp_path)
+def test_five_seconds_find_nothing(name: str, tmp_path: Path) -> None:
+    done = script("fuzz", name, "--seconds", 5, "--seed", 20, "--folder", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     told = SUMMARY.search(done.stdout)
     assert told is not None

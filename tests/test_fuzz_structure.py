@@ -24,13 +24,19 @@ from liftmesh.io.registry import FORMATS, find_format
 
 TESTS = Path(__file__).resolve().parent
 SCRIPTS = TESTS.parent / "scripts"
-CASES = 120
+CASES = 60
+FEW = ("e57",)
+"""Generators of files whose readers start a process."""
 
 
 def test_thousands_of_lies_find_nothing(tmp_path: Path) -> None:
-    found = hunt(tmp_path, seconds=600, seed=0, jobs=2, cases=CASES)
+    names = [each for each in GENERATORS if each not in FEW]
+    found = hunt(tmp_path, seconds=600, seed=0, jobs=2, cases=CASES, names=names)
     assert found.faults == []
-    assert found.cases == dict.fromkeys(GENERATORS, 2 * CASES)
+    assert found.cases == dict.fromkeys(names, 2 * CASES)
+    found = hunt(tmp_path, seconds=600, seed=0, cases=10, names=FEW)
+    assert found.faults == []
+    assert found.cases == dict.fromkeys(FEW, 10)
 
 
 FILES = [

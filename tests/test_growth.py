@@ -21,8 +21,8 @@ from test_codebase import METHODS, NAMES
 from liftmesh.io.registry import FORMATS
 
 LIBRARIES = (
-    "las", "raster", "glb", "gltf", "trimesh", "matplotlib", "scipy", "Delaunay", "compare",
-    "Comparison", "save",
+    "las", "raster", "e57", "glb", "gltf", "trimesh", "matplotlib", "scipy", "Delaunay", "compare",
+    "Comparison", "save", "shapely", "geodataframe", "not_simple",
 )  # fmt: skip
 """Parts of the names of what imports trimesh, Matplotlib or SciPy: one process imports them all."""
 SUBJECTS = subjects()

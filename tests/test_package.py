@@ -17,7 +17,10 @@ import pytest
 import liftmesh
 
 ROOT = Path(__file__).resolve().parent.parent
-HEAVY = ("trimesh", "scipy", "open3d", "matplotlib", "typer", "click", "rich", "pandas")
+HEAVY = (
+    *("trimesh", "scipy", "open3d", "matplotlib", "typer", "click", "rich", "pandas"),
+    *("dask", "distributed", "pyarrow"),
+)
 
 
 def run(*command: str, cwd: Path) -> str:
@@ -51,6 +54,11 @@ def test_planar_triangulation_loads_no_library_but_numpy(tmp_path: Path) -> None
 
 def test_surface_from_an_array_loads_no_library_but_numpy(tmp_path: Path) -> None:
     code = "import liftmesh; liftmesh.triangulate([[0, 0, 1], [1, 0, 2], [0, 1, 3]])"
+    assert loaded_after(code, tmp_path).isdisjoint(HEAVY)
+
+
+def test_tiles_load_no_library_but_numpy(tmp_path: Path) -> None:
+    code = "import liftmesh; liftmesh.tile([[0, 0], [1, 0], [0, 1]], 'tiles').compute()"
     assert loaded_after(code, tmp_path).isdisjoint(HEAVY)
 
 

@@ -347,12 +347,16 @@ class TestErrors:
 
     @pytest.mark.parametrize(
         "options",
-        ["QJ", "QJ Pp", "Qt QJ1e-6", "Qu", "QbB", "Qb0:0", "QR0", "QV3", "Qg", "Pd0:0.5", "C-0.1",
+        ["QJ", "QJ Pp", "Qt QJ1e-6", "QbB", "Qb0:0", "QR0", "QV3", "Qg", "Pd0:0.5", "C-0.1",
          "A-0.99", "R1e-3", "Qm", "TO /etc/passwd", "v", "QbbQc"],
     )  # fmt: skip
     def test_other_options_of_qhull_are_refused(self, points, options: str) -> None:
         with pytest.raises(liftmesh.InputError, match=r"qhull_options: '.+' m.+leave it out"):
             liftmesh.Delaunay(points, qhull_options=options)
+
+    def test_the_farthest_sites_are_an_argument(self, points) -> None:
+        with pytest.raises(liftmesh.InputError, match=r"'Qu' is furthest_site=True here"):
+            liftmesh.Delaunay(points, qhull_options="Qu")
 
     def test_options_that_are_no_string(self, points) -> None:
         with pytest.raises(liftmesh.InputError, match="qhull_options are a bytes"):

@@ -18,7 +18,7 @@ import liftmesh
 from liftmesh.cli import exit_codes
 
 SWEEP = """
-    import io, json, sys
+    import io, json, sys, tempfile
     import numpy as np, liftmesh
     from liftmesh import verify
 
@@ -28,6 +28,7 @@ SWEEP = """
     points = cloud.points
     planar = np.ascontiguousarray(points[:, :2])
     radii = random.random(rows) / 300
+    metrics = np.broadcast_to(np.eye(2), (rows, 2, 2))
     few = random.random((50, 2))
 
     def read(data, form):
@@ -47,12 +48,19 @@ SWEEP = """
         np.savetxt(stream, points)
         return stream.getvalue()
 
+    def tiles():
+        with tempfile.TemporaryDirectory() as folder:
+            return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).compute()
+
     verb, _, kind = name.partition(" ")
     data = (text() if kind == "xyz" else wrote(kind).tobytes()) if verb == "read" else b""
     tri = liftmesh.delaunay(planar) if verb in ("find", "check") else None
     runs = {
         "delaunay": lambda: liftmesh.delaunay(planar, threads=int(kind)).simplices,
+        "stars": lambda: liftmesh.anisotropic_stars(planar, metrics).indices,
+        "disks": lambda: liftmesh.apollonius(planar, radii).simplices,
         "regular": lambda: liftmesh.regular(planar, radii=radii, threads=int(kind)).simplices,
+        "tiles": tiles,
         "wrap": lambda: liftmesh.delaunay(planar, method=kind).simplices,
         "hull": lambda: liftmesh.lower_hull(points).faces,
         "surface": lambda: liftmesh.triangulate(cloud, plane=(1, 2, 3), duplicates="mean").faces,
@@ -93,7 +101,10 @@ MEGA = 1_000_000
         ("delaunay 1", 100_000, 30 * MEGA),
         ("delaunay 3", 100_000, 70 * MEGA),
         ("regular 1", 100_000, 30 * MEGA),
+        ("disks", 50_000, 30 * MEGA),
+        ("stars", 10_000, 12 * MEGA),
         ("regular 3", 100_000, 70 * MEGA),
+        ("tiles", 100_000, 30 * MEGA),
         ("wrap lfres-indexed", 10_000, 5 * MEGA),
         ("hull", 20_000, 20 * MEGA),
         ("surface", 50_000, 40 * MEGA),

@@ -31,6 +31,7 @@ SLOW = {
         "empty nodes",
     ),
     "gltf": tuple(FILES["gltf"])[2:],  # the JSON is that of GLB
+    "e57": ("many scans",),
     "las": ("equal points", "chunks of one point", "nodes of one point"),
     "npz": ("skipped members", "foreign members", "bzip2", "lzma", "long names"),
     "ply": ("text elements", "scalar elements", "empty elements"),

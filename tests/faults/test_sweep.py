@@ -14,16 +14,16 @@ def sweep(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
 
 
-def test_no_signal_is_lost_in_two_hundred_runs() -> None:
-    done = sweep("--runs", "200", "--most", "5", "--second", "3")  # other tests run beside it
+def test_no_signal_is_lost_in_a_hundred_runs() -> None:
+    done = sweep("--runs", "100", "--most", "5", "--second", "3")  # other tests run beside it
     assert done.returncode == 0, done.stdout + done.stderr
     counts = re.search(
-        r"^200 runs, signals (\d+) before .+, (\d+) during .+, (\d+) after", done.stdout
+        r"^100 runs, signals (\d+) before .+, (\d+) during .+, (\d+) after", done.stdout
     )
     assert counts
     before, during, after = map(int, counts.groups())
-    assert before + during + after == 200
-    assert during > 60
+    assert before + during + after == 100
+    assert during > 30
     assert "; 0 faults, in " in done.stdout
 
 

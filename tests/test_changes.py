@@ -1,0 +1,28 @@
+"""The campaign of changing triangulations, rehearsed: it holds, and notices what does not."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+import pytest
+from changes import __main__ as changes
+
+import liftmesh
+from liftmesh._typing import Floats
+
+OPTIONS = Namespace(changes=600, checkpoints=12)
+
+
+@pytest.mark.parametrize("kind", ["lattice", "circle", "denormal"])
+def test_every_checkpoint_holds(kind: str) -> None:
+    assert changes.holds(kind, OPTIONS)
+
+
+def test_another_triangulation_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    fresh = liftmesh.delaunay
+
+    def without_one(points: Floats) -> liftmesh.Triangulation:
+        return fresh(points[:-1])
+
+    monkeypatch.setattr(changes.liftmesh, "delaunay", without_one)
+    assert not changes.holds("uniform", OPTIONS)
