@@ -1,3 +1,12 @@
+from .cells.cells import Cells as Cells
+from .cells.lloyd import Relaxed as Relaxed, lloyd as lloyd
+from .cells.natural import (
+    NaturalNeighbors as NaturalNeighbors,
+    natural_neighbors as natural_neighbors,
+)
+from .cells.transport import Transported as Transported, transport as transport
+from .cells.unclipped import Unclipped as Unclipped
+from .cells.voronoi import power_diagram as power_diagram, voronoi as voronoi
 from .cloud import Cloud as Cloud
 from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
@@ -16,23 +25,38 @@ from .io.files import read as read, read_chunks as read_chunks
 from .io.format import Format as Format
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .io.writing import Written as Written, write as write
+from .planar.anisotropic import anisotropic_stars as anisotropic_stars
+from .planar.anisotropic_stars import AnisotropicStars as AnisotropicStars
+from .planar.apollonius import apollonius as apollonius
+from .planar.apollonius_graph import ApolloniusGraph as ApolloniusGraph
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
 from .planar.counters import Counters as Counters
 from .planar.delaunay import delaunay as delaunay
+from .planar.dynamic_triangulation import DynamicTriangulation as DynamicTriangulation
 from .planar.lifting import LowerHull as LowerHull, lift as lift, project as project
 from .planar.regular import regular as regular
 from .planar.regular_triangulation import RegularTriangulation as RegularTriangulation
 from .planar.scipy_delaunay import Delaunay as Delaunay
+from .planar.scipy_voronoi import Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
 from .space.lower_hull import lower_hull as lower_hull
+from .terrain.contours import Contour as Contour, Contours as Contours
+from .terrain.earthwork import Earthwork as Earthwork
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
+from .terrain.measures import Volume as Volume
 from .terrain.merging import merge as merge
+from .terrain.meshes import as_surface as as_surface
+from .terrain.profile import Profile as Profile
+from .terrain.raster import Raster as Raster
 from .terrain.report import Report as Report
+from .terrain.simplification import simplify as simplify
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
+from .tiles.build import tile as tile
+from .tiles.tiled import Tiled as Tiled, open_tiled as open_tiled
 
 __version__: str

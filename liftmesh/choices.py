@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from contextlib import suppress
 from reprlib import Repr
 from typing import Any, Literal, TypeAlias
@@ -23,6 +24,9 @@ ObjColors: TypeAlias = Literal["values", "comments", "none"]
 CellRow: TypeAlias = Literal["lowest", "highest", "center"]
 GroundMethod: TypeAlias = Literal["csf"]
 Unit3MF: TypeAlias = Literal["micron", "millimeter", "centimeter", "inch", "foot", "meter"]
+SampleMethod: TypeAlias = Literal["linear", "nearest", "laplace", "sibson"]
+Pinched: TypeAlias = Literal["error", "trim"]
+RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade"]
 Returns: TypeAlias = Literal["first", "last", "only"]
 Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
@@ -156,3 +160,28 @@ def shown(value: object) -> str:
     """
     text = " ".join(_REPR.repr(value).split())
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def as_folder(name: str, given: object) -> str:
+    """Return the path of a folder that a caller names.
+
+    Parameters
+    ----------
+    name : str
+        The parameter.
+    given : object
+        A string or a path.
+
+    Returns
+    -------
+    str
+        With the home directory in place of ``~``.
+
+    Raises
+    ------
+    InputError
+        It is something else.
+    """
+    if not isinstance(given, str | os.PathLike) or isinstance(os.fspath(given), bytes):
+        raise InputError(f"{name} is a {type(given).__name__}: give the path of a folder")
+    return os.path.expanduser(given)  # noqa: PTH111 - where there is no home, it stays

@@ -16,9 +16,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, TypeAlias
 
-import numpy as np
-
-from liftmesh._typing import Floats
 from liftmesh.choices import shown
 from liftmesh.errors import FormatError, InputError, MissingDependencyError
 from liftmesh.optional import load
@@ -27,7 +24,10 @@ from liftmesh.wkt import Node, tree
 Kind: TypeAlias = Literal["projected", "geographic", "geocentric", "local"]
 
 _WKT = re.compile(r"\s*[A-Za-z_]+\s*[\[(]")
-_NUMBER = re.compile(r"(urn:ogc:def:crs:)?[A-Za-z_]{1,16}::?[0-9]{1,9}(\+[0-9]{1,9})?", re.ASCII)
+_NUMBER = re.compile(
+    r"(urn:ogc:def:crs:)?(?P<authority>[A-Za-z_]{1,16})::?(?P<code>[0-9]{1,9}(\+[0-9]{1,9})?)",
+    re.ASCII,
+)
 _KINDS: dict[str, Kind] = {
     "PROJCS": "projected", "PROJCRS": "projected", "PROJECTEDCRS": "projected",
     "GEOGCS": "geographic", "GEOGCRS": "geographic", "GEOGRAPHICCRS": "geographic",
@@ -97,6 +97,87 @@ def described(crs: str | None) -> System | None:
     return None if root is None else _system(root)
 
 
+def is_system(crs: object) -> bool:
+    """Whether a value has the form of WKT or of a number.
+
+    Parameters
+    ----------
+    crs : object
+        The value.
+
+    Returns
+    -------
+    bool
+        False for texts of PROJ, which can name files.
+
+    Examples
+    --------
+    >>> is_system("EPSG:25832"), is_system("EPSG:abc")
+    (True, False)
+    """
+    return isinstance(crs, str) and bool(_WKT.match(crs) or _NUMBER.fullmatch(crs))
+
+
+def are_different(one: str | None, other: str | None) -> bool:
+    """Whether two texts are known to mean different systems of the plane.
+
+    Parameters
+    ----------
+    one, other : str, optional
+        WKT or numbers.
+
+    Returns
+    -------
+    bool
+        False also if one says nothing, or is not understood.
+
+    Examples
+    --------
+    >>> are_different("EPSG:25832", "epsg:25832"), are_different("EPSG:25832", None)
+    (False, False)
+    >>> are_different("EPSG:25832", "EPSG:4326")
+    True
+    """
+    if one is None or other is None or urn_of(one) == urn_of(other):
+        return False
+    try:
+        pyproj = load("pyproj", extra="terrain")
+        planes = [looked_up(pyproj, each).to_2d() for each in (one, other)]
+    except (MissingDependencyError, InputError):
+        return all(_NUMBER.fullmatch(each) for each in (one, other))
+    first, second = (each.sub_crs_list[0] if each.is_compound else each for each in planes)
+    return not first.equals(second, ignore_axis_order=True)
+
+
+def urn_of(crs: str) -> str:
+    """Name a system as other programs know it.
+
+    Parameters
+    ----------
+    crs : str
+        WKT or a number.
+
+    Returns
+    -------
+    str
+        A URN if the text is a number, or names its own; else the text.
+
+    Examples
+    --------
+    >>> urn_of("epsg:25832"), urn_of('PROJCS["ETRS89",AUTHORITY["EPSG","25832"]]')
+    ('urn:ogc:def:crs:EPSG::25832', 'urn:ogc:def:crs:EPSG::25832')
+    """
+    if found := _NUMBER.fullmatch(crs.strip()):
+        authority, code = found["authority"].upper(), found["code"]
+        return f"{authority}:{code}" if "+" in code else f"urn:ogc:def:crs:{authority}::{code}"
+    root = tree(crs)
+    named = next(root.of({"AUTHORITY", "ID"}), None) if root is not None else None
+    if named is None or len(named.values) < 2:
+        return crs
+    authority, code = (each.strip('"') for each in named.values[:2])
+    return f"urn:ogc:def:crs:{authority}::{code}"
+
+
 def warnings_of(system: System | None) -> tuple[str, ...]:
     """Say what most users do not want of coordinates.
 
@@ -152,7 +233,7 @@ def is_same(one: str | None, other: str | None) -> bool:
         return False
     try:
         pyproj = load("pyproj", extra="terrain")
-        first, second = (_of_pyproj(pyproj, each) for each in (one, other))
+        first, second = (looked_up(pyproj, each) for each in (one, other))
     except (MissingDependencyError, InputError):
         return False
     return bool(first.equals(second, ignore_axis_order=True))
@@ -200,118 +281,33 @@ def length_unit(crs: str | None, what: str) -> str | None:
     return next(iter(found), None)
 
 
-def transformed(points: Floats, crs: str | None, target: str) -> Floats:
-    """Transform coordinates to another system, by pyproj.
+def looked_up(pyproj: Any, crs: str) -> Any:
+    """Look a system up; PROJ's own strings, which can name files, are none.
 
     Parameters
     ----------
-    points : (n, 3) ndarray
-        Coordinates, x before y whatever the system says.
-    crs : str, optional
-        Their system.
-    target : str
-        The other system: WKT or ``EPSG:n``.
+    pyproj : module
+        The library.
+    crs : str
+        WKT, or a number.
 
     Returns
     -------
-    (n, 3) ndarray of float64
-        The coordinates, x before y; heights of the same vertical system as they are.
+    pyproj.CRS
+        The system.
 
     Raises
     ------
     InputError
-        A system is unknown or missing, there is no transformation, or a row has no place there.
-    MissingDependencyError
-        pyproj is not installed.
+        It is unknown.
 
     Examples
     --------
-    >>> transformed(np.array([[9.0, 48.0, 5.0]]), "EPSG:4326", "EPSG:25832").round().tolist()
-    [[500000.0, 5316300.0, 5.0]]
+    >>> looked_up(load("pyproj", extra="terrain"), "EPSG:25832").name
+    'ETRS89 / UTM zone 32N'
     """
-    if crs is None:
-        raise InputError("to_crs= needs the coordinate system of the points, which is not known")
-    pyproj = load("pyproj", extra="terrain")
-    systems = [_of_pyproj(pyproj, each) for each in (crs, target)]
-    heights = [_vertical(each) for each in systems]
-    is_shared = None not in heights and heights[0].equals(heights[1], ignore_axis_order=True)
-    if is_shared:  # then a change of the plane's datum asks for no grid of heights
-        systems = [each.sub_crs_list[0] for each in systems]
-    try:
-        change = pyproj.Transformer.from_crs(*systems, always_xy=True, allow_ballpark=False)
-        found = np.stack(change.transform(*points.astype(np.float64).T), axis=1)
-        found[:, 2] = points[:, 2] if is_shared else found[:, 2]
-    except pyproj.exceptions.ProjError as error:
-        raise InputError(
-            f"to_crs={shown(target)}: there is no exact transformation, or it needs a grid that is "
-            "not installed: give the system without heights"
-        ) from error
-    lost = np.isfinite(points).all(axis=1) & ~np.isfinite(found).all(axis=1)
-    if lost.any():
-        row = int(np.argmax(lost))
-        raise InputError(
-            f"row {row}, {tuple(points[row].tolist())}, has no place in {shown(target)}: give "
-            "another to_crs="
-        )
-    return found
-
-
-def with_heights(crs: str | None, target: str) -> str:
-    """Return a target that says what heights are: those of the source, if it says nothing itself.
-
-    Parameters
-    ----------
-    crs : str, optional
-        The system of the points.
-    target : str
-        The system that they are to have, perhaps of the plane alone.
-
-    Returns
-    -------
-    str
-        The target, compound with the system of heights of the source, if it has any.
-
-    Raises
-    ------
-    InputError
-        A system is unknown.
-    MissingDependencyError
-        pyproj is not installed.
-
-    Examples
-    --------
-    >>> with_heights("EPSG:2225+6360", "EPSG:26910"), with_heights("EPSG:2225", "EPSG:26910")
-    ('EPSG:26910+6360', 'EPSG:26910')
-    """
-    if crs is None:
-        return target
-    pyproj = load("pyproj", extra="terrain")
-    source, plane = (_of_pyproj(pyproj, each) for each in (crs, target))
-    if len(plane.axis_info) != 2 or len(source.axis_info) != 3:
-        return target
-    vertical = _vertical(source)
-    if vertical is None:  # heights above the ellipsoid, or geocentric
-        return str(plane.to_3d().to_wkt("WKT2_2019"))
-    numbers = [each.to_authority(min_confidence=100) for each in (plane, vertical)]
-    if all(each and each[0] == "EPSG" for each in numbers):
-        return f"EPSG:{numbers[0][1]}+{numbers[1][1]}"
-    name = f"{plane.name} + {vertical.name}"
-    both = pyproj.crs.CompoundCRS(name=name, components=[plane, vertical])
-    try:
-        return str(both.to_wkt("WKT1_GDAL"))
-    except pyproj.exceptions.CRSError:
-        return str(both.to_wkt("WKT2_2019"))
-
-
-def _vertical(system: Any) -> Any:
-    """Return the system of heights of a compound one, of pyproj; None of others."""
-    return system.sub_crs_list[-1] if system.is_compound else None
-
-
-def _of_pyproj(pyproj: Any, crs: str) -> Any:
-    """Look a system up; PROJ's own strings, which can name files, are none."""
     unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
-    if not isinstance(crs, str) or not (_WKT.match(crs) or _NUMBER.fullmatch(crs)):
+    if not is_system(crs):
         raise unknown
     try:
         return pyproj.CRS.from_user_input(crs)
@@ -346,7 +342,7 @@ def as_wkt(crs: str) -> str | None:
         return crs
     pyproj = load("pyproj", extra="terrain")
     try:
-        system = _of_pyproj(pyproj, crs)
+        system = looked_up(pyproj, crs)
     except InputError:
         return None
     try:
@@ -359,7 +355,7 @@ def _wkt_of(crs: str) -> str | None:
     """Ask pyproj for the text of a number; None if it is missing, or does not know it."""
     try:
         pyproj = load("pyproj", extra="terrain")
-        return str(_of_pyproj(pyproj, crs).to_wkt("WKT2_2019"))
+        return str(looked_up(pyproj, crs).to_wkt("WKT2_2019"))
     except (MissingDependencyError, InputError):
         return None
 

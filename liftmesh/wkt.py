@@ -1,7 +1,8 @@
 """Well-known text: keywords with brackets, which hold names, numbers and further keywords.
 
-Only the brackets are read here, those of both versions; `crs` knows what the keywords mean. Texts
-come from files, so they are read without recursion, and very long ones not at all.
+Only the brackets are read here, those of both versions; `crs` knows what the keywords mean. pyproj
+would read them as well, but units are to be known where it is not installed. Texts come from files,
+so they are read without recursion, and very long ones not at all.
 """
 
 from __future__ import annotations
