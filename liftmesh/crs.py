@@ -115,38 +115,28 @@ def is_system(crs: object) -> bool:
     >>> is_system("EPSG:25832"), is_system("EPSG:abc")
     (True, False)
     """
-    return isinstance(crs, str) and bool(_WKT.match(crs) or _NUMBER.fullmatch(crs))
+    return isinstance(crs, str) and (is_number(crs) or bool(_WKT.match(crs)))
 
 
-def are_different(one: str | None, other: str | None) -> bool:
-    """Whether two texts are known to mean different systems of the plane.
+def is_number(crs: str) -> bool:
+    """Whether a text is the number of a system.
 
     Parameters
     ----------
-    one, other : str, optional
-        WKT or numbers.
+    crs : str
+        The text.
 
     Returns
     -------
     bool
-        False also if one says nothing, or is not understood.
+        Whether it is like ``EPSG:n``, or a URN of it.
 
     Examples
     --------
-    >>> are_different("EPSG:25832", "epsg:25832"), are_different("EPSG:25832", None)
-    (False, False)
-    >>> are_different("EPSG:25832", "EPSG:4326")
-    True
+    >>> is_number("EPSG:25832"), is_number('PROJCS["a"]')
+    (True, False)
     """
-    if one is None or other is None or urn_of(one) == urn_of(other):
-        return False
-    try:
-        pyproj = load("pyproj", extra="terrain")
-        planes = [looked_up(pyproj, each).to_2d() for each in (one, other)]
-    except (MissingDependencyError, InputError):
-        return all(_NUMBER.fullmatch(each) for each in (one, other))
-    first, second = (each.sub_crs_list[0] if each.is_compound else each for each in planes)
-    return not first.equals(second, ignore_axis_order=True)
+    return bool(_NUMBER.fullmatch(crs))
 
 
 def urn_of(crs: str) -> str:
@@ -207,36 +197,6 @@ def warnings_of(system: System | None) -> tuple[str, ...]:
         x, y, z = (each.name if each else "?" for each in system.units)
         return (f"the units differ: x is in {x}, y in {y}, z in {z}",)
     return ()
-
-
-def is_same(one: str | None, other: str | None) -> bool:
-    """Whether two texts are of one coordinate system, as pyproj judges it if it is installed.
-
-    Parameters
-    ----------
-    one, other : str, optional
-        WKT or numbers.
-
-    Returns
-    -------
-    bool
-        False if they differ, or nobody knows.
-
-    Examples
-    --------
-    >>> is_same("EPSG:25832", "EPSG:25832"), is_same("EPSG:25832", "EPSG:25833")
-    (True, False)
-    """
-    if one == other:
-        return True
-    if one is None or other is None:
-        return False
-    try:
-        pyproj = load("pyproj", extra="terrain")
-        first, second = (looked_up(pyproj, each) for each in (one, other))
-    except (MissingDependencyError, InputError):
-        return False
-    return bool(first.equals(second, ignore_axis_order=True))
 
 
 def length_unit(crs: str | None, what: str) -> str | None:
@@ -338,7 +298,7 @@ def as_wkt(crs: str) -> str | None:
     >>> as_wkt("EPSG:25832")[:40]
     'PROJCS["ETRS89 / UTM zone 32N",GEOGCS["E'
     """
-    if not _NUMBER.fullmatch(crs):
+    if not is_number(crs):
         return crs
     pyproj = load("pyproj", extra="terrain")
     try:

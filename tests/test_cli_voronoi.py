@@ -153,7 +153,11 @@ WRONG = [
     (["-"], 2, "stdout has no suffix: give the format with --format geojson"),
     (["out.svg", "--domain", "none.geojson"], 2, "'none.geojson' is no file, and no box"),
     (["out.svg", "--domain", "0,0,1"], 2, "a box is XMIN,YMIN,XMAX,YMAX"),
-    (["out.svg", "--domain", "schools.csv"], 3, "schools.csv: there are no polygons in it"),
+    (
+        ["out.svg", "--domain", "schools.csv"],
+        3,
+        "schools.csv: a domain is made of polygons, and there are none",
+    ),
     (["out.svg", "--domain", "points.gpkg"], 3, "geometry 1 is Point"),
     (["out.svg", "--domain", "0,0,0,1"], 3, "which has no area"),
     (["out.svg", "--weights", "weight"], 3, "the points have no values of that name"),

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.cells.systems import common_system, given_system, system_of
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.optional import load
+from liftmesh.same_crs import common_system, given_system, system_of
 
 
 def free_name(name: str, taken: Iterable[Any]) -> str:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from liftmesh.cells.domain import united
-from liftmesh.cells.systems import text_of
-from liftmesh.errors import FormatError, InputError
-from liftmesh.optional import load
+from liftmesh.errors import InputError
+from liftmesh.io.geometry_files import read_geometries
+from liftmesh.same_crs import text_of
 
 _DEGREES = np.array([180.0, 90.0])
 
@@ -34,20 +34,15 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     Raises
     ------
     FormatError
-        The file cannot be read, or holds something else than polygons.
+        The file cannot be read.
     InputError
-        A polygon is not valid.
+        There are no polygons in it, or something else too, or a polygon is not valid.
     MissingDependencyError
         geopandas is missing.
+    OSError
+        The file cannot be opened.
     """
-    geopandas = load("geopandas", extra="shapes")
-    try:
-        shapes = geopandas.read_file(path).get("geometry")
-    except Exception as error:  # of whatever kind GDAL's reader makes
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise FormatError(f"{path}: cannot be read as a domain: {first}") from error
-    if shapes is None:
-        raise FormatError(f"{path}: there are no polygons in it: a domain is made of these")
+    shapes = read_geometries(path, "a domain")
     try:
         shape = united(shapes.to_numpy())
     except InputError as error:

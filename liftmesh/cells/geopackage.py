@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import warnings
 from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -13,6 +11,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.cells.columns import free_name
 from liftmesh.errors import FormatError
+from liftmesh.io.geopackage_writer import write_shapes
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -30,19 +29,13 @@ def write_geopackage(
     system that pyproj does not know. Names that differ in upper and lower case alone, and integers
     beyond 64 bits with a sign, are errors.
     """
-    geopandas = load("geopandas", extra="shapes")
     _check_names(columns)
     shapes = cells.to_shapely()
     shapes[cells.empty] = None
     values = {name: _signed(name, column) for name, column in columns.items()}
     system = _known(crs)
-    frame = geopandas.GeoDataFrame(values, geometry=shapes, crs=system)
-    written = io.BytesIO()
     names = {"FID": free_name("fid", columns), "GEOMETRY_NAME": free_name("geom", columns)}
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".*'crs' was not provided", UserWarning)
-        frame.to_file(written, driver="GPKG", layer="cells", engine="pyogrio", **names)
-    stream.write(written.getbuffer())
+    write_shapes(stream, shapes, values, system, "cells", **names)
     return ("crs",) if crs is not None and system is None else ()
 
 

@@ -117,7 +117,7 @@ def run(
 
 def _system(source: Path, stated: str | None, given: str) -> str:
     """Return the system of an option; raise if the file states another."""
-    from liftmesh.crs import are_different  # noqa: PLC0415 - as above
+    from liftmesh.same_crs import are_different  # noqa: PLC0415 - as above
 
     if are_different(stated, given):
         raise InputError(f"{source} is in {shown(stated)}, not in --crs {given}: leave --crs out")

@@ -88,7 +88,7 @@ def run(
 
 def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -> None:
     """Raise if the points are in another system than the surface."""
-    from liftmesh.crs import are_different  # noqa: PLC0415 - help and --version do without
+    from liftmesh.same_crs import are_different  # noqa: PLC0415 - help and --version do without
 
     if are_different(own, given):
         raise InputError(

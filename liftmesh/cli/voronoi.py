@@ -128,7 +128,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
     from liftmesh.cells.domain_file import read_domain  # noqa: PLC0415 - as above
-    from liftmesh.cells.systems import common_system  # noqa: PLC0415 - as above
+    from liftmesh.same_crs import common_system  # noqa: PLC0415 - as above
 
     shape, crs = read_domain(path)
     return shape, common_system(cloud.crs, crs)

@@ -1,4 +1,4 @@
-"""GeoPackage of lines, which geopandas writes.
+"""GeoPackage of lines and other shapes, which geopandas writes.
 
 The file is made in memory, since the database behind it cannot be written to a stream.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Mapping
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -54,13 +54,54 @@ def write(
     >>> file.getvalue()[:6]
     b'SQLite'
     """
-    geopandas = load("geopandas", extra="shapes")
     shapely = load("shapely", extra="shapes")
     counts = np.diff(starts)
     lines = shapely.linestrings(points, indices=np.repeat(np.arange(len(counts)), counts))
-    frame = geopandas.GeoDataFrame(dict(columns), geometry=lines, crs=crs)
+    write_shapes(stream, lines, columns, crs, layer)
+
+
+def write_shapes(
+    stream: BinaryIO,
+    shapes: Array,
+    columns: Mapping[str, Array],
+    crs: Any,
+    layer: str,
+    **options: str,
+) -> None:
+    """Write a layer of geometries of any kind.
+
+    Parameters
+    ----------
+    stream : binary file
+        Where to write.
+    shapes : (k,) ndarray of shapely.Geometry or None
+        The geometries.
+    columns : mapping of str to (k,) ndarray
+        The properties.
+    crs : object, optional
+        WKT, a number or a system of pyproj.
+    layer : str
+        The name of the layer.
+    **options : str
+        Options of GDAL's driver, such as the names of its own columns.
+
+    Raises
+    ------
+    MissingDependencyError
+        geopandas is not installed.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> file = io.BytesIO()
+    >>> write_shapes(file, np.array([shapely.Point(1, 2)]), {}, "EPSG:25832", "places")
+    >>> file.getvalue()[:6]
+    b'SQLite'
+    """
+    geopandas = load("geopandas", extra="shapes")
+    frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=crs)
     content = io.BytesIO()
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*'crs' was not provided", UserWarning)
-        frame.to_file(content, driver="GPKG", layer=layer, engine="pyogrio")
+        frame.to_file(content, driver="GPKG", layer=layer, engine="pyogrio", **options)
     stream.write(content.getbuffer())

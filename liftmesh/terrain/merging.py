@@ -17,11 +17,12 @@ from liftmesh._typing import Array
 from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.color_depth import kept_depth
-from liftmesh.crs import described, is_same
+from liftmesh.crs import described
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import said
+from liftmesh.same_crs import is_same
 from liftmesh.terrain.overlap import overlap_of
 
 _LAYOUT = "las"  # the entry of lidar's scales

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from liftmesh.choices import shown
-from liftmesh.crs import are_different
 from liftmesh.errors import FormatError, InputError
-from liftmesh.optional import load
+from liftmesh.io.geometry_files import read_geometries
+from liftmesh.same_crs import are_different
 from liftmesh.terrain.polygons import Polygon, as_polygons
 
 _TEXT = {".geojson", ".json", ""}
@@ -58,7 +57,7 @@ def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
         _check_system(crs, _stated(polygon), "the polygon")
         return as_polygons(polygon)
     path = Path(polygon)
-    tree = _geojson(path) if path.suffix.lower() in _TEXT else _frame(path)
+    tree = _geojson(path) if path.suffix.lower() in _TEXT else read_geometries(path, "polygons")
     _check_system(crs, _stated(tree), str(path))
     try:
         return as_polygons(tree)
@@ -72,19 +71,6 @@ def _geojson(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise FormatError(f"{path}: not GeoJSON: {error}") from error
     return tree if isinstance(tree, dict) else {}
-
-
-def _frame(path: Path) -> Any:
-    """Read a file of another kind, such as GeoPackage."""
-    path.open("rb").close()  # says what is wrong in fewer words
-    geopandas = load("geopandas", extra="shapes")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # GDAL's, before its errors
-            return geopandas.GeoSeries(geopandas.read_file(path).get("geometry"))
-    except Exception as error:  # of whatever kind GDAL's reader makes
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise FormatError(f"{path}: cannot be read as polygons: {first}") from error
 
 
 def _stated(polygon: object) -> str | None:
