@@ -73,6 +73,8 @@ def test_geometries_are_points_of_one_system() -> None:
         liftmesh.voronoi(POINTS, domain=domain),
         liftmesh.power_diagram(GEOMETRIC, weights="size"),
         liftmesh.lloyd(POINTS, domain=domain, steps=1).cells,
+        liftmesh.lloyd(GEOMETRIC, domain=BOX, steps=1).cells,
+        liftmesh.transport(GEOMETRIC, np.ones(20), domain=BOX).cells,
     ):
         assert found.to_geodataframe().crs == found.crs == "EPSG:32633"
         assert liftmesh.voronoi(POINTS, domain=found.domain).crs == "EPSG:32633"

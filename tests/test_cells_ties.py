@@ -9,9 +9,10 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import shapely
+from checked_cells import check, domain_rings, exact_corners, rings_of
 from hypothesis import assume, given
 from rational_cells import area, cell_area, exact_point
-from test_cells import SITES, check, domain_rings, exact_corners, rings_of
+from test_cells import SITES
 
 import liftmesh
 

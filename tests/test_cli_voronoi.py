@@ -74,6 +74,8 @@ def test_the_default_box_is_said_and_pictures_are_drawn(table: Path) -> None:
     assert "svg does not keep" in done.stderr
     root = ET.parse(io.StringIO(done.stdout)).getroot()
     assert len(root) == 60
+    named = process("voronoi", table, "-", "--format", "svg", "--domain", "box", cwd=table.parent)
+    assert named.stdout == done.stdout
 
 
 ORDINARY = "x;y;area;row;w;name\n" + "".join(

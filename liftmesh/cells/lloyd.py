@@ -25,6 +25,7 @@ from liftmesh.cells.measure import Measure, check_extent, total_mass
 from liftmesh.cells.sites import sites_of
 from liftmesh.choices import as_count, shown
 from liftmesh.errors import InputError
+from liftmesh.same_crs import system_of
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -116,7 +117,7 @@ def lloyd(
     most = as_count("steps", steps, 0)
     relative = as_tolerance(tolerance, np.inf)
     dual = dual_of(sites_of(points, domain))
-    inside = as_domain(domain, dual.points)
+    inside = as_domain(domain, dual.points, system_of(points))
     check_extent(inside, dual.points)
     image = None if density is None else as_density(density, inside)
     here = Measure(Cells(dual, inside), image)

@@ -35,6 +35,7 @@ from liftmesh.cells.sites import sites_of
 from liftmesh.choices import as_count, as_switch, shown
 from liftmesh.errors import InputError
 from liftmesh.optional import load
+from liftmesh.same_crs import system_of
 
 _SHORTEST = 2.0**-40  # share of a step
 _LEAST = 2.0**-200  # share of the whole
@@ -164,7 +165,7 @@ def transport(
     most = as_count("steps", steps, 0)
     share = as_tolerance(tolerance, 1)
     dual = dual_of(sites_of(points, domain))
-    inside = as_domain(domain, dual.points)
+    inside = as_domain(domain, dual.points, system_of(points))
     _check_apart(dual)
     _check_connected(inside)
     check_extent(inside, dual.points)

@@ -42,8 +42,8 @@ def run(
         str | None,
         typer.Option(
             metavar="DOMAIN",
-            help="A file of polygons, or a box XMIN,YMIN,XMAX,YMAX; by default the points' box, "
-            "widened by a tenth of its longer side.",
+            help="A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
+            "the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
@@ -118,7 +118,7 @@ def _planar(source: Path, source_format: str | None, table: dict[str, Any]) -> d
 
 def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     """The domain, and the coordinate system of the cells."""
-    if text is None:
+    if text is None or text == "box":
         return None, cloud.crs
     if (box := options.parse_box(text)) is not None:
         return box, cloud.crs

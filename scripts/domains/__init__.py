@@ -1,0 +1,1 @@
+"""Cells in random domains, held against their definition."""
