@@ -14,7 +14,6 @@ SciPy is imported with this module, which is when ``liftmesh.Delaunay`` is first
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,14 +21,13 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
-from liftmesh.arrays import as_coordinates, check_finite, non_finite, read_only
+from liftmesh.arrays import read_only
 from liftmesh.caching import cached_property
 from liftmesh.choices import as_switch
-from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
+from liftmesh.errors import InputError
 from liftmesh.optional import load
-from liftmesh.planar import farthest
-from liftmesh.planar.delaunay import solve
 from liftmesh.planar.qhull_options import check_qhull_options
+from liftmesh.planar.scipy_class import Growing, planar_rows, solved
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:
@@ -40,15 +38,7 @@ else:
     spatial = load("scipy.spatial")
 
 
-class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]
-    """No triangle exists: a `DegenerateInputError` for code that expects SciPy's QhullError."""
-
-
-class NotIncrementalError(InputError, RuntimeError):
-    """Points were added to a triangulation that is finished: a RuntimeError in SciPy."""
-
-
-class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
+class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     """Drop-in replacement for ``scipy.spatial.Delaunay``, and an instance of it.
 
     SciPy's interpolators, ``tsearch`` and ``delaunay_plot_2d`` take it. Differences from SciPy: the
@@ -108,7 +98,7 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
     npoints = 0
     nsimplex = 0
-    _can_grow = False
+    _kind = "triangulation"
 
     def __init__(
         self,
@@ -123,16 +113,11 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
         self.furthest_site = as_switch("furthest_site", furthest_site)
         check_qhull_options(qhull_options)
         is_growing = as_switch("incremental", incremental)
-        self._triangulate(rows, copy=as_switch("copy", copy) or is_growing)
+        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
         self._can_grow = is_growing
 
-    def _triangulate(self, rows: Floats, *, copy: bool) -> None:
-        try:
-            solution = (farthest.solve if self.furthest_site else solve)(rows, copy=copy)
-        except DegenerateInputError as error:
-            raise DegenerateQhullError(*error.args) from None
-        except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
-            raise non_finite(error.row, rows[error.row], skippable=False) from None
+    def _compute(self, rows: Floats, *, copy: bool) -> None:
+        solution = solved(rows, furthest_site=self.furthest_site, copy=copy)
         for name in _COMPUTED_LATER:
             self.__dict__.pop(name, None)
         self._exact = solution["simplices"], solution["neighbors"]
@@ -151,63 +136,6 @@ class Delaunay(Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
     def _kept(self, array: Array) -> Array:
         return array  # SciPy's users write to it
-
-    def add_points(
-        self,
-        points: ArrayLike,
-        restart: bool = False,  # noqa: ARG002 - part of SciPy's signature
-    ) -> None:
-        """Add points, in the incremental mode.
-
-        Their rows follow those that are there. All attributes are new afterwards; what they were
-        before stays with those who hold it. If there is an error, nothing has changed.
-
-        Parameters
-        ----------
-        points : array_like of shape (k, 2)
-            Planar points.
-        restart : bool, default False
-            Accepted for compatibility with SciPy, without effect.
-
-        Raises
-        ------
-        InputError
-            The triangulation was made without ``incremental=True``, or has been closed (the error
-            is a RuntimeError too); or `points` are not planar points.
-        NonFiniteError
-            A point is not finite: row 0 is the first of `points`.
-
-        Notes
-        -----
-        All points are triangulated anew, in O(n log n) for n points in all, however few are added:
-        0.2 s for a million. So add points in large groups.
-
-        Examples
-        --------
-        >>> tri = Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
-        >>> tri.add_points([[2, 2], [1, 1]])
-        >>> tri.npoints, tri.nsimplex
-        (5, 4)
-        """
-        if not self._can_grow:
-            raise NotIncrementalError(
-                "points can be added only to a triangulation made with incremental=True, until "
-                "it is closed"
-            )
-        added = planar_rows(points)
-        check_finite(added, skippable=False)
-        if len(added):
-            self._triangulate(np.concatenate([self._rows, added]), copy=False)
-
-    def close(self) -> None:
-        """End the incremental mode: afterwards no points can be added.
-
-        Examples
-        --------
-        >>> tri = Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
-        >>> tri.close()
-        """
-        self._can_grow = False
 
     @cached_property
     def coplanar(self) -> Rows:
@@ -294,50 +222,6 @@ _COMPUTED_LATER = [
     for name, member in vars(kind).items()
     if isinstance(member, cached_property)
 ]
-
-
-def planar_rows(points: ArrayLike, kind: str = "Delaunay") -> Floats:
-    """Convert points to contiguous rows of float64, which SciPy's compiled code reads.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2)
-        Planar points.
-    kind : {"Delaunay", "Voronoi"}
-        The class that takes them, for the message.
-
-    Returns
-    -------
-    (n, 2) ndarray of float64
-        The caller's array itself if it has this type and layout already.
-
-    Raises
-    ------
-    InputError
-        They are no planar points.
-
-    Examples
-    --------
-    >>> planar_rows([[0, 1]])
-    array([[0., 1.]])
-    """
-    with suppress(ValueError):  # of rows that differ in length, which the conversion names
-        array = np.asanyarray(points)
-        points = array if array.ndim else points  # what is no array, the conversion names, too
-    if isinstance(points, np.ndarray):
-        _refuse_space(points.shape, kind)
-    rows = as_coordinates(points)
-    return np.ascontiguousarray(rows, dtype=np.float64)
-
-
-def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
-    """Raise for points of more than two columns, unless rows and columns seem exchanged."""
-    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
-        raise InputError(
-            f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
-            f"points[:, :2] to take their first two, or use scipy.spatial.{kind} for {shape[1]} "
-            "dimensions"
-        )
 
 
 def _edges_in(simplices: Rows) -> Rows:

@@ -18,19 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import check_finite, non_finite, read_only
+from liftmesh.arrays import read_only
 from liftmesh.choices import as_switch
-from liftmesh.errors import DegenerateInputError, NonFiniteError
 from liftmesh.optional import load
-from liftmesh.planar import farthest
-from liftmesh.planar.delaunay import solve
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
 from liftmesh.planar.qhull_options import check_qhull_options
-from liftmesh.planar.scipy_delaunay import (
-    DegenerateQhullError,
-    NotIncrementalError,
-    planar_rows,
-)
+from liftmesh.planar.scipy_class import Growing, planar_rows, solved
 
 if TYPE_CHECKING:
     from scipy import spatial
@@ -38,7 +31,7 @@ else:
     spatial = load("scipy.spatial")
 
 
-class Voronoi(spatial.Voronoi):  # type: ignore[misc]
+class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
     """Drop-in replacement for ``scipy.spatial.Voronoi``, and an instance of it.
 
     The topology is exact: sites on one circle share one vertex, and no region is lost at any
@@ -114,7 +107,7 @@ class Voronoi(spatial.Voronoi):  # type: ignore[misc]
     [-1, 1]
     """
 
-    _can_grow = False
+    _kind = "diagram"
 
     def __init__(
         self,
@@ -136,12 +129,7 @@ class Voronoi(spatial.Voronoi):  # type: ignore[misc]
         self._can_grow = is_growing
 
     def _compute(self, rows: Floats, *, copy: bool) -> None:
-        try:
-            solution = (farthest.solve if self.furthest_site else solve)(rows, copy=copy)
-        except DegenerateInputError as error:
-            raise DegenerateQhullError(*error.args) from None
-        except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
-            raise non_finite(error.row, rows[error.row], skippable=False) from None
+        solution = solved(rows, furthest_site=self.furthest_site, copy=copy)
         for name in ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
                      "ridge_points", "_found"):  # fmt: skip
             self.__dict__.pop(name, None)
@@ -211,59 +199,3 @@ class Voronoi(spatial.Voronoi):  # type: ignore[misc]
     def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
         """The vertices of each ridge by the rows of its two sites."""
         return ridges_by_rows(self.ridge_points, self.ridge_vertices)
-
-    def add_points(
-        self,
-        points: ArrayLike,
-        restart: bool = False,  # noqa: ARG002 - part of SciPy's signature
-    ) -> None:
-        """Add points, in the incremental mode.
-
-        Their rows follow those that are there. All attributes are new afterwards. If there is an
-        error, nothing has changed.
-
-        Parameters
-        ----------
-        points : array_like of shape (k, 2)
-            Planar points.
-        restart : bool, default False
-            Accepted for compatibility with SciPy, without effect.
-
-        Raises
-        ------
-        InputError
-            The diagram was made without ``incremental=True``, or has been closed (the error is a
-            RuntimeError too); or `points` are not planar points.
-        NonFiniteError
-            A point is not finite: row 0 is the first of `points`.
-
-        Notes
-        -----
-        The diagram is computed anew, in O(n log n) for n points in all.
-
-        Examples
-        --------
-        >>> diagram = Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
-        >>> diagram.add_points([[2, 2], [1, 1]])
-        >>> diagram.npoints, len(diagram.vertices)
-        (5, 4)
-        """
-        if not self._can_grow:
-            raise NotIncrementalError(
-                "points can be added only to a diagram made with incremental=True, until it is "
-                "closed"
-            )
-        added = planar_rows(points)
-        check_finite(added, skippable=False)
-        if len(added):
-            self._compute(np.concatenate([self._points, added]), copy=False)
-
-    def close(self) -> None:
-        """End the incremental mode: afterwards no points can be added.
-
-        Examples
-        --------
-        >>> diagram = Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
-        >>> diagram.close()
-        """
-        self._can_grow = False

@@ -17,8 +17,8 @@ from liftmesh.paper.pictures.style import (
     BLUE,
     INK,
     ORANGE,
-    SOFT,
     blank_axes,
+    legend_below,
     new_figure,
     styled,
 )
@@ -123,14 +123,9 @@ def _draw_triangles(axes: Any, found: Any, points: Floats) -> None:
 def _legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     patch = load("matplotlib.patches", extra="plot").Patch
-    figure.legend(
-        handles=[
-            line([], [], color=INK, marker="o", ls="", ms=2.6, label="pixel that stays"),
-            line([], [], color=BLUE, lw=0.9, label="edge"),
-            patch(fc=ORANGE, alpha=0.6, lw=0, label="triangle across an edge of the image"),
-        ],
-        loc="lower center",
-        ncols=3,
-        frameon=False,
-        labelcolor=SOFT,
-    )
+    handles = [
+        line([], [], color=INK, marker="o", ls="", ms=2.6, label="pixel that stays"),
+        line([], [], color=BLUE, lw=0.9, label="edge"),
+        patch(fc=ORANGE, alpha=0.6, lw=0, label="triangle across an edge of the image"),
+    ]
+    legend_below(figure, handles)

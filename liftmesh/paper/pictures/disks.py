@@ -17,9 +17,9 @@ from liftmesh.paper.pictures.style import (
     INK,
     ORANGE,
     SKY,
-    SOFT,
     VERMILION,
     blank_axes,
+    legend_below,
     new_figure,
     styled,
 )
@@ -109,15 +109,7 @@ def _legend(figure: Figure) -> None:
         (ORANGE, "plane and its circle"),
     )
     handles = [line([], [], color=color, lw=1.2, label=label) for color, label in named]
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=5,
-        fontsize=8.5,
-        columnspacing=1.2,
-        frameon=False,
-        labelcolor=SOFT,
-    )
+    legend_below(figure, handles, fontsize=8.5, columnspacing=1.2)
 
 
 def _graph(axes: Axes, graph: ApolloniusGraph) -> None:

@@ -23,10 +23,10 @@ from liftmesh.paper.pictures.style import (
     ORANGE,
     PURPLE,
     SKY,
-    SOFT,
     VERMILION,
     YELLOW,
     blank_axes,
+    legend_below,
     new_figure,
     styled,
 )
@@ -163,19 +163,11 @@ def _cells(axes: Axes, found: Triangulation) -> None:
 def _legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     marks: dict[str, Any] = {"marker": "o", "ls": ""}
-    figure.legend(
-        handles=[
-            line([], [], ms=6.0, mec=INK, mew=0.9, mfc=SKY, label="corner", **marks),
-            line([], [], ms=3.6, mew=0.0, color=VERMILION, label="hidden point", **marks),
-            line([], [], color=BLUE, lw=1.0, label="edge"),
-            line([], [], color=ORANGE, lw=1.2, label="circle around all points"),
-            line([], [], color=INK, lw=1.1, label="side of a cell"),
-        ],
-        loc="lower center",
-        ncols=5,
-        frameon=False,
-        labelcolor=SOFT,
-        edgecolor=FAINT,
-        columnspacing=1.2,
-        handletextpad=0.5,
-    )
+    handles = [
+        line([], [], ms=6.0, mec=INK, mew=0.9, mfc=SKY, label="corner", **marks),
+        line([], [], ms=3.6, mew=0.0, color=VERMILION, label="hidden point", **marks),
+        line([], [], color=BLUE, lw=1.0, label="edge"),
+        line([], [], color=ORANGE, lw=1.2, label="circle around all points"),
+        line([], [], color=INK, lw=1.1, label="side of a cell"),
+    ]
+    legend_below(figure, handles, columnspacing=1.2, handletextpad=0.5)

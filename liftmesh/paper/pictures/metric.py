@@ -14,11 +14,10 @@ from liftmesh._typing import Floats
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import (
     BLUE,
-    FAINT,
     INK,
     ORANGE,
-    SOFT,
     blank_axes,
+    legend_below,
     new_figure,
     styled,
 )
@@ -141,16 +140,10 @@ def is_inside(circle: Floats) -> bool:
 def _legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     patch = load("matplotlib.patches", extra="plot").Patch
-    figure.legend(
-        handles=[
-            line([], [], color=INK, marker="o", ls="", ms=3.6, label="point"),
-            line([], [], color=BLUE, lw=1.0, label="edge"),
-            line([], [], color=ORANGE, lw=1.2, label="empty circle of the metric"),
-            patch(fc=ORANGE, alpha=0.5, lw=0, label="its triangle"),
-        ],
-        loc="lower center",
-        ncols=4,
-        frameon=False,
-        labelcolor=SOFT,
-        edgecolor=FAINT,
-    )
+    handles = [
+        line([], [], color=INK, marker="o", ls="", ms=3.6, label="point"),
+        line([], [], color=BLUE, lw=1.0, label="edge"),
+        line([], [], color=ORANGE, lw=1.2, label="empty circle of the metric"),
+        patch(fc=ORANGE, alpha=0.5, lw=0, label="its triangle"),
+    ]
+    legend_below(figure, handles)

@@ -14,12 +14,11 @@ from liftmesh._typing import Floats, Indices
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import (
     BLUE,
-    FAINT,
     INK,
     SKY,
-    SOFT,
     VERMILION,
     blank_axes,
+    legend_below,
     new_figure,
     styled,
 )
@@ -180,16 +179,10 @@ def _outward(found: Triangulation, triangle: Indices, corner: Indices) -> Floats
 
 def _legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
-    figure.legend(
-        handles=[
-            line([], [], color=SKY, lw=1.1, label="circle"),
-            line([], [], color=VERMILION, lw=1.1, ls=(0, (3, 2)), label="hidden circle"),
-            line([], [], color=BLUE, lw=1.0, label="edge"),
-            line([], [], color=INK, lw=1.1, label="side of a cell"),
-        ],
-        loc="lower center",
-        ncols=4,
-        frameon=False,
-        labelcolor=SOFT,
-        edgecolor=FAINT,
-    )
+    handles = [
+        line([], [], color=SKY, lw=1.1, label="circle"),
+        line([], [], color=VERMILION, lw=1.1, ls=(0, (3, 2)), label="hidden circle"),
+        line([], [], color=BLUE, lw=1.0, label="edge"),
+        line([], [], color=INK, lw=1.1, label="side of a cell"),
+    ]
+    legend_below(figure, handles)

@@ -12,9 +12,9 @@ from liftmesh.paper.pictures.style import (
     BLUE,
     INK,
     SKY,
-    SOFT,
     VERMILION,
     blank_axes,
+    legend_below,
     new_figure,
     styled,
 )
@@ -110,15 +110,7 @@ def _legend(figure: Figure) -> None:
         line([], [], color=BLUE, lw=1.0, label="triangle of three stars"),
         line([], [], color=VERMILION, marker="o", ls="", ms=3, label="inconsistent star"),
     ]
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=4,
-        fontsize=7.5,
-        columnspacing=1.0,
-        frameon=False,
-        labelcolor=SOFT,
-    )
+    legend_below(figure, handles, fontsize=7.5, columnspacing=1.0)
 
 
 def _ellipses(axes: Axes, stars: AnisotropicStars) -> None:

@@ -7,7 +7,7 @@ are made without pyplot, so there is no global state and no window opens.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from liftmesh.optional import load
@@ -123,6 +123,35 @@ def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     axes.set_aspect("equal")
     axes.margins(0.06)
     return axes
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
+    """Explain what is drawn, in one line at the bottom.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure.
+    handles : sequence of matplotlib.artist.Artist
+        Samples with labels.
+    **options
+        As for ``Figure.legend``.
+
+    Examples
+    --------
+    >>> figure = new_figure(2, 2)
+    >>> legend_below(figure, blank_axes(figure, (0, 0, 1, 1)).plot([0], [0], label="point"))
+    >>> figure.legends[0].get_texts()[0].get_text()
+    'point'
+    """
+    figure.legend(
+        handles=handles,
+        loc="lower center",
+        ncols=len(handles),
+        frameon=False,
+        labelcolor=SOFT,
+        **options,
+    )
 
 
 def label(

@@ -1,0 +1,191 @@
+"""What the classes that stand in for SciPy's share: their input, errors and incremental mode."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats
+from liftmesh.arrays import as_coordinates, check_finite, non_finite
+from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
+from liftmesh.optional import load
+from liftmesh.planar import farthest
+from liftmesh.planar.delaunay import solve
+
+if TYPE_CHECKING:
+    from scipy import spatial
+else:
+    spatial = load("scipy.spatial")
+
+
+class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]
+    """No triangle exists: a `DegenerateInputError` for code that expects SciPy's QhullError."""
+
+
+class NotIncrementalError(InputError, RuntimeError):
+    """Points were added to a result that is finished: a RuntimeError in SciPy."""
+
+
+class Growing:
+    """The incremental mode: points can be added until it is closed.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> issubclass(liftmesh.Delaunay, Growing), issubclass(liftmesh.Voronoi, Growing)
+    (True, True)
+    """
+
+    _kind = "result"  # what is computed, for messages
+    _can_grow = False
+
+    if TYPE_CHECKING:  # what the classes have
+
+        @property
+        def points(self) -> Floats:
+            """The points, (n, 2) float64."""
+
+        def _compute(self, rows: Floats, *, copy: bool) -> None: ...
+
+    def add_points(
+        self,
+        points: ArrayLike,
+        restart: bool = False,  # noqa: ARG002 - part of SciPy's signature
+    ) -> None:
+        """Add points, in the incremental mode.
+
+        Their rows follow those that are there. All attributes are new afterwards; what they were
+        before stays with those who hold it. If there is an error, nothing has changed.
+
+        Parameters
+        ----------
+        points : array_like of shape (k, 2)
+            Planar points.
+        restart : bool, default False
+            Accepted for compatibility with SciPy, without effect.
+
+        Raises
+        ------
+        InputError
+            The result was made without ``incremental=True``, or has been closed (the error is a
+            RuntimeError too); or `points` are not planar points.
+        NonFiniteError
+            A point is not finite: row 0 is the first of `points`.
+
+        Notes
+        -----
+        All points are triangulated anew, in O(n log n) for n points in all, however few are added:
+        0.2 s for a million. So add points in large groups.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> tri.add_points([[2, 2], [1, 1]])
+        >>> tri.npoints, tri.nsimplex
+        (5, 4)
+        """
+        if not self._can_grow:
+            raise NotIncrementalError(
+                f"points can be added only to a {self._kind} made with incremental=True, until it "
+                "is closed"
+            )
+        added = planar_rows(points)
+        check_finite(added, skippable=False)
+        if len(added):
+            self._compute(np.concatenate([self.points, added]), copy=False)
+
+    def close(self) -> None:
+        """End the incremental mode: afterwards no points can be added.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> diagram = liftmesh.Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> diagram.close()
+        """
+        self._can_grow = False
+
+
+def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
+    """Triangulate points, with the errors that SciPy's callers expect.
+
+    Parameters
+    ----------
+    rows : (n, 2) ndarray of float64
+        The points.
+    furthest_site : bool
+        Whether the triangulation is the farthest-point one.
+    copy : bool
+        Whether to copy the points first.
+
+    Returns
+    -------
+    dict
+        As `liftmesh.planar.delaunay.solve` returns it.
+
+    Raises
+    ------
+    DegenerateQhullError
+        No triangle exists.
+    NonFiniteError
+        A row is not finite.
+
+    Examples
+    --------
+    >>> solved(planar_rows([[0, 0], [2, 0], [0, 2]]), furthest_site=False, copy=True)["simplices"]
+    array([[0, 1, 2]], dtype=int32)
+    """
+    try:
+        return (farthest.solve if furthest_site else solve)(rows, copy=copy)
+    except DegenerateInputError as error:
+        raise DegenerateQhullError(*error.args) from None
+    except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
+        raise non_finite(error.row, rows[error.row], skippable=False) from None
+
+
+def planar_rows(points: ArrayLike, kind: str = "Delaunay") -> Floats:
+    """Convert points to contiguous rows of float64, which SciPy's compiled code reads.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points.
+    kind : {"Delaunay", "Voronoi"}
+        The class that takes them, for the message.
+
+    Returns
+    -------
+    (n, 2) ndarray of float64
+        The caller's array itself if it has this type and layout already.
+
+    Raises
+    ------
+    InputError
+        They are no planar points.
+
+    Examples
+    --------
+    >>> planar_rows([[0, 1]])
+    array([[0., 1.]])
+    """
+    with suppress(ValueError):  # of rows that differ in length, which the conversion names
+        array = np.asanyarray(points)
+        points = array if array.ndim else points  # what is no array, the conversion names, too
+    if isinstance(points, np.ndarray):
+        _refuse_space(points.shape, kind)
+    rows = as_coordinates(points)
+    return np.ascontiguousarray(rows, dtype=np.float64)
+
+
+def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
+    """Raise for points of more than two columns, unless rows and columns seem exchanged."""
+    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
+        raise InputError(
+            f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
+            f"points[:, :2] to take their first two, or use scipy.spatial.{kind} for {shape[1]} "
+            "dimensions"
+        )
