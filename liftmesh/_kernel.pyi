@@ -274,6 +274,9 @@ class Locator:
         threads: int,
         shared: bool,
     ) -> None: ...
+    def natural_weights(
+        self, queries: NDArray[np.float64], threads: int, shared: bool
+    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]] | None: ...
 
 def leave_out_from_rim(
     neighbors: NDArray[np.int32], is_long: NDArray[np.uint8], left_out: NDArray[np.uint8]

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from rational_cells import cell_area, exact_point
 
 import liftmesh
-from liftmesh.cells import natural
 
 RNG = np.random.default_rng(1808)
 FEW = st.integers(0, 8)
@@ -125,26 +124,26 @@ def test_points_that_changed_since_are_refused() -> None:
     assert len(before) > 500
 
 
-def test_a_search_that_returns_to_triangles_ends() -> None:
-    tri = liftmesh.delaunay(RNG.random((30, 2)))
-    query, simplex = np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.int32)
-    cavities = natural._Cavities(tri, tri.points[:1], query, simplex)
-    taken, count = np.ones(1, dtype=np.int64), len(tri.simplices)
-    edge = np.array([[0, 0, 0, 0, int(tri.neighbors[0].max())]])
-    cavities._check_cavities(np.repeat(edge, count - 1, axis=0), taken)
-    with pytest.raises(liftmesh.InputError, match="changed since"):
-        cavities._check_cavities(edge, taken)
-    assert taken[0] == count + 1
+def test_any_threads_and_any_order_give_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    points, queries = RNG.random((3000, 2)), RNG.random((9000, 2))
+    tri = liftmesh.delaunay(points)
+    found = liftmesh.natural_neighbors(tri, queries)
+    order = RNG.permutation(len(queries))
+    for threads in ("1", "5"):
+        monkeypatch.setenv("LIFTMESH_NUM_THREADS", threads)
+        again = liftmesh.natural_neighbors(tri, queries[order])
+        counts = np.diff(again.indptr)
+        assert counts.tolist() == np.diff(found.indptr)[order].tolist()
+        for place, query in enumerate(order[:500].tolist()):
+            own, other = (slice(*each) for each in (again.indptr[place : place + 2],
+                                                    found.indptr[query : query + 2]))  # fmt: skip
+            assert again.rows[own].tolist() == found.rows[other].tolist()
+            assert again.weights[own].tolist() == found.weights[other].tolist()
 
 
-def test_a_border_that_does_not_close_is_refused() -> None:
-    closed = np.array([[0, 1, 2, 0, 1], [0, 2, 3, 0, 1], [0, 3, 1, 0, 1]])
-    assert natural._Sums(closed).edge_into.tolist() == [2, 0, 1]
-    for row in range(3):
-        for wrong in (1, 2, 3, 9):
-            border = closed.copy()
-            if border[row, 2] == wrong:
-                continue
-            border[row, 2] = wrong
-            with pytest.raises(liftmesh.InputError, match="changed since"):
-                natural._Sums(border)
+def test_slivers_whose_area_is_no_double() -> None:
+    tiny = 2.0**-1040
+    points = [[0, 0], [tiny, 0], [0.5, tiny], [1, 0]]
+    found = liftmesh.natural_neighbors(points, [[0.25, tiny / 4], [tiny / 2, 0], [0.75, 0]])
+    np.testing.assert_allclose(found.interpolate([0, 0, 2, 4]), [0.5 + 0.25 * 2, 0, 3])
+    np.testing.assert_allclose(np.add.reduceat(found.weights, found.indptr[:-1]), 1)

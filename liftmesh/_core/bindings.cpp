@@ -132,5 +132,6 @@ NB_MODULE(_kernel, m) {
     bindings::bind_cells(m);
     nb::class_<PyLocator>(m, "Locator")
         .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
-        .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a);
+        .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a)
+        .def("natural_weights", &PyLocator::natural_weights, "queries"_a, "threads"_a, "shared"_a);
 }

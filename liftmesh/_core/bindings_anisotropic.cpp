@@ -19,13 +19,6 @@ using Matrices = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::d
 using Numbers = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using RowPairs = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 
-template <class Value>
-nb::object as_array(const std::vector<Value>& values) {
-    auto copied = liftmesh::allocate<Value>(values.size());
-    std::copy(values.begin(), values.end(), copied.get());
-    return adopt(std::move(copied), values.size(), 1);
-}
-
 nb::tuple anisotropic_stars(const Pairs& points, const Matrices& metrics, const Numbers& starts,
                             const Numbers& neighbors, const RowPairs& hull, nb::handle progress) {
     static_assert(sizeof(Point) == 2 * sizeof(double) && sizeof(Metric) == 3 * sizeof(double));

@@ -9,6 +9,7 @@
 
 #include "bindings_runs.hpp"
 #include "delaunay/locate.hpp"
+#include "surface/natural_weights.hpp"
 
 namespace bindings {
 
@@ -35,6 +36,27 @@ class PyLocator {
                                  {threads, shared}, interrupt);
         }
         if (!done) throw nb::python_error();
+    }
+
+    // Starts, rows and weights of the natural neighbours of each query; None if rows were written
+    // since they were triangulated.
+    nb::object natural_weights(const Pairs& queries, unsigned threads, bool shared) {
+        const liftmesh::Queries given{queries.data(), queries.shape(0)};
+        const liftmesh::Threads limit{threads, shared};
+        PythonInterrupt interrupt;
+        liftmesh::NaturalWeights found;
+        bool done = false;
+        {
+            const nb::gil_scoped_release unlocked;
+            const auto simplices = liftmesh::allocate<std::int32_t>(given.count);
+            done = locator_.find(given, simplices.get(), limit, interrupt) &&
+                   liftmesh::natural_weights(locator_.mesh(), given, simplices.get(), found, limit,
+                                             interrupt);
+        }
+        if (!done) throw nb::python_error();
+        if (!found.is_sound) return nb::none();
+        return nb::make_tuple(as_array(found.starts), as_array(found.rows),
+                              as_array(found.weights));
     }
 
  private:

@@ -46,6 +46,13 @@ inline nb::object nothing(std::size_t columns) {
     return nb::borrow(shared).attr("view")();
 }
 
+template <class T>
+nb::object as_array(const std::vector<T>& values) {
+    auto copy = liftmesh::allocate<T>(values.size());
+    std::copy(values.begin(), values.end(), copy.get());
+    return adopt(std::move(copy), values.size(), 1);
+}
+
 template <class Source, class Write>
 nb::object table(const std::vector<Source>& source, std::size_t columns, Write write) {
     if (source.empty() && columns <= 2) return nothing(columns);

@@ -56,13 +56,6 @@ void run_unlocked(Work work) {
     if (!done) throw nb::python_error();
 }
 
-template <class T>
-nb::object as_array(const std::vector<T>& values) {
-    auto copy = liftmesh::allocate<T>(values.size());
-    std::copy(values.begin(), values.end(), copy.get());
-    return adopt(std::move(copy), values.size(), 1);
-}
-
 liftmesh::Natural natural_named(std::string_view method) {
     if (method == "nearest") return liftmesh::Natural::nearest;
     if (method == "laplace") return liftmesh::Natural::laplace;

@@ -14,6 +14,7 @@
 #include "delaunay/locate.hpp"
 #include "spoiler.hpp"
 #include "surface/contours.hpp"
+#include "surface/natural_weights.hpp"
 #include "surface/overlay.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
@@ -87,7 +88,13 @@ std::vector<double> answers(Terrain& terrain, const std::vector<Point>& asked, s
     for (const Natural method : {Natural::nearest, Natural::laplace, Natural::sibson})
         done = done && sample_natural(terrain.relief, terrain.locator, some, method,
                                       next(some.count), threads, interrupt);
+    liftmesh::NaturalWeights shares;
+    std::vector<std::int32_t> triangles(some.count);
+    done = done && terrain.locator.find(some, triangles.data(), threads, interrupt) &&
+           natural_weights(terrain.mesh, some, triangles.data(), shares, threads, interrupt);
     if (!done) return {};
+    all.insert(all.end(), shares.rows.begin(), shares.rows.end());
+    all.insert(all.end(), shares.weights.begin(), shares.weights.end());
     for (const Point p : lines.points) all.insert(all.end(), {p.x, p.y});
     all.insert(all.end(), found.rows.begin(), found.rows.end());
     return all;

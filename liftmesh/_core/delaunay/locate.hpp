@@ -36,6 +36,8 @@ class Locator {
     Locator(const Locator&) = delete;
     Locator& operator=(const Locator&) = delete;
 
+    const Triangulated& mesh() const { return mesh_; }
+
     // For each query the smallest simplex whose closed triangle contains it; -1 outside the hull,
     // and for points that are not finite. False if the interrupt came first. Several threads may
     // call it at once. `settled` is called for each query, if it is given, mostly once.

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "predicates/compare_heights.hpp"
 #include "predicates/incircle.hpp"
+#include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
 namespace {
+
+constexpr int most_exponent = 128;  // beyond it, terms of degree four may leave the doubles
 
 double cross(Point p, Point q) {
     return p.x * q.y - p.y * q.x;
@@ -17,14 +21,14 @@ double square(Point p) {
     return p.x * p.x + p.y * p.y;
 }
 
-bool is_in_circle(const Triangulated& mesh, std::int32_t face, Point query) {
-    const Point a = mesh.corner(face, 0), b = mesh.corner(face, 1), c = mesh.corner(face, 2);
+// The sign of the in-circle determinant. Rows may have been written meanwhile.
+int side_of_circle(Point a, Point b, Point c, Point query) {
     const InCircleFilter filter = incircle_filter(a, b, c, query);
     const double error = filter.error + Guard::anywhere().margin();
-    if (filter.det > error) return true;
-    if (-filter.det > error) return false;
-    return is_finite(a) && is_finite(b) && is_finite(c) &&  // rows may have been written meanwhile
-           incircle_exact(a, b, c, query, Guard::anywhere()) > 0;
+    if (filter.det > error) return 1;
+    if (-filter.det > error) return -1;
+    if (!is_finite(a) || !is_finite(b) || !is_finite(c)) return 0;
+    return incircle_exact(a, b, c, query, Guard::anywhere());
 }
 
 // The centre of the circle through two points and the origin.
@@ -35,114 +39,130 @@ Point centre(Point p, Point q) {
 
 }  // namespace
 
-Point NaturalNeighbors::relative(std::int32_t row, Point query) const {
-    const Point at = point(mesh_.place(row));
-    return {at.x - query.x, at.y - query.y};
+// The sides of the cavity, counter-clockwise, by going through its faces in that order. A cavity
+// with more faces than there are is none.
+bool NaturalNeighbors::find(Point query, std::int32_t simplex, Patience& patience) {
+    query_ = query;
+    auto& [pending, border, places, centres, weights] = room_;
+    border.clear();
+    pending = {{simplex, 2}, {simplex, 1}, {simplex, 0}};
+    std::size_t faces = 1;
+    while (!pending.empty() && !patience.ends()) {
+        const Side side = pending.back();
+        pending.pop_back();
+        const std::int32_t across = mesh_.neighbor(side.face, side.k);
+        if (across >= 0 && side_of_circle(mesh_.corner(across, 0), mesh_.corner(across, 1),
+                                          mesh_.corner(across, 2), query) > 0) {
+            if (++faces > mesh_.count) return false;
+            const int corner = mesh_.place_of_neighbor(across, side.face);
+            pending.push_back({across, (corner + 2) % 3});
+            pending.push_back({across, (corner + 1) % 3});
+        } else {
+            border.push_back({mesh_.vertex(side.face, (side.k + 1) % 3), side});
+        }
+    }
+    const auto least = std::min_element(border.begin(), border.end(),
+                                        [this](const Neighbor& p, const Neighbor& q) {
+                                            return before_xy(place(p.row), place(q.row));
+                                        });
+    std::rotate(border.begin(), least, border.end());
+    return true;
+}
+
+std::int32_t NaturalNeighbors::nearest() const {
+    std::int32_t best = row(0);
+    for (std::size_t i = 1; i < count(); ++i) {
+        const Point at = place(row(i)), least = place(best);
+        const int order = compare_heights(at, least, query_);
+        if (order < 0 || (order == 0 && before_xy(at, least))) best = row(i);
+    }
+    return best;
+}
+
+bool NaturalNeighbors::is_around() const {
+    for (std::size_t i = 0; i < count(); ++i) {
+        const Side side = room_.border[i].leaving;
+        const std::int32_t next = row(after(i));
+        if (mesh_.vertex(side.face, (side.k + 2) % 3) != next) return false;
+        const Point p = place(row(i)), q = place(next);
+        if (!is_finite(p) || !is_finite(q) || orient2d(p, q, query_) <= 0) return false;
+    }
+    return count() >= 3;
+}
+
+bool NaturalNeighbors::shares_side(std::size_t i) const {
+    return side_of_circle(place(row(before(i))), place(row(i)), place(row(after(i))), query_) != 0;
+}
+
+Point NaturalNeighbors::scaled(Point p) const {
+    return exponent_ == 0 ? p : Point{std::ldexp(p.x, -exponent_), std::ldexp(p.y, -exponent_)};
+}
+
+// Of the neighbours, and of the circles through the point and each side of the border.
+void NaturalNeighbors::put_places() {
+    auto& places = room_.places;
+    places.resize(count());
+    double most = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+        const Point at = place(row(i));
+        places[i] = {at.x - query_.x, at.y - query_.y};
+        most = std::max({most, std::fabs(places[i].x), std::fabs(places[i].y)});
+    }
+    std::frexp(most, &exponent_);
+    if (std::abs(exponent_) <= most_exponent) exponent_ = 0;
+    if (exponent_ != 0)
+        std::transform(places.begin(), places.end(), places.begin(),
+                       [this](Point p) { return scaled(p); });
+    room_.centres.resize(count());
+    for (std::size_t i = 0; i < count(); ++i)
+        room_.centres[i] = centre(places[i], places[after(i)]);
+}
+
+const std::vector<double>& NaturalNeighbors::weigh(Natural method) {
+    put_places();
+    room_.weights.resize(count());
+    for (std::size_t i = 0; i < count(); ++i)
+        room_.weights[i] = std::max(method == Natural::laplace ? laplace(i) : sibson(i), 0.0);
+    return room_.weights;
 }
 
 // From the lexicographically least corner.
-Point NaturalNeighbors::centre_of(std::int32_t face, Point query) const {
+Point NaturalNeighbors::centre_of(std::int32_t face) const {
     int least = 0;
     for (int k = 1; k < 3; ++k)
         if (before_xy(mesh_.corner(face, k), mesh_.corner(face, least))) least = k;
     const Point a = mesh_.corner(face, least), b = mesh_.corner(face, (least + 1) % 3),
                 c = mesh_.corner(face, (least + 2) % 3);
-    const Point found = centre({b.x - a.x, b.y - a.y}, {c.x - a.x, c.y - a.y});
-    return {found.x + (a.x - query.x), found.y + (a.y - query.y)};
-}
-
-// The sides of the cavity, counter-clockwise, by going through its faces in that order. A cavity
-// with more faces than there are is none: rows were written meanwhile.
-bool NaturalNeighbors::find_border(Point query, std::int32_t simplex, Patience& patience) {
-    border_.clear();
-    pending_ = {{simplex, 2}, {simplex, 1}, {simplex, 0}};
-    std::size_t faces = 1;
-    while (!pending_.empty() && !patience.ends()) {
-        const Side side = pending_.back();
-        pending_.pop_back();
-        const std::int32_t across = mesh_.neighbor(side.face, side.k);
-        if (across >= 0 && is_in_circle(mesh_, across, query)) {
-            if (++faces > mesh_.count) return false;
-            const int corner = mesh_.place_of_neighbor(across, side.face);
-            pending_.push_back({across, (corner + 2) % 3});
-            pending_.push_back({across, (corner + 1) % 3});
-        } else {
-            border_.push_back({mesh_.vertex(side.face, (side.k + 1) % 3), side});
-        }
-    }
-    const auto least = std::min_element(
-        border_.begin(), border_.end(), [this](const Neighbor& p, const Neighbor& q) {
-            return before_xy(point(mesh_.place(p.row)), point(mesh_.place(q.row)));
-        });
-    std::rotate(border_.begin(), least, border_.end());
-    return true;
-}
-
-// Of several at one distance the lexicographically least.
-double NaturalNeighbors::nearest(Point query) const {
-    std::int32_t best = border_[0].row;
-    for (const Neighbor& each : border_) {
-        const Point at = point(mesh_.place(each.row)), least = point(mesh_.place(best));
-        const int order = compare_heights(at, least, query);
-        if (order < 0 || (order == 0 && before_xy(at, least))) best = each.row;
-    }
-    return relief_.height_of(best);
+    const Point found = centre(scaled({b.x - a.x, b.y - a.y}), scaled({c.x - a.x, c.y - a.y}));
+    const Point from = scaled({a.x - query_.x, a.y - query_.y});
+    return {found.x + from.x, found.y + from.y};
 }
 
 double NaturalNeighbors::laplace(std::size_t i) const {
-    const Point before = centres_[(i + centres_.size() - 1) % centres_.size()], after = centres_[i];
-    return std::sqrt(square({after.x - before.x, after.y - before.y}) / square(places_[i]));
+    const Point from = room_.centres[before(i)], to = room_.centres[i];
+    return std::sqrt(square({to.x - from.x, to.y - from.y}) / square(room_.places[i]));
 }
 
 // Twice the area between the cell's centres beside a neighbour and those of the faces around it.
-double NaturalNeighbors::sibson(std::size_t i, Point query) const {
-    const std::size_t last = (i + border_.size() - 1) % border_.size();
-    const Point origin = centres_[last];
+double NaturalNeighbors::sibson(std::size_t i) const {
+    const Point origin = room_.centres[before(i)];
     const auto placed = [&](Point p) { return Point{p.x - origin.x, p.y - origin.y}; };
-    Point corner = placed(centres_[i]);
+    Point corner = placed(room_.centres[i]);
     double area = 0;
     const auto add = [&](Point next) {
         area += cross(corner, next);
         corner = next;
     };
     // Counter-clockwise around the part: back from the side that leaves to the one that arrives.
-    const std::int32_t row = border_[i].row;
-    const Side arriving = border_[last].leaving;
-    std::int32_t face = border_[i].leaving.face;
+    const std::int32_t row = room_.border[i].row;
+    const Side arriving = room_.border[before(i)].leaving;
+    std::int32_t face = room_.border[i].leaving.face;
     for (;;) {
-        add(placed(centre_of(face, query)));
+        add(placed(centre_of(face)));
         if (face == arriving.face) return area;
         const int at = mesh_.vertex(face, 0) == row ? 0 : mesh_.vertex(face, 1) == row ? 1 : 2;
         face = mesh_.neighbor(face, (at + 1) % 3);
     }
-}
-
-double NaturalNeighbors::height(Point query, std::int32_t simplex, Natural method,
-                                Patience& patience) {
-    const bool is_sound = find_border(query, simplex, patience);
-    if (patience.ends(0)) return no_height;
-    if (!is_sound) return relief_.height(query, simplex, patience);
-    if (method == Natural::nearest) return nearest(query);
-    const std::size_t count = border_.size();
-    places_.resize(count);
-    centres_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) places_[i] = relative(border_[i].row, query);
-    for (std::size_t i = 0; i < count; ++i)
-        centres_[i] = centre(places_[i], places_[(i + 1) % count]);
-    double total = 0, sum = 0;
-    const double first = relief_.height_of(border_[0].row);
-    double low = first, high = first;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double weight =
-            std::max(method == Natural::laplace ? laplace(i) : sibson(i, query), 0.0);
-        const double z = relief_.height_of(border_[i].row);
-        total += weight;
-        sum += weight * (z - first);
-        low = std::min(low, z);
-        high = std::max(high, z);
-    }
-    const double z = first + sum / total;
-    return std::isfinite(z) ? std::clamp(z, low, high) : relief_.height(query, simplex, patience);
 }
 
 }  // namespace liftmesh

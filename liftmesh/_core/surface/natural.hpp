@@ -1,28 +1,30 @@
-// Heights from natural neighbours: the vertices that a point would have as neighbours if it were
-// one.
+// The natural neighbours of a point: the vertices that it would have as neighbours if it were one.
 //
 // The faces whose circle has the point inside form a cavity without vertices (Bowyer, Watson 1981),
 // found by exact in-circle tests from the face that contains the point. Its border, in order, holds
-// the neighbours. Circumcentres are computed relative to the point. Weights are
+// the neighbours. Circumcentres are computed relative to the point, and scaled where squares would
+// leave the doubles. Weights are
 //
 // - of Laplace (Belikov et al. 1997): the length of the side that the point's Voronoi cell shares
 //   with a neighbour, over the distance to it;
 // - of Sibson (1981): the area that the cell takes from the neighbour's. It lies between the
 //   circumcentres of the cell and those of the cavity's faces at the neighbour.
 //
-// Sums begin at the lexicographically least neighbour.
+// The border begins at the lexicographically least neighbour.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
-#include "surface/relief.hpp"
+#include "base/point.hpp"
+#include "base/status.hpp"
+#include "delaunay/triangulated.hpp"
 
 namespace liftmesh {
 
 enum class Natural : std::uint8_t { nearest, laplace, sibson };
 
-// At a point strictly inside a face that is shown, or on a side between two. Where weights
-// overflow, the height is linear.
 class NaturalNeighbors {
  public:
     struct Side {
@@ -38,31 +40,44 @@ class NaturalNeighbors {
         std::vector<Side> pending;
         std::vector<Neighbor> border;
         std::vector<Point> places, centres;  // relative to the query; of the cell, by its sides
+        std::vector<double> weights;
     };
 
-    NaturalNeighbors(const Relief& relief, Room& room)
-        : relief_(relief),
-          mesh_(relief.mesh()),
-          pending_(room.pending),
-          border_(room.border),
-          places_(room.places),
-          centres_(room.centres) {}
+    NaturalNeighbors(const Triangulated& mesh, Room& room) : mesh_(mesh), room_(room) {}
 
-    double height(Point query, std::int32_t simplex, Natural method, Patience& patience);
+    // Of a point strictly inside a face, or on a side between two. False if rows were written
+    // meanwhile, and this was noticed.
+    bool find(Point query, std::int32_t simplex, Patience& patience);
+
+    std::size_t count() const { return room_.border.size(); }
+    std::int32_t row(std::size_t i) const { return room_.border[i].row; }
+
+    // Of several at one distance the lexicographically least.
+    std::int32_t nearest() const;
+
+    // By Laplace or by Sibson; none is negative, but their sum may be beyond the doubles, or 0.
+    const std::vector<double>& weigh(Natural method);
+
+    // Whether the border goes around the point, as it does if no row was written meanwhile.
+    bool is_around() const;
+
+    // Whether the cells of the point and of a neighbour share a side, and not a vertex only.
+    bool shares_side(std::size_t i) const;
 
  private:
-    bool find_border(Point query, std::int32_t simplex, Patience& patience);
-    double nearest(Point query) const;
+    Point place(std::int32_t row) const { return point(mesh_.place(row)); }
+    std::size_t before(std::size_t i) const { return (i + count() - 1) % count(); }
+    std::size_t after(std::size_t i) const { return (i + 1) % count(); }
+    Point scaled(Point p) const;
+    void put_places();
     double laplace(std::size_t i) const;
-    double sibson(std::size_t i, Point query) const;
-    Point relative(std::int32_t row, Point query) const;
-    Point centre_of(std::int32_t face, Point query) const;
+    double sibson(std::size_t i) const;
+    Point centre_of(std::int32_t face) const;
 
-    const Relief& relief_;
     const Triangulated& mesh_;
-    std::vector<Side>& pending_;
-    std::vector<Neighbor>& border_;
-    std::vector<Point>&places_, &centres_;
+    Room& room_;
+    Point query_{};
+    int exponent_ = 0;  // coordinates relative to the query are divided by this power of 2
 };
 
 }  // namespace liftmesh

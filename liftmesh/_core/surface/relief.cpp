@@ -2,22 +2,7 @@
 
 #include <memory>
 
-#include "predicates/orient2d.hpp"
-
 namespace liftmesh {
-
-Relief::Place Relief::place(Point query, std::int32_t simplex) const {
-    int zeros = 0, on = 0, off = 0;
-    for (int k = 0; k < 3; ++k) {
-        const int turn =
-            orient2d(mesh_.corner(simplex, (k + 1) % 3), mesh_.corner(simplex, (k + 2) % 3), query);
-        if (turn < 0) return {Place::beyond, 0};
-        (turn == 0 ? on : off) = k;
-        zeros += turn == 0;
-    }
-    if (zeros == 0) return {Place::inside, 0};
-    return zeros == 1 ? Place{Place::side, on} : Place{Place::vertex, off};
-}
 
 double Relief::height(Point query, std::int32_t simplex, Patience& patience) const {
     return height(query, simplex, place(query, simplex), patience);

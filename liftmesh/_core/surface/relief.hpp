@@ -15,6 +15,7 @@
 #include "delaunay/triangulated.hpp"
 #include "surface/facet.hpp"
 #include "surface/first_faces.hpp"
+#include "surface/place.hpp"
 
 namespace liftmesh {
 
@@ -59,12 +60,8 @@ class Relief {
     // The owner of the position of a vertex, by a triangle at it.
     std::int32_t owner_of_vertex(std::int32_t row, std::int32_t simplex, Patience& patience) const;
 
-    // Where a point of a closed triangle lies: inside, on the side opposite corner k, at corner k.
-    struct Place {
-        enum Kind : std::uint8_t { inside, side, vertex, beyond } kind;
-        int k;
-    };
-    Place place(Point query, std::int32_t simplex) const;
+    using Place = liftmesh::Place;
+    Place place(Point query, std::int32_t simplex) const { return place_in(mesh_, simplex, query); }
 
     // With the place known; at a vertex, the triangle must be shown.
     double height(Point query, std::int32_t simplex, Place place) const;

@@ -1,6 +1,7 @@
 #include "surface/sample.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/buffer.hpp"
 
@@ -26,18 +27,40 @@ bool at_each(Locator& locator, const Queries& queries, Threads threads, Interrup
     return true;
 }
 
+// Where weights leave the doubles, and where rows were written meanwhile, the linear height.
+double height_between(const Relief& relief, NaturalNeighbors& neighbors, Natural method,
+                      double linear) {
+    const double first = relief.height_of(neighbors.row(0));
+    double total = 0, sum = 0, low = first, high = first;
+    const std::vector<double>& weights = neighbors.weigh(method);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double z = relief.height_of(neighbors.row(i));
+        total += weights[i];
+        sum += weights[i] * (z - first);
+        low = std::min(low, z);
+        high = std::max(high, z);
+    }
+    const double z = first + sum / total;
+    return std::isfinite(z) ? std::clamp(z, low, high) : linear;
+}
+
 // At vertices, on sides of the hull and outside as the linear height, which is the limit there.
 double natural_height(const Relief& relief, Point query, std::int32_t triangle, Natural method,
                       Patience& patience) {
     thread_local NaturalNeighbors::Room room;
-    const Relief::Place place = relief.place(query, triangle);
+    const Place place = relief.place(query, triangle);
     const bool is_within =
-        place.kind == Relief::Place::inside ||
-        (place.kind == Relief::Place::side && relief.mesh().neighbor(triangle, place.k) >= 0);
+        place.kind == Place::inside ||
+        (place.kind == Place::side && relief.mesh().neighbor(triangle, place.k) >= 0);
     const double linear = relief.height(query, triangle, place, patience);
-    const bool is_nearest = method == Natural::nearest && place.kind == Relief::Place::side;
+    const bool is_nearest = method == Natural::nearest && place.kind == Place::side;
     if (linear != linear || !(is_within || is_nearest)) return linear;
-    return NaturalNeighbors(relief, room).height(query, triangle, method, patience);
+    NaturalNeighbors neighbors(relief.mesh(), room);
+    const bool is_sound = neighbors.find(query, triangle, patience);
+    if (patience.ends(0)) return no_height;
+    if (!is_sound) return linear;
+    if (method == Natural::nearest) return relief.height_of(neighbors.nearest());
+    return height_between(relief, neighbors, method, linear);
 }
 
 }  // namespace
