@@ -202,7 +202,7 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     ("flag", "times", "shown"),
     [
         (0, (5.5, 604000.0), "5.5 to 604000.0  (seconds of a week)"),
-        (0, (5.5, 1e6), "5.5 to 1000000.0  (the file says seconds of a week, which has fewer)"),
+        (0, (5.5, 1e6), "5.5 to 1000000.0  (stated as seconds of a week, which has only 604,800)"),
         (1, (-1e9, 300000000.5), "1980-01-06 00:00:00 to 2021-03-17 07:06:40"),
         (1, (1.0, 1e300), "2011-09-14 01:46:41 to 1e+300"),
     ],
@@ -213,7 +213,7 @@ def test_info_says_when_and_by_what(
     las = tile(3, point_format=6, version="1.4")
     las.gps_time = np.array([times[1], np.nan, times[0]])
     data = patched(encoded(las), "<H", 6, flag)
-    data = patched(patched(data, "<32s", 58, b"a program"), "<HH", 90, 60, 2024)
+    data = patched(patched(data, "<32s", 58, b"a program\0rest"), "<HH", 90, 60, 2024)
     (tmp_path / "a.las").write_bytes(data)
     text = liftmesh("info", "a.las", cwd=tmp_path).stdout
     assert f"gps time    {shown}\n" in text
