@@ -40,7 +40,12 @@ def three_mf(data: bytes) -> Cloud:
         model = lib3mf.get_wrapper().CreateModel()
         reader = model.QueryReader("3mf")
         reader.SetStrictModeActive(True)
-        reader.ReadFromFile(str(path))
+        try:
+            reader.ReadFromFile(str(path))
+        except lib3mf.Lib3MF.ELib3MFException as error:
+            if not str(error).endswith("Invalid Model Coordinates"):
+                raise
+            raise InputError("lib3mf reads no coordinates beyond 10^9") from error
     assert reader.GetWarningCount() == 0, "lib3mf warns"
     meshes = model.GetMeshObjects()
     assert meshes.MoveNext(), "there is no mesh"
