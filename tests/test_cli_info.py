@@ -85,7 +85,10 @@ def test_the_coordinate_system_is_shown_where_there_is_one(tmp_path):
     assert lines_of(tmp_path / "wkt.ply")["crs"] == "mine (projected)"
     assert summary_of(tmp_path / "wkt.ply")["crs"] == wkt
     lm.write(tmp_path / "odd.ply", lm.Cloud(np.eye(3), crs="of our own"))
-    assert lines_of(tmp_path / "odd.ply")["crs"] == "of our own"
+    done = liftmesh("info", "odd.ply", cwd=tmp_path)
+    assert re.search(r"^crs +of our own$", done.stdout, flags=re.MULTILINE)
+    line = "odd.ply: the coordinate system 'of our own' is not understood: its units are not known"
+    assert done.stderr == f"liftmesh: note: {line}\n"
 
 
 def test_spacing_is_the_median_distance_to_the_nearest():

@@ -37,7 +37,7 @@ def done(line: str, folder: Path) -> str:
 
 
 def tile(path: Path, crs: str | None, origin: tuple[float, float]) -> laspy.LasData:
-    """Write a tile: a hill with a bay on its border, bare but for trees on it, in 16-bit colours."""
+    """Write a tile: a hill with a bay on its border, and trees, in colours of 16 bits."""
     rng = np.random.default_rng(3)
     plane = rng.random((4000, 2)) * 60
     plane = plane[~((plane[:, 0] > 20) & (plane[:, 0] < 40) & (plane[:, 1] > 42))]
