@@ -94,6 +94,40 @@ def test_info_counts_classes_returns_and_flags(folder: Path) -> None:
     assert part["notes"][0] == "100 of 600 rows; left out: 500 of other classes"
 
 
+@pytest.mark.parametrize(("point_format", "version"), [(3, "1.2"), (6, "1.4")])
+def test_overlap_is_a_class_of_older_formats_and_a_flag_of_later_ones(
+    tmp_path: Path, point_format: int, version: str
+) -> None:
+    las = tile(60, point_format=point_format, version=version)
+    las.classification = np.resize(np.array([12, 12, 18, 31], np.uint8), 60)
+    las.synthetic = np.zeros(60, np.uint8)
+    if point_format == 6:
+        las.overlap = np.arange(60) < 7
+        las.classification[:4] = 65
+    (tmp_path / "a.las").write_bytes(encoded(las))
+    done = liftmesh("triangulate", "a.las", "a.ply", cwd=tmp_path)
+    assert "a.las: no ground (class 2), so all classes: 60 of 60 rows" in done.stderr
+    count = 30 if point_format == 3 else 7
+    assert f"among them {count} in the overlap of flight lines" in done.stderr
+    if point_format == 6:
+        las.overlap[:] = 0
+        (tmp_path / "b.las").write_bytes(encoded(las))
+        assert "overlap" not in liftmesh("triangulate", "b.las", "b.ply", cwd=tmp_path).stderr
+    shown = liftmesh("info", "a.las", cwd=tmp_path).stdout
+    classes = "12 overlap 30, 18 high noise 15, 31 15"
+    later = "12 overlap 28, 18 high noise 14, 31 14, 65 4"
+    assert f"classes     {classes if point_format == 3 else later}\n" in shown
+
+
+def test_a_header_of_garbage_is_refused_at_once(tmp_path: Path) -> None:
+    for size in (4, 100, 227, 4000):
+        for fill in (b"\xff", b"\x02", b"\x7f\x01"):
+            (tmp_path / "a.las").write_bytes((b"LASF" + fill * size)[:size])
+            done = liftmesh("info", "a.las", cwd=tmp_path)
+            assert done.returncode == 3
+            assert re.fullmatch(r"liftmesh: error: a\.las: [^\n]+\n", done.stderr)
+
+
 def test_comparing_takes_the_ground(folder: Path) -> None:
     done = liftmesh("compare", "tile.laz", cwd=folder)
     assert "ground (class 2): 296 of 600 rows" in done.stderr

@@ -174,7 +174,8 @@ def flagged(cloud: Cloud) -> str:
     if "las" not in cloud.metadata:
         return ""
     found = counted(cloud)
-    overlap = found.get("overlap", 0) or found.get("classes", {}).get(_OVERLAP, 0)
+    has_flag = "overlap" in cloud.attributes
+    overlap = found.get("overlap", 0) if has_flag else found.get("classes", {}).get(_OVERLAP, 0)
     counts = {"synthetic": found.get("synthetic", 0), "in the overlap of flight lines": overlap}
     words = [f"{count:,} {name}" for name, count in counts.items() if count]
     return f"among them {' and '.join(words)}" if words else ""
