@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -181,3 +182,46 @@ def test_a_modeller_asks_for_heights(tmp_path: Path) -> None:
     assert f"classes     2 ground {counts[0]:,}, 5 high vegetation {counts[1]:,}\n" in told
     assert f"rows        {len(las.points):,}\n" in told
     assert "units       x: foot, y: foot, z: not stated\n" in told
+
+
+@pytest.fixture
+def flawed(tmp_path: Path) -> Path:
+    """A folder of files that are wrong in one way each."""
+    nothing = np.full((4, 5), -9999.0)
+    elevation_model(tmp_path / "nodata.tif", nothing, 1.0)
+    with rasterio.open(tmp_path / "nodata.tif", "r+") as file:
+        file.nodata = -9999.0
+    head = "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -9\n"
+    (tmp_path / "nodata.agr").write_text(head + "-9 -9\n")
+    for name, crs in (("utm", "EPSG:25832"), ("rd", "EPSG:28992"), ("feet", "EPSG:2994+5703")):
+        tile(tmp_path / f"{name}.laz", crs, (500_000.0, 5_000_000.0))
+    whole = (tmp_path / "utm.laz").read_bytes()
+    (tmp_path / "cut.laz").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "lies.laz").write_bytes(whole[:100] + b"\xff\xff\xff\x7f" + whole[104:])
+    odd = liftmesh.Cloud(np.eye(3), crs="EPSG:999999")
+    liftmesh.write(tmp_path / "odd.ply", odd)
+    return tmp_path
+
+
+FLAWS = {
+    "triangulate nodata.tif o.ply": "nodata.tif: none of 20 samples has a value",
+    "triangulate nodata.agr o.ply": "nodata.agr: none of 2 samples has a value",
+    "triangulate utm.laz o.ply --classes 40": "utm.laz: none of 3,638 rows meets",
+    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --to-crs",
+    "triangulate feet.laz o.xml": "x, y and z are foot and metre, but LandXML has one for all",
+    "triangulate cut.laz o.ply": "cut.laz: LAZ: the table of chunks should begin at byte .* trunc",
+    "triangulate lies.laz o.ply": "lies.laz: byte 100: the header states 2,147,483,647 records",
+    "triangulate odd.ply o.ply --to-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG:n",
+}
+
+
+@pytest.mark.parametrize("line", FLAWS)
+def test_what_is_wrong_is_one_line_and_leaves_nothing(line: str, flawed: Path) -> None:
+    before = sorted(each.name for each in flawed.iterdir())
+    found = run(*line.split(), cwd=flawed)
+    assert found.returncode == 3
+    assert found.stdout == ""
+    (error,) = [each for each in found.stderr.splitlines() if ": error: " in each]
+    assert re.search(FLAWS[line], error)
+    assert found.stderr.endswith(error + "\n")
+    assert sorted(each.name for each in flawed.iterdir()) == before
