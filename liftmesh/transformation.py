@@ -64,7 +64,7 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
     except pyproj.exceptions.ProjError as error:
         raise InputError(
             f"to_crs={shown(target)}: there is no exact transformation, or it needs a grid that is "
-            "not installed: give the system without heights"
+            "not installed: give the system without heights, or another one of the file with crs="
         ) from error
     lost = np.isfinite(points).all(axis=1) & ~np.isfinite(found).all(axis=1)
     if lost.any():

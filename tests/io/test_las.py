@@ -296,11 +296,15 @@ def test_scaled_numbers_that_doubles_round_are_named() -> None:
         assert [len(each.metadata.get("skipped", ())) for each in chunks] == [0, 1]
 
 
+@pytest.mark.parametrize("part", [0.02, 0.5, 0.7, 1.0])
 @pytest.mark.parametrize("kind", ["las", "laz", "copc"])
-def test_an_error_of_the_disk_is_no_damage(kind: str) -> None:
+def test_an_error_of_the_disk_is_no_damage(kind: str, part: float) -> None:
     las = tile(3000, point_format=6, version="1.4")
     data = copc(las) if kind == "copc" else encoded(las, compressed=kind == "laz")
     error = OSError(errno.EIO, "Input/output error")
-    stream = Failing(data, range(len(data) * 2 // 3, len(data) * 2 // 3 + 1), error)
-    with pytest.raises(OSError, match="Input/output error"):
-        liftmesh.read(stream, format="las")
+    for place in range(int((len(data) - 2) * part), len(data), 7):
+        stream = Failing(data, range(place, place + 1), error)
+        with pytest.raises(OSError, match="Input/output error"):
+            liftmesh.read(stream, format="las")
+        if part < 1:
+            break
