@@ -47,7 +47,10 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
     [[500000.0, 5316300.0, 5.0]]
     """
     if crs is None:
-        raise InputError("to_crs= needs the coordinate system of the points, which is not known")
+        raise InputError(
+            "to_crs= needs the coordinate system of the points, which is not stated: read them "
+            "with crs="
+        )
     pyproj = load("pyproj", extra="terrain")
     systems = [looked_up(pyproj, each) for each in (crs, target)]
     heights = [_vertical(each) for each in systems]
@@ -61,7 +64,7 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
     except pyproj.exceptions.ProjError as error:
         raise InputError(
             f"to_crs={shown(target)}: there is no exact transformation, or it needs a grid that is "
-            "not installed: give the system without heights"
+            "not installed: give the system without heights, or another one of the file with crs="
         ) from error
     lost = np.isfinite(points).all(axis=1) & ~np.isfinite(found).all(axis=1)
     if lost.any():

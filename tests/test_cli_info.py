@@ -9,7 +9,9 @@ import sys
 
 import numpy as np
 import pytest
+import rasterio
 from commands import COMMAND, PLAIN, ROOT, TERRAIN, failed, liftmesh, process
+from lidar import records
 from scipy.spatial.distance import cdist
 
 import liftmesh as lm
@@ -39,6 +41,38 @@ def test_the_terrain():
     assert told["memory"] == "about 13 MB to triangulate"
 
 
+def test_a_raster_and_how_far_apart_its_samples_are(tmp_path):
+    turned = rasterio.Affine.translation(5, 7) @ rasterio.Affine.rotation(30)
+    placed = {"a.tif": rasterio.Affine(0.5, 0, 5, 0, -2, 7), "b.tif": turned}
+    for name, transform in placed.items():
+        with rasterio.open(
+            tmp_path / name, "w", driver="GTiff", count=1, width=3, height=2, dtype="float64",
+            transform=transform,
+        ) as file:  # fmt: skip
+            file.write(np.arange(6.0).reshape(1, 2, 3))
+    told = lines_of("a.tif", cwd=tmp_path)
+    assert told["raster"] == "3 x 2 samples, 0.5 x 2 apart"
+    assert told["crs"] == "not stated"
+    assert told["x"] == "5.25 to 6.25  (1)"
+    assert lines_of("b.tif", cwd=tmp_path)["raster"] == "3 x 2 samples, 1 x 1 apart, turned"
+    assert summary_of(tmp_path / "a.tif")["raster"]["transform"] == [0.5, 0, 5, 0, -2, 7]
+    assert summary_of(TERRAIN)["raster"] == {}
+
+
+def test_coordinates_have_the_digits_of_the_scale(tmp_path):
+    far = np.array([[0, 0, 0], [3, 0, 1], [0, 3, 2]]) * [1, 1, 0.25] + [5e6 + 1e-4, 1, 627.5300293]
+    las = records(far, 6, version="1.4", scale=0.0001, offset=[5e6, 0.0, 0.0300293])
+    las.header.scales = [0.0001, 1.0, 0.25]
+    las.x, las.y, las.z = far.T
+    las.write(tmp_path / "a.las")
+    told = lines_of("a.las", cwd=tmp_path)
+    assert told["scale"] == "0.0001, 1, 0.25"
+    assert told["x"] == "5000000.0001 to 5000003.0001  (3)"
+    assert told["y"] == "1 to 4  (3)"
+    assert told["z"] == "627.53 to 628.03  (0.5)"
+    assert told["crs"] == "not stated"
+
+
 def test_the_coordinate_system_is_shown_where_there_is_one(tmp_path):
     lm.write(tmp_path / "cloud.ply", lm.Cloud(np.eye(3), crs="EPSG:25832"))
     shown = lines_of(tmp_path / "cloud.ply")["crs"]
@@ -51,7 +85,10 @@ def test_the_coordinate_system_is_shown_where_there_is_one(tmp_path):
     assert lines_of(tmp_path / "wkt.ply")["crs"] == "mine (projected)"
     assert summary_of(tmp_path / "wkt.ply")["crs"] == wkt
     lm.write(tmp_path / "odd.ply", lm.Cloud(np.eye(3), crs="of our own"))
-    assert lines_of(tmp_path / "odd.ply")["crs"] == "of our own"
+    done = liftmesh("info", "odd.ply", cwd=tmp_path)
+    assert re.search(r"^crs +of our own$", done.stdout, flags=re.MULTILINE)
+    line = "odd.ply: the coordinate system 'of our own' is not understood: its units are not known"
+    assert done.stderr == f"liftmesh: note: {line}\n"
 
 
 def test_spacing_is_the_median_distance_to_the_nearest():

@@ -94,6 +94,40 @@ def test_info_counts_classes_returns_and_flags(folder: Path) -> None:
     assert part["notes"][0] == "100 of 600 rows; left out: 500 of other classes"
 
 
+@pytest.mark.parametrize(("point_format", "version"), [(3, "1.2"), (6, "1.4")])
+def test_overlap_is_a_class_of_older_formats_and_a_flag_of_later_ones(
+    tmp_path: Path, point_format: int, version: str
+) -> None:
+    las = tile(60, point_format=point_format, version=version)
+    las.classification = np.resize(np.array([12, 12, 18, 31], np.uint8), 60)
+    las.synthetic = np.zeros(60, np.uint8)
+    if point_format == 6:
+        las.overlap = np.arange(60) < 7
+        las.classification[:4] = 65
+    (tmp_path / "a.las").write_bytes(encoded(las))
+    done = liftmesh("triangulate", "a.las", "a.ply", cwd=tmp_path)
+    assert "a.las: no ground (class 2), so all classes: 60 of 60 rows" in done.stderr
+    count = 30 if point_format == 3 else 7
+    assert f"among them {count} in the overlap of flight lines" in done.stderr
+    if point_format == 6:
+        las.overlap[:] = 0
+        (tmp_path / "b.las").write_bytes(encoded(las))
+        assert "overlap" not in liftmesh("triangulate", "b.las", "b.ply", cwd=tmp_path).stderr
+    shown = liftmesh("info", "a.las", cwd=tmp_path).stdout
+    classes = "12 overlap 30, 18 high noise 15, 31 15"
+    later = "12 overlap 28, 18 high noise 14, 31 14, 65 4"
+    assert f"classes     {classes if point_format == 3 else later}\n" in shown
+
+
+def test_a_header_of_garbage_is_refused_at_once(tmp_path: Path) -> None:
+    for size in (4, 100, 227, 4000):
+        for fill in (b"\xff", b"\x02", b"\x7f\x01"):
+            (tmp_path / "a.las").write_bytes((b"LASF" + fill * size)[:size])
+            done = liftmesh("info", "a.las", cwd=tmp_path)
+            assert done.returncode == 3
+            assert re.fullmatch(r"liftmesh: error: a\.las: [^\n]+\n", done.stderr)
+
+
 def test_comparing_takes_the_ground(folder: Path) -> None:
     done = liftmesh("compare", "tile.laz", cwd=folder)
     assert "ground (class 2): 296 of 600 rows" in done.stderr
@@ -202,7 +236,7 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     ("flag", "times", "shown"),
     [
         (0, (5.5, 604000.0), "5.5 to 604000.0  (seconds of a week)"),
-        (0, (5.5, 1e6), "5.5 to 1000000.0  (the file says seconds of a week, which has fewer)"),
+        (0, (5.5, 1e6), "5.5 to 1000000.0  (stated as seconds of a week, which has only 604,800)"),
         (1, (-1e9, 300000000.5), "1980-01-06 00:00:00 to 2021-03-17 07:06:40"),
         (1, (1.0, 1e300), "2011-09-14 01:46:41 to 1e+300"),
     ],
@@ -213,7 +247,7 @@ def test_info_says_when_and_by_what(
     las = tile(3, point_format=6, version="1.4")
     las.gps_time = np.array([times[1], np.nan, times[0]])
     data = patched(encoded(las), "<H", 6, flag)
-    data = patched(patched(data, "<32s", 58, b"a program"), "<HH", 90, 60, 2024)
+    data = patched(patched(data, "<32s", 58, b"a program\0rest"), "<HH", 90, 60, 2024)
     (tmp_path / "a.las").write_bytes(data)
     text = liftmesh("info", "a.las", cwd=tmp_path).stdout
     assert f"gps time    {shown}\n" in text

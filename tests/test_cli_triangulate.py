@@ -235,14 +235,19 @@ def test_a_bar_moves_while_a_large_cloud_is_triangulated(tmp_path):
     shown, code = on_terminal(
         *("triangulate", "cloud.npy", "mesh.ply", "--threads", 1),
         cwd=tmp_path,
-        env={"NO_COLOR": "1"},  # colour alone tells the bar from what it has to fill
+        # Colour alone tells the bar from what it has to fill.
+        env={"NO_COLOR": "1", "COLUMNS": "110"},
     )
     assert code == 0
-    frames = re.findall(r"([━╸ ]{40}) \d:\d\d:\d\d left: \S+ triangulating 2,000,000 rows", shown)
+    line = r"([━╸ ]{40}) \d:\d\d:\d\d left: \S+ (?:[\d.]+ [kM]/s)? *triangulating 2,000,000 rows"
+    frames = re.findall(line, shown)
     filled = [frame.count("━") for frame in frames]
     assert filled == sorted(filled)
     assert len(set(filled)) >= 4
     assert filled[-1] == 40
+    assert re.search(r"left: \S+ [\d.]+ [kM]/s triangulating", shown)
+    size = r"[\d.]+ (?:bytes|kB|MB) (?:\?|[\d.]+ [kM]?B/s)"
+    assert re.search(rf"writing mesh.ply \S+ {size} \d:\d\d:\d\d", shown)
     assert "mesh.ply: 2,000,000 vertices" in shown
 
 

@@ -144,13 +144,35 @@ def test_what_cannot_be_transformed() -> None:
     for crs in ("+proj=utm +zone=32", "\ud800", 'A["\ud800"]', 25832):
         with pytest.raises(InputError, match="is unknown: give WKT or EPSG:n"):
             lm.read(io.BytesIO(data), format="las", to_crs=crs)
-    with pytest.raises(InputError, match="<stream>: to_crs= needs the coordinate system of the"):
+    with pytest.raises(InputError, match=r"<stream>: to_crs= needs .*: read them with crs="):
         lm.read(io.BytesIO(b"1 2 3\n"), format="xyz", to_crs="EPSG:25832")
     far = lidar("EPSG:4326", np.array([[9.0, 48, 1], [9.0, 91, 2]]))
     with pytest.raises(InputError, match=r"row 1, \(9\.0, 91\.0, 2\.0\), has no place in 'EPSG"):
         lm.read(io.BytesIO(far), format="las", to_crs="EPSG:25832")
     with pytest.raises(InputError, match="there is no exact transformation, or it needs a grid"):
         lm.read(io.BytesIO(lidar("EPSG:7415")), format="las", to_crs="EPSG:4979")
+
+
+def test_a_system_that_the_file_does_not_state(tmp_path: Path) -> None:
+    rows = b"9 48 1\n10 48 2\n9 49 3\n"
+    found = lm.read(io.BytesIO(rows), format="xyz", crs="EPSG:4326", to_crs="EPSG:25832")
+    stated = lidar("EPSG:4326", np.array([[9.0, 48, 1], [10, 48, 2], [9, 49, 3]]))
+    expected = lm.read(io.BytesIO(stated), format="las", to_crs="EPSG:25832")
+    assert np.array_equal(found.points, expected.points)
+    (part,) = lm.read_chunks(io.BytesIO(rows), format="xyz", crs="EPSG:4326")
+    with pytest.warns(DataWarning, match="x and y are degrees"):
+        lm.triangulate(part)
+    assert part.crs == "EPSG:4326"
+    with pytest.raises(InputError, match=r"<stream>: crs"):
+        lm.read(io.BytesIO(rows), format="xyz", crs="")
+    (tmp_path / "a.xyz").write_bytes(rows)
+    words = ("triangulate", "a.xyz", "a.ply", "--to-crs", "EPSG:25832")
+    done = liftmesh(*words, cwd=tmp_path)
+    assert done.returncode == 3
+    assert "--to-crs needs the coordinate system of the points" in done.stderr
+    assert "read them with --from-crs\n" in done.stderr
+    assert liftmesh(*words, "--from-crs", "EPSG:4326", cwd=tmp_path).returncode == 0
+    assert np.array_equal(lm.read(tmp_path / "a.ply").points, found.points)
 
 
 def test_commands_say_what_the_units_are(tmp_path: Path) -> None:
@@ -180,7 +202,8 @@ def test_a_geocentric_tile_is_refused_in_one_line(tmp_path: Path) -> None:
     assert "--to-crs" in done.stderr
 
 
-def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    lm.write(tmp_path / "a.ply", lm.Cloud(np.eye(3), crs="EPSG:25832"))
     monkeypatch.setitem(sys.modules, "pyproj", None)
     described.cache_clear()
     try:
@@ -188,6 +211,8 @@ def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch) -> None:
         assert described('PROJCS["a",UNIT["metre",1]]') is not None
         with pytest.raises(lm.MissingDependencyError, match=r"pip install 'liftmesh\[terrain\]'"):
             lm.read(io.BytesIO(lidar_text()), format="las", to_crs="EPSG:25832")
+        said = liftmesh("info", "a.ply", cwd=tmp_path).stderr
+        assert "not known (pip install 'liftmesh[terrain]' looks up numbers)\n" in said
     finally:
         described.cache_clear()
 

@@ -188,6 +188,7 @@ def _with_command_options(message: str) -> str:
     message = message.replace("with format=", "with --from FORMAT")
     message = message.replace("with max_bytes=", "with --max-bytes SIZE")
     message = re.sub(r"\bto_crs=", "--to-crs ", message)
+    message = message.replace("with crs=", "with --from-crs")
     message = re.sub(
         r"\b(columns|nodata|end|decimal|delimiter|encoding)='([^']*)'", _as_option, message
     )

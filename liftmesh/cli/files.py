@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import sys
 import warnings
@@ -87,7 +88,7 @@ def read(
         note(f"{name}: {each}")
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {listed(not_read)}")
-    if color_depth is None and cloud.color_depth == 8:
+    if color_depth is None and cloud.color_depth == 8 and len(cloud):
         note(
             f"{name}: no colour exceeds 255: they are read as 8-bit colours "
             "(liftmesh triangulate has --color-depth)"
@@ -173,10 +174,7 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     """
     from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
-    first = _about_rows(cloud)
-    from liftmesh.crs import described as system, warnings_of  # noqa: PLC0415 - as above
-
-    first += tuple(each.replace("to_crs=", "--to-crs") for each in warnings_of(system(cloud.crs)))
+    first = (*_about_rows(cloud), *_about_system(cloud.crs))
     names = found_columns(cloud.metadata)
     if not names:
         said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
@@ -185,6 +183,18 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
 
     said = described(names)
     return (*first, *([said] if said else []), *cloud.metadata.get("notes", ()))
+
+
+def _about_system(crs: str | None) -> tuple[str, ...]:
+    """Say what most users do not want of a coordinate system, or that it is not understood."""
+    from liftmesh.crs import described, is_system, warnings_of  # noqa: PLC0415 - as above
+
+    found = described(crs)
+    if crs is None or found is not None:
+        return tuple(each.replace("to_crs=", "--to-crs") for each in warnings_of(found))
+    text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
+    is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
+    return (f"{text} (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else text,)
 
 
 def _about_rows(cloud: Cloud) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from liftmesh.cli.summary import Summary
 
 _SHORT = 20  # characters beyond the name, of a text that is a number rather than WKT
+_MOST_DECIMALS = 12
 
 SHORT_HELP = "Summarise a cloud or mesh."
 HELP = (
@@ -74,8 +76,12 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
         pairs = (f"{part} = {name}" for part, name in summary.columns.items())
         lines.append(("columns", ", ".join(pairs)))
     lines += lidar.lines(summary.lidar)
+    if summary.raster:
+        lines.append(("raster", _samples(summary.raster)))
     if summary.crs is not None:
         lines.append(("crs", _system(summary.crs)))
+    elif summary.lidar.get("scale") or summary.raster:  # formats that have a place for one
+        lines.append(("crs", "not stated"))
     if summary.units:
         axes = zip("xyz", summary.units, strict=True)
         lines.append(("units", ", ".join(f"{axis}: {unit or 'not stated'}" for axis, unit in axes)))
@@ -96,10 +102,22 @@ def _system(crs: str) -> str:
     return f"{number}{found.name} ({found.kind})"
 
 
+def _samples(raster: dict[str, Any]) -> str:
+    """Say how many samples a raster has, and how far apart they are."""
+    a, b, _, d, e, _ = raster["transform"]
+    across, down = math.hypot(a, d), math.hypot(b, e)
+    turned = ", turned" if b or d else ""
+    return (
+        f"{raster['width']:,} x {raster['height']:,} samples, "
+        f"{across:.6g} x {down:.6g} apart{turned}"
+    )
+
+
 def _measures(summary: Summary) -> list[tuple[str, str]]:
-    axes = zip("xyz", summary.minimum, summary.maximum, summary.extent, strict=True)
+    shown = [f".{each}f" for each in map(_decimals, summary.lidar.get("scale", ()))] or [".10g"] * 3
+    axes = zip("xyz", summary.minimum, summary.maximum, summary.extent, shown, strict=True)
     return [
-        *((axis, f"{low:.10g} to {high:.10g}  ({size:.6g})") for axis, low, high, size in axes),
+        *((k, f"{low:{form}} to {high:{form}}  ({size:.6g})") for k, low, high, size, form in axes),
         ("spacing", _spacing(summary)),
         ("duplicates", f"{summary.duplicates:,}"),
         ("overhangs", f"{summary.overhangs:,}"),
@@ -107,6 +125,16 @@ def _measures(summary: Summary) -> list[tuple[str, str]]:
         ("offset", f"{summary.offset:.6g}  (centre to origin)"),
         ("float32", _float32(summary)),
     ]
+
+
+def _decimals(scale: float) -> int:
+    """Count the decimals that multiples of a scale have.
+
+    >>> _decimals(0.001), _decimals(0.25), _decimals(1.0000000000000002e-06), _decimals(100.0)
+    (3, 2, 6, 0)
+    """
+    exponent = Decimal(f"{scale:.6g}").normalize().as_tuple().exponent
+    return min(max(0, -int(exponent)), _MOST_DECIMALS)
 
 
 def _count_note(count: int, what: str) -> str:

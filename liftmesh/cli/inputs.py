@@ -104,8 +104,8 @@ def _say_parts(cloud: Cloud) -> None:
         note(f"{each['source']}: {each['rows']:,} rows" + (inside if each["overlap"] else ""))
     flown = cloud.metadata.get("flight_lines")
     if flown and flown["lines"] > 1:
-        overlap = f"{flown['overlap']:,} rows in cells of {flown['cell']:.3g} that several have"
-        note(f"{flown['lines']:,} flight lines, {overlap}")
+        where = f"in cells of size {flown['cell']:.3g} where several lines have some"
+        note(f"{flown['lines']:,} flight lines; {flown['overlap']:,} rows are {where}")
 
 
 @contextmanager

@@ -59,8 +59,8 @@ def counted(cloud: Cloud) -> dict[str, Any]:
             found[key] = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     found |= _about_file(cloud)
     layout = cloud.metadata.get("las")
-    if isinstance(layout, dict) and "copc" in layout:
-        found["copc"] = layout["copc"]
+    if isinstance(layout, dict):
+        found |= {key: layout[key] for key in ("scale", "copc") if key in layout}
     for name in FLAGS:
         values = cloud.attributes.get(name)
         if values is not None and values.dtype == np.uint8 and values.any():
@@ -77,7 +77,8 @@ def _about_file(cloud: Cloud) -> dict[str, Any]:
     if len(header) < _HEADER:
         return {}
     found: dict[str, Any] = {}
-    if software := header[58:90].rstrip(b"\0 ").decode("ascii", "replace"):
+    text = header[58:90].partition(b"\0")[0].rstrip()
+    if software := text.decode("ascii", "replace"):
         found["software"] = software
     day, year = (int.from_bytes(header[k : k + 2], "little") for k in (90, 92))
     if 0 < day <= 366 and 1900 < year < 2200:
@@ -139,8 +140,10 @@ def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
     if times := found.get("gps_time"):
         unit = "" if isinstance(times[0], str) else "  (seconds of a week)"
         if unit and max(times) > _WEEK:
-            unit = "  (the file says seconds of a week, which has fewer)"
+            unit = "  (stated as seconds of a week, which has only 604,800)"
         rows.append(("gps time", f"{times[0]} to {times[1]}{unit}"))
+    if scale := found.get("scale"):
+        rows.append(("scale", ", ".join(f"{each:.6g}" for each in dict.fromkeys(scale))))
     said = [found[key] for key in ("software", "created") if key in found]
     rows += [("made by", ", ".join(said))] if said else []
     flags = [f"{name.replace('_', ' ')} {found[name]:,}" for name in FLAGS if name in found]
@@ -171,7 +174,8 @@ def flagged(cloud: Cloud) -> str:
     if "las" not in cloud.metadata:
         return ""
     found = counted(cloud)
-    overlap = found.get("overlap", 0) or found.get("classes", {}).get(_OVERLAP, 0)
+    has_flag = "overlap" in cloud.attributes
+    overlap = found.get("overlap", 0) if has_flag else found.get("classes", {}).get(_OVERLAP, 0)
     counts = {"synthetic": found.get("synthetic", 0), "in the overlap of flight lines": overlap}
     words = [f"{count:,} {name}" for name, count in counts.items() if count]
     return f"among them {' and '.join(words)}" if words else ""

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Unit3MF
-from liftmesh.cli import groups
+from liftmesh.cli import groups, terminal
 from liftmesh.cli.files import is_stream
 from liftmesh.cli.options import parse_count, parse_length
-from liftmesh.cli.terminal import stage
 from liftmesh.errors import FormatError
 from liftmesh.interruption import check
 
@@ -121,11 +120,12 @@ def write(
     FormatError
         The file cannot be written.
     """
-    from liftmesh.io import writing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import places, writing  # noqa: PLC0415 - help and --version do without
 
-    with stage(f"writing {'stdout' if is_stream(path) else path.name}"):
-        if not is_stream(path):
+    if not is_stream(path):
+        with terminal.writing(f"writing {path.name}", places.written):
             return writing.write(path, mesh, format=file_format, **options)
+    with terminal.stage("writing stdout"):
         check()
         # A separate stream: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:

@@ -45,6 +45,14 @@ def parse(
         str | None,
         typer.Option(metavar="N", help="Rasters: the band that holds the heights; the first is 1."),
     ] = None,
+    from_crs: Annotated[
+        str | None,
+        typer.Option(
+            "--from-crs",
+            metavar="CRS",
+            help="The coordinate system of the file, as EPSG:25832, in place of what it states.",
+        ),
+    ] = None,
     to_crs: Annotated[
         str | None,
         typer.Option(
@@ -58,7 +66,7 @@ def parse(
 
     Parameters
     ----------
-    classes, returns, bbox, z_range, every, withheld, resolution, band, to_crs
+    classes, returns, bbox, z_range, every, withheld, resolution, band, from_crs, to_crs
         The options of the command line.
 
     Returns
@@ -88,6 +96,7 @@ def parse(
     if resolution is not None:
         given["resolution"] = _numbers("--resolution", resolution)[0]
     system: dict[str, Any] = {} if to_crs is None else {"to_crs": to_crs}
+    system |= {} if from_crs is None else {"crs": from_crs}
     system |= {} if band is None else {"band": parse_count("--band", band, 1)}
     if not given:
         return system

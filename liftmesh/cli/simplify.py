@@ -109,7 +109,7 @@ def run(
         files.check_content(target, target_format, cloud)
         import liftmesh  # noqa: PLC0415 - help and --version do without
 
-        with terminal.bar(1.0) as bar, files.without_warnings():
+        with terminal.bar(1.0, len(cloud)) as bar, files.without_warnings():
             surface = liftmesh.simplify(
                 cloud,
                 **limits,

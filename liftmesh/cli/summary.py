@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,8 @@ class Summary:
         What is worth knowing about how a table was read.
     lidar : dict
         Rows by class and by return number, and those flagged, if the file says so.
+    raster : dict
+        Of a raster, its width, height, transform, band and unit, as far as it states them.
     crs : str or None
         Coordinate reference system, if the file states one.
     units : tuple of (str or None)
@@ -75,6 +78,7 @@ class Summary:
     columns: dict[str, str]
     notes: tuple[str, ...]
     lidar: dict[str, Any]
+    raster: dict[str, Any]
     crs: str | None
     units: tuple[str | None, ...]
     minimum: tuple[float, ...]
@@ -139,6 +143,7 @@ def summarise(cloud: Cloud) -> Summary:
         columns=found_columns(cloud.metadata),
         notes=notes(cloud),
         lidar=counted(cloud),
+        raster=_raster(cloud),
         minimum=minimum,
         maximum=maximum,
         positions=positions.count,
@@ -149,6 +154,11 @@ def summarise(cloud: Cloud) -> Summary:
         float32_shift=_float32_shift(points),
         memory=_memory(cloud),
     )
+
+
+def _raster(cloud: Cloud) -> dict[str, Any]:
+    found = cloud.metadata.get("raster")
+    return dict(found) if isinstance(found, Mapping) and "transform" in found else {}
 
 
 def _units(crs: str | None) -> tuple[str | None, ...]:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import ProgressColumn
 
 FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "JUPYTER_COLUMNS")
 """Variables by which rich takes what is no terminal for one."""
@@ -70,16 +71,55 @@ def reading(text: str, progress: Callable[[], tuple[int, int] | None]) -> Iterat
         return
     from rich.progress import (  # noqa: PLC0415 - a pipe does without
         BarColumn,
-        Progress,
         TextColumn,
         TimeRemainingColumn,
         TransferSpeedColumn,
     )
 
+    columns = (BarColumn(), TransferSpeedColumn(), TextColumn("left:"), TimeRemainingColumn())
+    with _watched(console, columns, text, progress):
+        yield
+
+
+@contextmanager
+def writing(text: str, progress: Callable[[], tuple[int, None] | None]) -> Iterator[None]:
+    """Show how much of a file is written, how fast, and for how long, on a terminal only.
+
+    Parameters
+    ----------
+    text : str
+        The activity, for example ``"writing mesh.ply"``.
+    progress : callable
+        Returns the bytes that are written, and None, as nobody knows how many they will be.
+    """
+    console = _console(sys.stderr)
+    if console is None:
+        yield
+        return
+    from rich.progress import (  # noqa: PLC0415 - a pipe does without
+        FileSizeColumn,
+        SpinnerColumn,
+        TimeElapsedColumn,
+        TransferSpeedColumn,
+    )
+
+    columns = (SpinnerColumn(), FileSizeColumn(), TransferSpeedColumn(), TimeElapsedColumn())
+    with _watched(console, columns, text, progress):
+        yield
+
+
+@contextmanager
+def _watched(
+    console: Console,
+    columns: Sequence[ProgressColumn],
+    text: str,
+    progress: Callable[[], tuple[int, int | None] | None],
+) -> Iterator[None]:
+    """Look at the bytes of a file, again and again, in a thread."""
+    from rich.progress import Progress, TextColumn  # noqa: PLC0415 - a pipe does without
+
     said = TextColumn("{task.description}", markup=False)
-    left = TextColumn("left:")
-    columns = (said, BarColumn(), TransferSpeedColumn(), left, TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, get_time=monotonic) as shown:
+    with Progress(said, *columns, console=console, transient=True, get_time=monotonic) as shown:
         task = shown.add_task(printable(text), total=None)
         ended = Event()
 
@@ -98,13 +138,15 @@ def reading(text: str, progress: Callable[[], tuple[int, int] | None]) -> Iterat
 
 
 @contextmanager
-def bar(total: float) -> Iterator[Callable[[str, float], None]]:
+def bar(total: float, rows: int = 0) -> Iterator[Callable[[str, float], None]]:
     """Show a progress bar, on a terminal only.
 
     Parameters
     ----------
     total : float
         The whole work, in any unit.
+    rows : int, default 0
+        The rows that the whole work is about, to show how many are done in a second.
 
     Yields
     ------
@@ -123,13 +165,47 @@ def bar(total: float) -> Iterator[Callable[[str, float], None]]:
         TimeRemainingColumn,
     )
 
-    text = TextColumn("{task.description}", markup=False)
-    columns = (BarColumn(), TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn(), text)
+    text, rate = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[rate]}")
+    left = (TextColumn("left:"), TimeRemainingColumn())
+    columns = (BarColumn(), TimeElapsedColumn(), *left, *([rate] if rows else []), text)
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("", total=total)
-        yield lambda text, done: progress.update(
-            task, advance=done, description=text or progress.tasks[0].description
-        )
+        task = progress.add_task("", total=total, rate="")
+
+        def advance(text: str, done: float) -> None:
+            shown = progress.tasks[0]
+            part = (shown.completed + done) / total
+            progress.update(
+                task,
+                advance=done,
+                description=text or shown.description,
+                rate=rate_text(part * rows / (shown.elapsed or math.inf)),
+            )
+
+        yield advance
+
+
+def rate_text(rows: float) -> str:
+    """Format a number of rows in a second with three digits.
+
+    Parameters
+    ----------
+    rows : float
+        The number.
+
+    Returns
+    -------
+    str
+        Empty for less than one, which is not known yet.
+
+    Examples
+    --------
+    >>> rate_text(1_234_567.8), rate_text(98_700.0), rate_text(9.0), rate_text(0.0)
+    ('1.23 M/s', '98.7 k/s', '9 /s', '')
+    """
+    for unit, size in (("M", 1e6), ("k", 1e3), ("", 1.0)):
+        if rows >= size:
+            return f"{rows / size:.3g} {unit}/s"
+    return ""
 
 
 def error_line(text: str) -> None:

@@ -181,7 +181,7 @@ def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
-    with terminal.bar(1.0) as bar:
+    with terminal.bar(1.0, len(cloud)) as bar:
         advance = bar_steps(bar, f"triangulating {len(cloud):,} rows")
         with files.without_warnings():  # the notes say it
             return liftmesh.triangulate(cloud, progress=advance, **choices)

@@ -43,6 +43,7 @@ def read(  # noqa: PLR0913 - options are keywords
     every: int = 1,
     withheld: bool = True,
     resolution: float | None = None,
+    crs: str | None = None,
     to_crs: str | None = None,
     **options: Any,
 ) -> Cloud:
@@ -85,6 +86,8 @@ def read(  # noqa: PLR0913 - options are keywords
     resolution : float, optional
         Of a COPC file, read no more points than it takes for this distance between them. Of COPC,
         `bbox` and `z_range` read the parts of the file that may have any.
+    crs : str, optional
+        The coordinate system of the file, WKT or ``EPSG:n``, in place of what it states.
     to_crs : str, optional
         Another coordinate system, WKT or ``EPSG:n``, that coordinates are transformed to, by
         pyproj; conditions on rows are in the units of the file. Heights keep their unit, and their
@@ -123,7 +126,7 @@ def read(  # noqa: PLR0913 - options are keywords
         the cause.
     InputError
         `max_bytes` is not a positive whole number, `color_depth` is no depth, or too small, an
-        option is invalid, or the coordinates cannot be transformed.
+        option is invalid, `crs` is no text, or the coordinates cannot be transformed.
     MissingDependencyError
         The format, or `to_crs`, needs a package that is not installed; the message names it.
     OSError
@@ -158,7 +161,7 @@ def read(  # noqa: PLR0913 - options are keywords
     read_whole = _selecting(_reader(found, name, limit, options), found, chosen)
     with opened(source, found, name, limit) as stream, kept():
         cloud = _labelled(read_whole(stream, name), found, name)
-    return _changed(cloud, color_depth, to_crs, name)
+    return _changed(cloud, color_depth, crs, to_crs, name)
 
 
 def read_chunks(  # noqa: PLR0913 - options are keywords
@@ -174,6 +177,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
+    crs: str | None = None,
     to_crs: str | None = None,
     **options: Any,
 ) -> Iterator[Cloud]:
@@ -195,7 +199,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         As for `read`.
     max_bytes : int, optional
         As for `read`; of the arrays of an NPZ file, only those in use count.
-    color_depth, classes, returns, bbox, z_range, every, withheld, to_crs, **options
+    color_depth, classes, returns, bbox, z_range, every, withheld, crs, to_crs, **options
         As for `read`, but `classes` cannot be "ground".
 
     Yields
@@ -244,7 +248,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     pieces = _chunks(place, found, partial(chunks, name=name, rows=rows), name)
     if chosen is not None:
         pieces = _selected_chunks(pieces, Selector(chosen, name))
-    return (_changed(each, color_depth, to_crs, name) for each in pieces)
+    return (_changed(each, color_depth, crs, to_crs, name) for each in pieces)
 
 
 def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
@@ -315,19 +319,22 @@ def _selecting(reader: Reader, found: Format, chosen: Selection | None) -> Reade
     return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
 
 
-def _changed(cloud: Cloud, depth: int | None, crs: str | None, name: str) -> Cloud:
+def _changed(
+    cloud: Cloud, depth: int | None, crs: str | None, target: str | None, name: str
+) -> Cloud:
     """Set the depth of colours and the system of coordinates, if given; errors name the file."""
     try:
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
-        if crs is None:
+        cloud = cloud if crs is None else replace(cloud, crs=crs)
+        if target is None:
             return cloud
-        crs = with_heights(cloud.crs, crs)
-        points = transformed(cloud.points, cloud.crs, crs)
+        target = with_heights(cloud.crs, target)
+        points = transformed(cloud.points, cloud.crs, target)
     except InputError as error:
         raise InputError(f"{name}: {error}") from error
     layout = cloud.metadata.get("las")  # its scales are those of other coordinates
     entries = {**cloud.metadata} | ({"las": _unscaled(layout)} if isinstance(layout, dict) else {})
-    return replace(cloud, points=points, crs=crs, metadata=entries)
+    return replace(cloud, points=points, crs=target, metadata=entries)
 
 
 def _unscaled(layout: dict[str, Any]) -> dict[str, Any]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from liftmesh.io.format import Format
 
 _open: list[BinaryIO] = []  # files that are being read
+_written: list[BinaryIO] = []  # files that are being written
 
 PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
 
@@ -142,6 +143,48 @@ def progress() -> tuple[int, int] | None:
     try:
         number = _open[-1].fileno()
         return os.lseek(number, 0, os.SEEK_CUR), os.fstat(number).st_size
+    except (IndexError, OSError, ValueError):  # closed meanwhile
+        return None
+
+
+@contextmanager
+def watched(stream: BinaryIO) -> Iterator[BinaryIO]:
+    """Let `written` know of a file while it is being written.
+
+    Parameters
+    ----------
+    stream : binary stream
+        The file.
+
+    Yields
+    ------
+    binary stream
+        The same.
+    """
+    _written.append(stream)
+    try:
+        yield stream
+    finally:
+        _written.remove(stream)
+
+
+def written() -> tuple[int, None] | None:
+    """Return how many bytes there are of the file whose writing began last.
+
+    Another thread may ask, as for `progress`. How many bytes there will be, nobody knows.
+
+    Returns
+    -------
+    tuple of int and None, or None
+        None if no file is being written.
+
+    Examples
+    --------
+    >>> written() is None
+    True
+    """
+    try:
+        return os.fstat(_written[-1].fileno()).st_size, None
     except (IndexError, OSError, ValueError):  # closed meanwhile
         return None
 

@@ -71,7 +71,8 @@ def write_3mf(stream: BinaryIO, cloud: Cloud, *, unit: Unit | None = None) -> Or
     Raises
     ------
     FormatError
-        Coordinates do not fit single precision even so, or there are more than 2^31 - 1 vertices.
+        Coordinates do not fit single precision even so, there are more than 2^31 - 1 vertices, or
+        a face has a corner twice, which the format forbids.
     InputError
         The unit is unknown.
     """
@@ -79,6 +80,7 @@ def write_3mf(stream: BinaryIO, cloud: Cloud, *, unit: Unit | None = None) -> Or
         check_option("unit", unit, Unit)
     if cloud.faces is None:
         raise FormatError("a cloud without faces cannot be written as 3MF: write PLY")
+    _check_corners(cloud.faces)
     rows = used_rows(len(cloud), cloud.faces)
     numbers = np.zeros(len(cloud), np.int32)
     numbers[rows] = np.arange(len(rows), dtype=np.int32)
@@ -130,6 +132,16 @@ def _unit_of(cloud: Cloud) -> Unit:
 def check(cloud: Cloud) -> None:
     """Raise if coordinates have no unit of 3MF."""
     _unit_of(cloud)
+
+
+def _check_corners(faces: Rows) -> None:
+    is_flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    if is_flat.any():
+        face = int(np.argmax(is_flat))
+        raise FormatError(
+            f"face {face} is {faces[face].tolist()}, but 3MF has no faces with a corner twice: "
+            "remove such faces, or write STL"
+        )
 
 
 def _is_closed(faces: Rows) -> bool:

@@ -72,18 +72,9 @@ def _encoded(values: Array) -> Iterator[bytes]:
 
 
 def lost(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
-    """Return the attributes that are not written, and colours beyond what is."""
+    """Return the attributes that are not written."""
     kept = dict(_attributes(cloud))
-    found = [lost_values(name) for name in cloud.attributes if name not in kept]
-    colors = cloud.colors
-    if colors is not None and not fits_eight_bits(colors) and not _is_float_exact(colors):
-        found.append("deep_colors")
-    return found
-
-
-def _is_float_exact(colors: Array) -> bool:
-    """Whether floats hold the colours; only those wider than 32 bits are rounded."""
-    return colors.dtype.itemsize <= 4 or colors.dtype.kind == "f"
+    return [lost_values(name) for name in cloud.attributes if name not in kept]
 
 
 def _cells(cloud: Cloud) -> list[tuple[str, Array]]:

@@ -15,7 +15,7 @@ from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
-from liftmesh.io.places import PathOrStream, at_home, check_stream, format_of, name_of
+from liftmesh.io.places import PathOrStream, at_home, check_stream, format_of, name_of, watched
 from liftmesh.io.registry import as_cloud, find_written, suffix_of
 from liftmesh.io.streams import written_whole
 
@@ -133,7 +133,8 @@ def write(
         lost = dropped(found, cloud, options, origin)
         return Written(None, found.name, size, origin, lost, renamed(found, cloud))
     with replacing(target) as stream:  # an error up to its end leaves the old file
-        origin, size = _write(stream, cloud, writer, options)
+        with watched(stream):
+            origin, size = _write(stream, cloud, writer, options)
         lost, names = dropped(found, cloud, options, origin), renamed(found, cloud)
     return Written(Path(target), found.name, size, origin, lost, names)
 

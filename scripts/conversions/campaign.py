@@ -15,13 +15,16 @@ from conversions.drawn import clouds
 from conversions.objects import objects
 from conversions.passages import files
 from conversions.read_only import read_only
+from conversions.write_only import READERS
 from liftmesh import Cloud
 
 WAYS = (*files(), *read_only(), *objects())
 BY_NAME = {str(way): way for way in WAYS}
 # A stream does not tell what .ele files and compressed ones need: a name.
 IN_CHUNKS = tuple(
-    way for way in (*files(), *read_only()) if way.place != "ele" and ".gz" not in way.place
+    way
+    for way in (*files(), *read_only())
+    if way.place not in {"ele", *READERS} and ".gz" not in way.place
 )
 
 _ROUND = 20  # examples of one seed

@@ -16,7 +16,7 @@ from liftmesh import Cloud, LiftmeshError, read, triangulate
 from liftmesh.io.registry import FORMATS
 
 _NOTES = {*OF_FILES, "notes", "selection"}
-_NAMES = {f"metadata {each}" for each in _NOTES}
+_NAMES = {f"metadata {each}" for each in _NOTES} | {"the index of COPC"}
 _SUFFIXES = {suffix for each in FORMATS if each.read is not None for suffix in each.suffixes}
 
 

@@ -1,9 +1,9 @@
 """The ways a cloud can go: into a file and back, or into another library's object and back.
 
 The formats come from the registry, with every combination of the options of their writers, so that
-a new one is tested from its first day; `READ_ONLY` writes the files of formats that liftmesh only
-reads, by other libraries or by hand. Of objects, each adapter of the registry has at least one way
-(`objects`).
+a new one is tested from its first day; `read_only` writes the files of formats that liftmesh only
+reads, `write_only` reads those that it only writes, by other libraries or by hand. Of objects, each
+adapter of the registry has at least one way (`objects`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import laspy
 
+from conversions.write_only import READERS
 from liftmesh import Cloud, Format, FormatError, read, read_chunks, write
 from liftmesh.io.registry import FORMATS
 
@@ -61,7 +62,7 @@ class Passage:
 def files() -> Iterator[Passage]:
     """Every format that is written, with every combination of options."""
     for each in FORMATS:
-        if each.write is not None and each.read is not None:
+        if each.write is not None:
             for options in _combinations(each):
                 send = partial(_through_file, each, options)
                 yield Passage(each.name, send, options, "faces" in each.needs)
@@ -86,10 +87,11 @@ def _values(found: Format, option: inspect.Parameter) -> tuple[Any, ...]:
         return get_args(kind)
     if kind in ("bool", bool):
         return False, True
-    if option.default is None:
-        return (None,)
-    assert option.name == "delimiter", f"{found.name}: which values does {option.name} have?"
-    return _DELIMITERS
+    if option.name == "delimiter":
+        return _DELIMITERS
+    is_free = option.default is None or isinstance(option.default, str)
+    assert is_free, f"{found.name}: which values does {option.name} have?"
+    return (option.default,)
 
 
 def _through_file(found: Format, options: Mapping[str, Any], cloud: Cloud) -> Arrival:
@@ -117,6 +119,8 @@ def _through_gzip(found: Format, cloud: Cloud) -> Arrival:
 
 def _read(data: bytes, kind: str) -> Cloud:
     """Read a file; a table whose values leave something open, as its message says."""
+    if kind in READERS:
+        return READERS[kind](data)
     try:
         return read(io.BytesIO(data), format=kind)
     except FormatError as error:

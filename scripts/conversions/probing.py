@@ -63,7 +63,8 @@ class Kept:
     """What came back of each probe.
 
     ``lost`` has the words of `losses` for positions, faces, rows, crs and normals; ``types`` says
-    what became of the values of each type, ``vectors`` of an (n, 2) attribute.
+    what became of the values of each type, ``vectors`` of an (n, 2) attribute. ``steps`` says that
+    positions must be multiples of a step, ``scaled`` that they become such.
     """
 
     lost: frozenset[str]
@@ -76,6 +77,7 @@ class Kept:
     metadata: bool
     origin: bool
     steps: bool
+    scaled: bool
 
     def loses(self, loss: str) -> bool:
         """Whether a part of a cloud is lost, by the word of `losses`."""
@@ -120,6 +122,7 @@ def kept_by(passage: Passage) -> Kept:
 def _probed(passage: Passage) -> Kept:
     plain = next(each for each in _PLAIN if _sent(passage, each) is not None)
     points = _lost(passage, replace(plain, points=_POINTS / 7 + 0.1))
+    single = _lost(passage, replace(plain, points=(_POINTS / 7).astype("f4").astype("f8")))
     far = _sent(passage, replace(plain, points=_POINTS / 7 + 450000.1))
     lost = _lost(passage, replace(plain, faces=_FACES[:1])) or set()
     lost |= _lost(passage, replace(plain, crs="EPSG:25832")) or set()
@@ -139,6 +142,7 @@ def _probed(passage: Passage) -> Kept:
         metadata=_keeps(passage, replace(plain, metadata={"survey": "2024"}), "metadata"),
         origin=far is not None and "origin" in far.cloud.metadata,
         steps=points is None,
+        scaled=single is not None and PRECISION in single,
     )
 
 

@@ -113,10 +113,11 @@ def scan(cloud: Cloud, path: Path) -> None:
         if each.ndim > 1 or (each.dtype == np.uint64 and (each > 1 << 62).any()):
             raise InputError("E57 has no such values")
         values[name] = each.astype(_STORED.get(each.dtype.newbyteorder("=").name, each.dtype))
-    if not set(cloud.crs or "") <= _IN_XML:
-        raise InputError("XML has no such characters")
+    crs = cloud.crs or ""
+    if not set(crs) <= _IN_XML or crs != crs.strip():
+        raise InputError("XML has no such characters, or no such blanks")
     try:
-        path.write_bytes(e57(Scan(values), crs=cloud.crs or ""))
+        path.write_bytes(e57(Scan(values), crs=crs))
     except (libe57.E57Exception, UnicodeEncodeError) as error:
         raise InputError("E57 has no such field or text") from error
 

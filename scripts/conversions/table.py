@@ -20,7 +20,7 @@ Row = tuple[str, ...]
 
 _KEPT = ("positions", "faces", "colours", "normals", "named values", "their names", "crs",
          "metadata")  # fmt: skip
-_OF_FILES = ("format", "suffixes", "writes", "in pieces", "gzip", *_KEPT)
+_OF_FILES = ("format", "suffixes", "reads", "writes", "in pieces", "gzip", *_KEPT)
 _OF_OBJECTS = ("object", *_KEPT)
 _NUMBERS = [
     "bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float16",
@@ -61,6 +61,7 @@ def _file_rows() -> Iterator[Row]:
         compressed = any(way.place == f"{each.name}.gz" for way in ways)
         own = (
             " ".join(each.suffixes),
+            _yes(each.read is not None),
             _yes(each.write is not None),
             _yes(each.read_chunks is not None),
             _yes(compressed),
@@ -106,6 +107,8 @@ def _cells(way: Passage) -> Row:
 def _positions(kept: Kept) -> str:
     if kept.steps:
         return "multiples of its scale"
+    if kept.scaled:
+        return "multiples of a scale, in 32 bits"
     text = "float32" if PRECISION in kept.lost else "float64"
     text += ", from an origin" if kept.origin else ""
     return text + (", of faces alone" if ROWS in kept.lost else "")

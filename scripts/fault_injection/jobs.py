@@ -18,13 +18,15 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
+import rasterio
 
 import liftmesh
 from liftmesh import Cloud, LiftmeshError
 from liftmesh.cli import main
 from liftmesh.cli.exit_codes import BAD_INPUT, DONE, USAGE
 
-WRITTEN = ("ply", "obj", "npz", "off", "stl", "glb", "gltf")
+WRITTEN = ("ply", "obj", "npz", "off", "stl", "glb", "gltf", "las", "laz")
+ONLY_WRITTEN = ("xml", "3mf", "vtu")
 OLD = b"what was there before\n"
 LONGEST = 60  # seconds after which a case hangs
 
@@ -75,10 +77,13 @@ def jobs(samples: Path, rows: int) -> list[Job]:
     lines = [" ".join(map(str, row)) for row in mesh.points.tolist()]
     (samples / "mesh.xyz").write_text("\n".join(lines))
     _with_a_buffer_file(samples)
-    readers = [_reader(samples, kind) for kind in (*WRITTEN, "npy", "xyz")]
-    readers += [_reader(samples, kind, in_chunks=True) for kind in ("ply", "npy", "npz", "xyz")]
+    _rasters(samples)
+    readers = [_reader(samples, kind) for kind in (*WRITTEN, "npy", "xyz", "tif", "agr")]
+    chunked = ("ply", "npy", "npz", "xyz", "laz")
+    readers += [_reader(samples, kind, in_chunks=True) for kind in chunked]
     readers.append(_reader(samples, "gltf", "parted"))
-    writers = [_writer(mesh, kind, is_there=there) for kind in WRITTEN for there in (True, False)]
+    kinds = (*WRITTEN, *ONLY_WRITTEN)
+    writers = [_writer(mesh, kind, is_there=there) for kind in kinds for there in (True, False)]
     return [*readers, *writers, _with_names(mesh), *_commands(samples)]
 
 
@@ -126,6 +131,19 @@ def _with_a_buffer_file(samples: Path) -> None:
     (samples / "parted.bin").write_bytes(base64.b64decode(buffer["uri"].partition(",")[2]))
     buffer["uri"] = "parted.bin"
     (samples / "parted.gltf").write_text(json.dumps(tree))
+
+
+def _rasters(samples: Path) -> None:
+    """Write a raster as GeoTIFF, and as an ASCII grid."""
+    heights = np.arange(600.0).reshape(20, 30)
+    with rasterio.open(
+        samples / "mesh.tif", "w", driver="GTiff", count=1, height=20, width=30, dtype="float64",
+        transform=rasterio.Affine(1, 0, 0, 0, -1, 20),
+    ) as file:  # fmt: skip
+        file.write(heights, 1)
+    head = "ncols 30\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+    rows = (" ".join(map(str, row)) for row in heights.tolist())
+    (samples / "mesh.agr").write_text(head + "\n".join(rows))
 
 
 def _writer(mesh: Cloud, kind: str, *, is_there: bool, nameless: bool = True) -> Job:

@@ -18,7 +18,7 @@ import liftmesh
 from liftmesh.cli import exit_codes
 
 SWEEP = """
-    import io, json, sys, tempfile
+    import io, json, os, sys, tempfile
     import numpy as np, liftmesh
     from liftmesh import verify
 
@@ -37,7 +37,7 @@ SWEEP = """
     def wrote(form):
         stream = io.BytesIO()
         mesh = cloud
-        if form == "off":
+        if form in ("off", "landxml"):
             corners = np.arange(rows // 3 * 3, dtype=np.int32)
             mesh = liftmesh.Cloud(points, faces=corners.reshape(-1, 3))
         liftmesh.write(stream, mesh, format=form)
@@ -48,12 +48,18 @@ SWEEP = """
         np.savetxt(stream, points)
         return stream.getvalue()
 
+    def grid():
+        head = ("ncols 100", f"nrows {rows // 100}", "xllcorner 0", "yllcorner 0", "cellsize 1")
+        numbers = text().split()[: rows // 100 * 100]
+        return b"".join(each + os.linesep.encode() for each in (*map(str.encode, head), *numbers))
+
     def tiles():
         with tempfile.TemporaryDirectory() as folder:
             return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).compute()
 
     verb, _, kind = name.partition(" ")
-    data = (text() if kind == "xyz" else wrote(kind).tobytes()) if verb == "read" else b""
+    made = {"xyz": text, "raster": grid}.get(kind, lambda: wrote(kind).tobytes())
+    data = made() if verb == "read" else b""
     tri = liftmesh.delaunay(planar) if verb in ("find", "check") else None
     runs = {
         "delaunay": lambda: liftmesh.delaunay(planar, threads=int(kind)).simplices,
@@ -112,9 +118,12 @@ MEGA = 1_000_000
         ("check 1", 150_000, 40 * MEGA),
         ("check 3", 150_000, 60 * MEGA),
         ("predicates", 200_000, 20 * MEGA),
-        *((f"read {kind}", 20_000, 16 * MEGA) for kind in ("ply", "obj", "npz", "xyz", "off")),
-        *((f"write {kind}", 20_000, 16 * MEGA) for kind in ("ply", "npz")),
-        *((f"write {kind}", 5_000, 8 * MEGA) for kind in ("obj", "off")),
+        *(
+            (f"read {kind}", 20_000, 16 * MEGA)
+            for kind in ("ply", "obj", "npz", "xyz", "off", "las", "raster")
+        ),
+        *((f"write {kind}", 20_000, 16 * MEGA) for kind in ("ply", "npz", "las", "vtu")),
+        *((f"write {kind}", 5_000, 8 * MEGA) for kind in ("obj", "off", "landxml")),
     ],
 )
 def test_a_lack_of_memory_is_an_error_and_no_end(name: str, rows: int, most: int) -> None:

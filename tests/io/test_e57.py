@@ -155,6 +155,20 @@ def test_a_process_that_dies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> Non
             read(data)
 
 
+def test_a_process_that_takes_too_much_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = e57(Scan(FEW))
+    limits = decoding.Limits
+    monkeypatch.setattr(limits, "of", lambda *_: limits(1 << 28, 1))
+    endless = decoding.PROGRAM.replace("image = libe57", "while True: pass\n    image = libe57")
+    fat = decoding.PROGRAM.replace("image = libe57", "_ = bytearray(1 << 29)\n    image = libe57")
+    monkeypatch.setattr(decoding, "PROGRAM", endless)
+    with pytest.raises(FormatError, match=r"<stream>: libE57 does not decode it in 1 s, the limit"):
+        read(data)
+    monkeypatch.setattr(decoding, "PROGRAM", fat)
+    with pytest.raises(FormatError, match=r"libE57 needs more than 268,435,456 bytes to decode it"):
+        read(data)
+
+
 def test_the_hint_without_pye57(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     data = e57(Scan(FEW))
     library = [each for each in sys.path if "site-packages" not in each]

@@ -149,6 +149,13 @@ def test_3mf_is_the_same_every_time() -> None:
         written(MESH, "3mf", unit="mile")
 
 
+def test_3mf_has_no_faces_with_a_corner_twice(tmp_path: Path) -> None:
+    flat = replace(MESH, faces=np.array([[0, 1, 2], [3, 1, 3]], np.int32))
+    with pytest.raises(FormatError, match=r"face 1 is \[3, 1, 3\], but 3MF has no faces with"):
+        liftmesh.write(tmp_path / "a.3mf", flat)
+    assert not any(tmp_path.iterdir())
+
+
 def test_vtu_is_what_meshio_reads(tmp_path: Path) -> None:
     values = {
         "class": np.array([2, 2, 9, 1], np.uint8), "time": np.array([0.1, 0.2, np.nan, 4]),

@@ -20,7 +20,8 @@ from file_samples import (
 )
 
 import liftmesh
-from liftmesh import Cloud, FormatError, InputError, UnsupportedTypeError
+from liftmesh import Cloud, Format, FormatError, InputError, UnsupportedTypeError
+from liftmesh.io import places, registry
 from liftmesh.io.registry import find_format, known_formats
 
 KINDS = {
@@ -171,3 +172,19 @@ def test_arrays_that_are_no_points_are_not_written() -> None:
         saved(np.zeros((3, 5)), "ply")
     with pytest.raises(FormatError, match=r"\(m, 3\) array of integers"):
         saved(Cloud(AWKWARD, faces=np.zeros((2, 4), dtype=np.int32)), "ply")
+
+
+def test_how_much_of_a_file_is_written(tmp_path, monkeypatch):
+    sizes = []
+
+    def write(stream, cloud):
+        sizes.append(places.written())
+        stream.write(bytes(5000))
+        stream.flush()
+        sizes.append(places.written())
+
+    odd = Format("odd", (".odd",), None, write, "zeros")
+    monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, odd))
+    liftmesh.write(tmp_path / "a.odd", np.eye(3))
+    assert sizes == [(0, None), (5000, None)]
+    assert places.written() is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import struct
 from pathlib import Path
@@ -11,8 +12,9 @@ import laspy
 import numpy as np
 import pytest
 from commands import process
+from failing_stream import Failing
 from file_samples import assert_same_bits, assert_same_mesh
-from lidar import UTM, encoded, geo_keys, patched, record, records, tile, with_records
+from lidar import UTM, copc, encoded, geo_keys, patched, record, records, tile, with_records
 
 import liftmesh
 from liftmesh import Cloud
@@ -292,3 +294,17 @@ def test_scaled_numbers_that_doubles_round_are_named() -> None:
         assert cloud.metadata["skipped"] == ("low digits of huge (beyond 2**53 steps)",)
         chunks = liftmesh.read_chunks(io.BytesIO(data), format=kind, rows=2)
         assert [len(each.metadata.get("skipped", ())) for each in chunks] == [0, 1]
+
+
+@pytest.mark.parametrize("part", [0.02, 0.5, 0.7, 1.0])
+@pytest.mark.parametrize("kind", ["las", "laz", "copc"])
+def test_an_error_of_the_disk_is_no_damage(kind: str, part: float) -> None:
+    las = tile(3000, point_format=6, version="1.4")
+    data = copc(las) if kind == "copc" else encoded(las, compressed=kind == "laz")
+    error = OSError(errno.EIO, "Input/output error")
+    for place in range(int((len(data) - 2) * part), len(data), 7):
+        stream = Failing(data, range(place, place + 1), error)
+        with pytest.raises(OSError, match="Input/output error"):
+            liftmesh.read(stream, format="las")
+        if part < 1:
+            break

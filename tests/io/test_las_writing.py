@@ -141,13 +141,20 @@ def test_extra_bytes_come_back_with_their_descriptions(kind: str) -> None:
         params("height", "i4", "above the ground", np.array([12.5]), np.array([0.001])),
         params("direction", "3f8"),
         params("flags", "u8", no_data=[99]),
+        params("gain", "f4", "", np.array([2.0]), np.array([0.1])),
+        params("turns", "3i2", "", np.array([0.0, 1.0, 2.0]), np.array([0.1, 0.01, 0.001])),
     ])  # fmt: skip
     las.points.array["height"] = np.arange(50) - 7
     las["direction"] = np.arange(150.0).reshape(50, 3)
     las["flags"] = np.full(50, 2**63 + 1, np.uint64)
+    gains, turns = np.arange(50) / 7, np.arange(150).reshape(50, 3) * 99 - 7000
+    las.points.array["gain"], las.points.array["turns"] = gains, turns
     data = encoded(las, compressed=kind == "laz")
     assert written(read(data), kind) == data
     cloud = read(data)
+    single = gains.astype(np.float32).astype(np.float64)
+    assert_same_bits(cloud.attributes["gain"], single * 0.1 + 2.0)
+    assert_same_bits(cloud.attributes["turns"], turns * [0.1, 0.01, 0.001] + [0.0, 1.0, 2.0])
     moved = replace(cloud, attributes={**cloud.attributes, "height": np.full(50, np.pi)})
     assert_same_bits(back(moved, kind).attributes["height"], np.full(50, np.pi))
     longer = np.array([0, 10**6] * 25, np.uint64)
@@ -236,6 +243,19 @@ def test_the_depth_of_dark_colours(colors: list[int], dtype: type) -> None:
     assert found.color_depth == 16
     assert found.colors is not None
     assert np.array_equal(found.colors, given.astype(np.uint16) * (257 if dtype is np.uint8 else 1))
+
+
+@pytest.mark.parametrize("full", [1.0, 2**32 - 1])
+def test_dark_colours_of_other_types(full: float) -> None:
+    given = (np.array([[0, 1, 255]] * 3) / 65535 * full).astype("u4" if full > 1 else "f8")
+    found = back(Cloud(POINTS, colors=given, color_depth=32 if full > 1 else None))
+    assert found.colors is not None
+    assert found.colors.tolist() == [[0, 1, 255]] * 3
+    assert found.color_depth == 16
+    black = back(Cloud(POINTS, colors=np.zeros((3, 3))))
+    assert black.colors is not None
+    assert not black.colors.any()
+    assert b"liftmesh\0" not in written(Cloud(POINTS, colors=np.zeros((3, 3))))[300:]
 
 
 def test_8_bits_in_16_stay_as_they_are() -> None:

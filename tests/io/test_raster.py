@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import tracemalloc
 import warnings
 from pathlib import Path
 from typing import Any
@@ -213,6 +214,26 @@ def test_windows_hold_what_all_samples_in_the_box_do(place: str, block: dict[str
             assert counts["selected"] + counts.get("bbox", 0) + counts.get("every", 0) == 6300
     assert len(read(data, bbox=(-np.inf, -np.inf, np.inf, np.inf))) == 6300
     assert len(read(data, bbox=(1e9, 1e9, 2e9, 2e9))) == 0
+
+
+@pytest.mark.parametrize("options", [{"bbox": (10, 10, 20, 20)}, {"every": 50}])
+@pytest.mark.parametrize("kind", ["tif", "raster"])
+def test_a_part_takes_no_memory_for_the_rest(kind: str, options: dict[str, Any]) -> None:
+    heights = np.random.default_rng(4).random((600, 600))
+    placed = Affine(1, 0, 0, 0, -1, 600)
+    data = geotiff(heights, transform=placed, tiled=True, blockxsize=128, blockysize=128)
+    if kind == "raster":
+        rows = "\n".join(" ".join(map(repr, row)) for row in heights.tolist())
+        head = "ncols 600\nnrows 600\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+        data = (head + rows).encode()
+    peaks = []
+    for chosen in (options, {}):
+        tracemalloc.start()
+        read(data, kind, **chosen)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[0] < 1.5 * len(data)
+    assert peaks[1] > 24 * heights.size
 
 
 def test_damage_outside_of_the_window_is_not_decoded() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 from collections.abc import Iterator
@@ -23,7 +24,9 @@ from liftmesh.io.interpreter import command
 PIECE = 1 << 16  # rows
 _MOST_HEAD = 1 << 26  # bytes of the description of all scans
 _MOST_SAID = 1 << 12  # bytes of a message
-_MISSING, _WRONG = "missing: ", "wrong: "
+_MISSING, _WRONG, _MEMORY = "missing: ", "wrong: ", "memory: "
+_BASE = 1 << 28  # bytes that libE57 and a piece of rows take of an ordinary file
+_SECONDS, _SLOWEST = 120, 100_000  # of a processor: for any file, and bytes that take one more
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +44,29 @@ class Scan:
     skipped: list[str]
 
 
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the process may take: bytes of memory, and seconds of a processor."""
+
+    memory: int
+    seconds: int
+
+    @classmethod
+    def of(cls, size: int, content: int) -> Limits:
+        """Return the limits for a file of some bytes, whose content may take as many as stated."""
+        return cls(_BASE + content, _SECONDS + size // _SLOWEST)
+
+
 class Decoder:
     """The process that decodes a file; it is ended at the latest where `decoded` ends."""
 
-    def __init__(self, process: subprocess.Popen[bytes], messages: IO[bytes], name: str) -> None:
+    def __init__(
+        self, process: subprocess.Popen[bytes], messages: IO[bytes], name: str, limits: Limits
+    ) -> None:
         self._process = process
         self._messages = messages
         self._name = name
+        self._limits = limits
         self._answer: Any = process.stdout
         head = self._head()
         self.crs: str = head["crs"]
@@ -90,12 +109,22 @@ class Decoder:
                 f"this needs pye57, which cannot be imported ({last.removeprefix(_MISSING)}): "
                 "pip install 'liftmesh[e57]'"
             )
+        if last.startswith(_MEMORY):
+            return FormatError(
+                f"{self._name}: libE57 needs more than {self._limits.memory:,} bytes to decode it, "
+                "the limit for this file: if you trust it, raise it with max_bytes="
+            )
+        if code == -getattr(signal, "SIGXCPU", 0) != 0:
+            return FormatError(
+                f"{self._name}: libE57 does not decode it in {self._limits.seconds:,} s, the limit "
+                "for this file: it is damaged"
+            )
         cause = last.removeprefix(_WRONG) if last.startswith(_WRONG) else f"libE57 ended ({code})"
         return FormatError(f"{self._name}: the file cannot be decoded: {cause}")
 
 
 @contextmanager
-def decoded(stream: BinaryIO, name: str) -> Iterator[Decoder]:
+def decoded(stream: BinaryIO, name: str, limits: Limits) -> Iterator[Decoder]:
     """Start the process that decodes a file.
 
     Parameters
@@ -104,6 +133,8 @@ def decoded(stream: BinaryIO, name: str) -> Iterator[Decoder]:
         The file; what has no path is copied to a temporary one.
     name : str
         The file for messages.
+    limits : Limits
+        What the process may take.
 
     Yields
     ------
@@ -118,7 +149,8 @@ def decoded(stream: BinaryIO, name: str) -> Iterator[Decoder]:
         The package pye57 is not installed.
     """
     with _path_of(stream, name) as path, tempfile.TemporaryFile() as messages:
-        words = [*command(PROGRAM, "libE57"), path, str(PIECE)]
+        bounds = map(str, (PIECE, limits.memory, limits.seconds))
+        words = [*command(PROGRAM, "libE57"), path, *bounds]
         process = subprocess.Popen(  # noqa: S603 - our own program and a path
             words,
             stdin=subprocess.DEVNULL,
@@ -127,7 +159,7 @@ def decoded(stream: BinaryIO, name: str) -> Iterator[Decoder]:
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         )
         try:
-            yield Decoder(process, messages, name)
+            yield Decoder(process, messages, name, limits)
         finally:
             process.kill()
             process.communicate()

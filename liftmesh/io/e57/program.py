@@ -2,8 +2,10 @@
 
 libE57 is written in C++ and takes paths only: a damaged file may end the process that reads it.
 `PROGRAM` is given the path of modules, which must not begin with the current folder, the path of
-the file and the rows of a piece. It writes a line of JSON to stdout, which describes the scans,
-then the values of each, piece by piece and field by field. What is wrong stands in stderr.
+the file, the rows of a piece, and the bytes of memory and the seconds of a processor that it may
+take, which the system holds it to where it can. It writes a line of JSON to stdout, which describes
+the scans, then the values of each, piece by piece and field by field. What is wrong stands in
+stderr.
 
 The module of libE57 is loaded without the package around it, which imports NumPy: the process takes
 a tenth of the time to start. Buffers of 64 bits have the type q: pye57 takes l for 32 bits.
@@ -12,6 +14,16 @@ a tenth of the time to start. Buffers of 64 bits have the type q: pye57 takes l 
 PROGRAM = """
 import json, os, sys
 sys.path[:] = json.loads(sys.argv[1])
+try:
+    import resource
+except ImportError:  # not on Windows
+    resource = None
+limits = {"RLIMIT_DATA": int(sys.argv[4]), "RLIMIT_CPU": int(sys.argv[5]), "RLIMIT_CORE": 0}
+for each, most in limits.items() if resource else ():
+    kind = getattr(resource, each)
+    before, hard = resource.getrlimit(kind)
+    known = [k for k in (before, hard, most) if k != resource.RLIM_INFINITY]
+    resource.setrlimit(kind, (min(known), hard))
 answer = os.fdopen(os.dup(1), "wb")
 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 from importlib.machinery import PathFinder
@@ -114,6 +126,8 @@ try:
         if about["rows"] and about["fields"]:
             write(points, about, int(sys.argv[3]))
     answer.flush()
-except (libe57.E57Exception, ValueError, KeyError, MemoryError) as error:
-    sys.exit(f"wrong: {str(error).strip().splitlines()[0] if str(error) else 'not enough memory'}")
+except MemoryError:
+    sys.exit("memory: not enough")
+except (libe57.E57Exception, ValueError, KeyError) as error:
+    sys.exit(f"wrong: {str(error).strip().splitlines()[0] if str(error) else type(error).__name__}")
 """

@@ -18,7 +18,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, POSITION, CloudBuilder
-from liftmesh.io.e57.decoding import Decoder, Scan, decoded
+from liftmesh.io.e57.decoding import Decoder, Limits, Scan, decoded
 from liftmesh.io.e57.header import check_header
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
 
@@ -52,8 +52,9 @@ def read_e57(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
         The package pye57 is not installed.
     """
     size = check_header(stream, name)
-    with decoded(stream, name) as decoder:
-        return _Reader(decoder, name).cloud(limit_of(max_bytes, _DENSEST * size), max_bytes)
+    limit = limit_of(max_bytes, _DENSEST * size)
+    with decoded(stream, name, Limits.of(size, limit)) as decoder:
+        return _Reader(decoder, name).cloud(limit, max_bytes)
 
 
 class _Reader:

@@ -29,14 +29,15 @@ _LONGEST = 32  # bytes of a name
 class Extra:
     """A value of a point: its name, the type and number of its elements, and its description.
 
-    ``scale`` and ``offset`` convert its numbers to what is read; None if they are what is read.
+    ``scale`` and ``offset``, of each element, convert its numbers to what is read; None if they are
+    what is read.
     """
 
     name: str
     kind: np.dtype
     described: bytes
-    scale: float | None = None
-    offset: float = 0.0
+    scale: tuple[float, ...] | None = None
+    offset: tuple[float, ...] = (0.0,)
 
     def numbers(self, values: Array) -> Array | None:
         """Convert values to those of the file; None if they would not come back as they are."""
@@ -47,14 +48,21 @@ class Extra:
             return values if values.dtype == base else None
         if values.dtype != np.float64:
             return None
-        with np.errstate(all="ignore"):
-            found = np.rint((values - self.offset) / self.scale)
-            limits = np.iinfo(base) if base.kind in "iu" else np.finfo(base)
+        return _stored(values, base, np.array(self.scale), np.array(self.offset))
+
+
+def _stored(values: Array, base: np.dtype, scale: Array, offset: Array) -> Array | None:
+    """Return the numbers of a type that become these values, bit for bit; None if some do not."""
+    with np.errstate(all="ignore"):
+        found = (values - offset) / scale
+        if base.kind in "iu":
+            found, limits = np.rint(found), np.iinfo(base)
             if not ((found >= float(limits.min)) & (found <= float(limits.max))).all():
                 return None
-            again = found.astype(base) * self.scale + self.offset
-        same = again.view(np.int64) == np.ascontiguousarray(values).view(np.int64)
-        return found.astype(base) if same.all() else None
+        numbers = found.astype(base)
+        again = numbers * scale + offset
+    same = again.view(np.int64) == np.ascontiguousarray(values).view(np.int64)
+    return numbers if same.all() else None
 
 
 def described(data: bytes, rest: int) -> list[Extra]:
@@ -90,14 +98,13 @@ def _described(part: bytes) -> Extra | None:
     if number > 3 * len(_TYPES):
         return None
     count, base = (number - 1) // len(_TYPES) + 1, np.dtype(_TYPES[(number - 1) % len(_TYPES)])
-    if count > 1:
-        has_steps = options & (_HAS_SCALE | _HAS_OFFSET)
-        return None if has_steps else Extra(name, np.dtype((base, (count,))), part)
+    kind = np.dtype((base, (count,))) if count > 1 else base
     if not options & (_HAS_SCALE | _HAS_OFFSET):
-        return Extra(name, base, part)
-    scale = struct.unpack_from("<d", part, _SCALES)[0] if options & _HAS_SCALE else 1.0
-    offset = struct.unpack_from("<d", part, _OFFSETS)[0] if options & _HAS_OFFSET else 0.0
-    return Extra(name, base, part, scale, offset) if scale else None
+        return Extra(name, kind, part)
+    ones, zeros = (1.0,) * 3, (0.0,) * 3
+    scale = struct.unpack_from("<3d", part, _SCALES) if options & _HAS_SCALE else ones
+    offset = struct.unpack_from("<3d", part, _OFFSETS) if options & _HAS_OFFSET else zeros
+    return Extra(name, kind, part, scale[:count], offset[:count]) if all(scale[:count]) else None
 
 
 def new(name: str, values: Array) -> Extra | None:

@@ -15,6 +15,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.choices import shown
+from liftmesh.color_depth import stated_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.colors import as_float, check_colors
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
@@ -232,6 +233,20 @@ def depth_of(cloud: Cloud) -> int | None:
     layout = cloud.metadata.get(LAYOUT)
     found = layout.get(DEPTH) if isinstance(layout, Mapping) else None
     return cloud.color_depth or (found if isinstance(found, int) else None)
+
+
+def depth_to_state(cloud: Cloud) -> int | None:
+    """Return the bits of colours that a file must state, as its values alone would tell others.
+
+    Floats, and integers wider than 16 bits, may all become numbers that look like 8 bits.
+    """
+    if cloud.colors is None:
+        return None
+    colors = cloud.colors[:, :3]
+    if colors.dtype in (np.uint8, np.uint16):
+        return stated_depth(colors)
+    held = levels(colors, depth_of(cloud))
+    return stated_depth(held) if held.any() else None
 
 
 def levels(colors: Array, depth: int | None) -> Array:

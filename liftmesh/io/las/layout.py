@@ -17,7 +17,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.las.carried import EXTRA_BYTES, Carried, carried, made, replaced
 from liftmesh.io.las.crs import LIBLAS, PROJECTION, WKT, crs_of
 from liftmesh.io.las.extra_bytes import Extra, described
-from liftmesh.io.las.fields import Fields, fields_of, with_colors
+from liftmesh.io.las.fields import Fields, depth_to_state, fields_of, with_colors
 from liftmesh.io.las.header import POINT_SIZES, SIZES, Record
 from liftmesh.io.las.own import LAYOUT, OWN, Said, is_layout, record_of
 from liftmesh.io.las.steps import Steps, steps_of
@@ -183,7 +183,7 @@ def _records(
         records, has_text = _with_crs(records, cloud.crs)
         is_wkt = has_text or needs
         said = crs_of(records, is_wkt=is_wkt)
-    return replaced(records, record_of(cloud, said), *kept.of(*OWN)), is_wkt
+    return replaced(records, record_of(cloud, said, depth_to_state(cloud)), *kept.of(*OWN)), is_wkt
 
 
 def _with_crs(records: list[Record], crs: str | None) -> tuple[list[Record], bool]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from liftmesh.errors import FormatError
 from liftmesh.io.las.header import PACKING
+from liftmesh.io.las.remembering import Remembering
 from liftmesh.io.streams import read_exactly
 from liftmesh.optional import load
 
@@ -137,10 +138,13 @@ class _Reading:
         """Read the points and bytes of each chunk, and check their sums."""
         lazrs = load("lazrs", extra="las")
         self._stream.seek(self._begin + self._stated.start)
+        source = Remembering(self._stream)
         try:
             vlr = lazrs.LazVlr(record)
-            pairs = lazrs.read_chunk_table(self._stream, vlr)
+            pairs = lazrs.read_chunk_table(source, vlr)
         except (lazrs.LazrsError, ValueError, OverflowError) as error:
+            if source.failure is not None:
+                raise source.failure from error
             raise self._error(f"the table of chunks cannot be decoded ({error})") from error
         listed = [(int(points), int(length)) for points, length in pairs]
         there = place - self._stated.start - _PLACE.size

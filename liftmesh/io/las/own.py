@@ -13,7 +13,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from liftmesh.cloud import is_crs
-from liftmesh.color_depth import stated_depth
 from liftmesh.io import metadata
 from liftmesh.io.las.carried import ENTRY, made
 
@@ -28,7 +27,7 @@ _DESCRIPTION = b"metadata"
 _MOST = 1 << 19  # characters
 
 
-def record_of(cloud: Cloud, crs: str | None) -> Record | None:
+def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
     """Make the record; None if there is nothing to say.
 
     Parameters
@@ -37,6 +36,8 @@ def record_of(cloud: Cloud, crs: str | None) -> Record | None:
         The cloud.
     crs : str, optional
         The coordinate system as the other records of the file say it.
+    depth : int, optional
+        The bits of colours, if their values alone would tell others.
 
     Returns
     -------
@@ -48,8 +49,6 @@ def record_of(cloud: Cloud, crs: str | None) -> Record | None:
     found |= {"metadata": entries} if entries else {}
     if cloud.crs is not None and cloud.crs != crs:
         found["crs"] = [cloud.crs, _checksum(crs)]
-    colors = cloud.colors
-    depth = stated_depth(None if colors is None else colors[:, :3])
     found |= {} if depth is None else {DEPTH: depth}
     data = json.dumps(found, sort_keys=True).encode() if found else b""
     return made(*OWN, data, _DESCRIPTION) if data else None

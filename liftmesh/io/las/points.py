@@ -87,5 +87,8 @@ class Block(Mapping[str, Array]):
     def taken(self, rows: Array) -> Block:
         """Return some of the points."""
         record = self._record
-        part = type(record)(record.array[rows], record.point_format, record.scales, record.offsets)
+        array = record.array
+        # As items of bytes: NumPy would copy structured ones value by value.
+        taken = array.view(f"V{array.itemsize}").take(rows).view(array.dtype)
+        part = type(record)(taken, record.point_format, record.scales, record.offsets)
         return Block(part, self._names)

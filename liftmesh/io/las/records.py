@@ -23,6 +23,7 @@ from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.las.copc import Index, index_of
 from liftmesh.io.las.header import PACKING
 from liftmesh.io.las.laz import LARGEST_CHUNK, Chunks, chunks_of
+from liftmesh.io.las.remembering import Remembering
 from liftmesh.io.streams import read_exactly
 from liftmesh.optional import load
 
@@ -67,10 +68,11 @@ class Points:
             self.index = index_of(stream, stated, chunks, name) if chunks and is_indexed else None
         except FormatError as error:
             self.damage = error
+        self._source = Remembering(stream)
         laspy = load("laspy", extra="las")
         with self._decoding("the header"):
             self._reader = laspy.LasReader(
-                stream, closefd=False, laz_backend=_backend(laspy, chunks), read_evlrs=False
+                self._source, closefd=False, laz_backend=_backend(laspy, chunks), read_evlrs=False
             )
         self.dimensions: list[Any] = list(self._reader.header.point_format.dimensions)
 
@@ -128,7 +130,9 @@ class Points:
                 raise
             raise self._error(what, error) from error
 
-    def _error(self, what: str, error: BaseException) -> FormatError:
+    def _error(self, what: str, error: BaseException) -> Exception:
+        if self._source.failure is not None:
+            return self._source.failure
         cause = " ".join(str(error).split())[:200]
         return FormatError(
             f"{self._name}: {what} cannot be decoded: the file is damaged "

@@ -1,0 +1,83 @@
+"""Files of the formats that liftmesh only writes, as other libraries read them, or by hand."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import lib3mf
+import meshio
+import numpy as np
+
+from liftmesh import Cloud, InputError
+from liftmesh.io.origin import checked_origin, with_origin
+
+_LANDXML = "{http://www.landxml.org/schema/LandXML-1.2}"
+
+
+def landxml(data: bytes) -> Cloud:
+    """Read points, faces and coordinate system of the surface: no library reads LandXML."""
+    root = ET.fromstring(data)
+    rows = [each.text or "" for each in root.iter(f"{_LANDXML}P")]
+    points = np.array([[float(word) for word in row.split()] for row in rows])[:, [1, 0, 2]]
+    numbers = [each.get("id") for each in root.iter(f"{_LANDXML}P")]
+    assert numbers == [str(k) for k in range(1, len(points) + 1)], "points are numbered from 1"
+    corners = [(each.text or "").split() for each in root.iter(f"{_LANDXML}F")]
+    faces = np.array([[int(word) - 1 for word in face] for face in corners], np.int32)
+    system = root.find(f"{_LANDXML}CoordinateSystem")
+    crs = None if system is None else system.get("ogcWktCode", system.get("desc"))
+    return Cloud(points, faces=faces, crs=crs)
+
+
+def three_mf(data: bytes) -> Cloud:
+    """Read vertices and triangles with lib3mf, strictly, and the origin in the metadata."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "a.3mf")
+        path.write_bytes(data)
+        model = lib3mf.get_wrapper().CreateModel()
+        reader = model.QueryReader("3mf")
+        reader.SetStrictModeActive(True)
+        try:
+            reader.ReadFromFile(str(path))
+        except lib3mf.Lib3MF.ELib3MFException as error:
+            if not str(error).endswith("Invalid Model Coordinates"):
+                raise
+            raise InputError("lib3mf reads no coordinates beyond 10^9") from error
+    assert reader.GetWarningCount() == 0, "lib3mf warns"
+    meshes = model.GetMeshObjects()
+    assert meshes.MoveNext(), "there is no mesh"
+    found = meshes.GetCurrentMeshObject()
+    points = np.array([each.Coordinates[:] for each in found.GetVertices()], np.float64)
+    faces = np.array([each.Indices[:] for each in found.GetTriangleIndices()], np.int32)
+    notes = model.GetMetaDataGroup()
+    stated = [notes.GetMetaData(k).GetValue() for k in range(notes.GetMetaDataCount())]
+    cloud = Cloud(points, faces=faces, metadata={"source": "stream", "format": "3mf"})
+    origin = [float(word) for word in stated[0].split()] if stated else None
+    return cloud if origin is None else with_origin(cloud, checked_origin(origin, "a.3mf"))
+
+
+def vtu(data: bytes) -> Cloud:
+    """Read points, triangles and values with meshio, which reads no file without cells."""
+    if b'NumberOfCells="0"' in data:
+        raise InputError("meshio does not read this")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "a.vtu")
+        path.write_bytes(data)
+        found = meshio.read(path)
+    values: dict[str, Any] = {name: _native(each) for name, each in found.point_data.items()}
+    colors, normals = values.pop("Colors", None), values.pop("Normals", None)
+    (cells,) = found.cells or [None]
+    faces = None if cells is None or cells.type == "vertex" else cells.data.astype(np.int32)
+    points = _native(found.points)
+    return Cloud(points, colors=colors, normals=normals, attributes=values, faces=faces)
+
+
+def _native(values: Any) -> Any:
+    """Return an array whose type says no byte order, as meshio's do."""
+    return values.astype(values.dtype.newbyteorder("="))
+
+
+READERS: dict[str, Callable[[bytes], Cloud]] = {"landxml": landxml, "3mf": three_mf, "vtu": vtu}
