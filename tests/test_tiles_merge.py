@@ -138,7 +138,7 @@ def is_settled(corners: Points, cell: tuple[float, ...], foreign: Points) -> boo
     records[:, 1:] = corners.view(np.int64)
     empty = np.empty((0, 2), dtype=np.int32)
     return len(_kernel.merge_frontiers(
-        records, empty, np.array([cell]), foreign, False, 1, False, None
+        records, empty, np.array([cell]), foreign, False, False, 1, False, None
     )[2]) == 1  # fmt: skip
 
 

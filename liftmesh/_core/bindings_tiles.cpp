@@ -40,8 +40,8 @@ nb::object array_of(const std::vector<Item>& items) {
 }
 
 nb::tuple merge_frontiers(const Records& records, const Edges& rim, const Boxes& cell,
-                          const Boxes& foreign, bool is_everything, unsigned threads, bool shared,
-                          nb::handle progress, nb::handle folder) {
+                          const Boxes& foreign, bool is_everything, bool with_neighbors,
+                          unsigned threads, bool shared, nb::handle progress, nb::handle folder) {
     if (records.shape(0) > liftmesh::most_rows) throw std::invalid_argument("too many rows");
     if (cell.shape(0) != 1) throw std::invalid_argument("a node has one cell");
     const liftmesh::Territory territory{span_of<Box>(cell)[0], span_of<Box>(foreign),
@@ -50,13 +50,15 @@ nb::tuple merge_frontiers(const Records& records, const Edges& rim, const Boxes&
     liftmesh::Node node;
     run_in_files(folder, [&] {
         node = liftmesh::merge_frontiers(span_of<Record>(records), span_of<liftmesh::RimEdge>(rim),
-                                         territory, {threads, shared}, interrupt);
+                                         territory, with_neighbors, {threads, shared}, interrupt);
     });
     if (node.status == liftmesh::Status::interrupted) throw nb::python_error();
+    const std::size_t rows = with_neighbors ? node.triangle_count : 0;
     return nb::make_tuple(
         name(node.status), node.missing, adopt(std::move(node.triangles), node.triangle_count, 3),
-        array_of<std::int64_t>(node.duplicates), array_of<std::int64_t>(node.hull),
-        array_of<std::int64_t>(node.frontier), array_of<std::int32_t>(node.rim));
+        adopt(std::move(node.neighbors), rows, 3), array_of<std::int64_t>(node.duplicates),
+        array_of<std::int64_t>(node.hull), array_of<std::int64_t>(node.frontier),
+        array_of<std::int32_t>(node.rim));
 }
 
 std::vector<liftmesh::Cut> cuts_of(const Axes& axes, const Pairs& at, const Edges& children) {
@@ -89,7 +91,7 @@ nb::tuple partition(const PlanarRows& rows, std::int64_t first, const Axes& axes
 
 void bind_tiles(nb::module_& m) {
     m.def("merge_frontiers", &merge_frontiers, "records"_a, "rim"_a, "cell"_a, "foreign"_a,
-          "is_everything"_a, "threads"_a, "shared"_a, "progress"_a.none(),
+          "is_everything"_a, "with_neighbors"_a, "threads"_a, "shared"_a, "progress"_a.none(),
           "folder"_a.none() = nb::none());
     m.def("partition", &partition, "rows"_a, "first"_a, "axes"_a, "at"_a, "children"_a, "tiles"_a);
 }

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,8 +24,8 @@ from liftmesh.errors import FormatError
 from liftmesh.tiles.findings import Findings
 from liftmesh.tiles.repeated import positions_of, set_apart
 from liftmesh.tiles.schedule import in_order
-from liftmesh.tiles.stages import Folders, label, save_tables, tile_records
-from liftmesh.tiles.tiled import mapped
+from liftmesh.tiles.stages import Folders, label, save_boxes, tile_records
+from liftmesh.tiles.store import mapped
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -94,7 +94,8 @@ class Proof:
             for what, array in zip(("", "-begins", "-boxes", "-skipped"), found, strict=True):
                 np.save(f"{stem}{what}.npy", array)
             first += len(rows)
-        _, skipped = save_tables(self._folders, self._plan, number)
+        self._folders = replace(self._folders, runs=number)
+        _, skipped = save_boxes(self._folders, self._plan)
         if not np.array_equal(skipped, self._tiled.skipped):
             self.found.add("other_skipped", 1)
         return len(skipped), digest.hexdigest()

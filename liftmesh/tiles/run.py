@@ -30,8 +30,8 @@ from liftmesh.tiles.stages import (
     Scanned,
     changed,
     partition,
+    save_boxes,
     save_plan,
-    save_tables,
     scan,
     tile_sample,
 )
@@ -181,12 +181,13 @@ class Run:
     ) -> tuple[Folders, list[int], Integers]:
         """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
         name = seal(_program(), identity, plan.as_dict())
-        folders = replace(self.folders, plan=name, held=2 * self.tile_rows)
+        runs = len(self.parts)
+        folders = replace(self.folders, plan=name, held=2 * self.tile_rows, runs=runs)
         save_plan(folders, plan)
         numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
         calls = [(folders, part, i, first, found.digest) for i, (part, first, found) in numbered]
         runner.each("partition", partition, calls)
-        return folders, *save_tables(folders, plan, len(self.parts))
+        return folders, *save_boxes(folders, plan)
 
     def _cut_again(self, plan: Plan, folders: Folders, sizes: Sequence[int]) -> Plan:
         """Cut the tiles that came out too large, by a sample of their own rows."""

@@ -7,7 +7,7 @@ was killed goes on where it was.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -24,9 +24,9 @@ from liftmesh.tiles.store import (
     is_sound,
     load_record,
     names_to_disk,
-    rows_of,
     save_array,
     save_record,
+    values_of,
 )
 
 _HOPELESS = 0.98  # a share of rows that goes up; the next level is passed, but not two in a row
@@ -48,12 +48,21 @@ class Folders:
         The hash of the plan that the files are of; empty before there is one.
     held : int
         How many points a merge may have in memory; with more, its arrays are in files.
+    runs : int
+        How many parts the source has.
+    shards : str
+        The format of the triangles: "npy", "parquet" or "ply".
+    neighbors : bool
+        Whether neighbours are written, too.
     """
 
     out: Path
     scratch: Path
     plan: str = ""
     held: int = 0
+    runs: int = 0
+    shards: str = "npy"
+    neighbors: bool = False
 
 
 @dataclass(frozen=True)
@@ -301,7 +310,7 @@ def tile_records(folders: Folders, tile: int) -> Integers:
     Parameters
     ----------
     folders : Folders
-        Where `save_tables` wrote.
+        Where `partition` wrote.
     tile : int
         The number of the tile.
 
@@ -310,14 +319,12 @@ def tile_records(folders: Folders, tile: int) -> Integers:
     (k, 3) ndarray of int64
         Row number, x and y, as 64-bit words, by ascending row.
     """
-    runs = rows_of(folders.scratch / "begins.npy", tile, tile + 2).T
-    records = np.empty((int((runs[:, 1] - runs[:, 0]).sum()), 3), dtype=np.int64)
+    runs = [*_runs(folders, tile)]
+    records = np.empty((sum(end - begin for _, begin, end in runs), 3), dtype=np.int64)
     at = 0
-    for number, (begin, end) in enumerate(runs.tolist()):
-        if begin < end:
-            path = folders.scratch / f"run-{number:05d}.npy"
-            records[at : at + end - begin] = rows_of(path, begin, end)
-            at += end - begin
+    for run, begin, end in runs:
+        records[at : at + end - begin] = values_of(run, 3 * begin, 3 * end).reshape(-1, 3)
+        at += end - begin
     return records
 
 
@@ -327,7 +334,7 @@ def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
     Parameters
     ----------
     folders : Folders
-        Where `save_tables` wrote.
+        Where `partition` wrote.
     tile : int
         The number of the tile.
     count : int
@@ -338,14 +345,19 @@ def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
     (k, 2) ndarray of float64
         Points.
     """
-    runs = rows_of(folders.scratch / "begins.npy", tile, tile + 2).T
-    step = max(1, int((runs[:, 1] - runs[:, 0]).sum()) // count)
-    found = [
-        np.array(np.load(folders.scratch / f"run-{number:05d}.npy", mmap_mode="r")[begin:end:step])
-        for number, (begin, end) in enumerate(runs.tolist())
-        if begin < end
-    ]
+    runs = [*_runs(folders, tile)]
+    step = max(1, sum(end - begin for _, begin, end in runs) // count)
+    found = [np.array(np.load(run, mmap_mode="r")[begin:end:step]) for run, begin, end in runs]
     return np.concatenate(found).view(np.float64)[:, 1:]
+
+
+def _runs(folders: Folders, tile: int) -> Iterator[tuple[Path, int, int]]:
+    """Find the rows of a tile in all runs; no table has the tiles of all runs at once."""
+    for number in range(folders.runs):
+        stem = folders.scratch / f"run-{number:05d}"
+        begin, end = values_of(Path(f"{stem}-begins.npy"), tile, tile + 2).tolist()
+        if begin < end:
+            yield Path(f"{stem}.npy"), begin, end
 
 
 def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
@@ -395,8 +407,8 @@ def load_plan(folders: Folders) -> Plan:
     return Plan.from_dict(lists)
 
 
-def save_tables(folders: Folders, plan: Plan, runs: int) -> tuple[list[int], Integers]:
-    """Write what all nodes need to know of the runs: boxes, and where each tile begins.
+def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
+    """Write the boxes of all nodes, from those of the runs; count the rows of the tiles.
 
     Parameters
     ----------
@@ -404,8 +416,6 @@ def save_tables(folders: Folders, plan: Plan, runs: int) -> tuple[list[int], Int
         Where to read and write.
     plan : Plan
         Where the tiles are.
-    runs : int
-        How many parts were sorted.
 
     Returns
     -------
@@ -414,17 +424,16 @@ def save_tables(folders: Folders, plan: Plan, runs: int) -> tuple[list[int], Int
     skipped : (k,) ndarray of int64
         The rows that are not finite.
     """
-    begins = np.empty((plan.tiles + 1, runs), dtype=np.int64)
+    sizes = np.zeros(plan.tiles, dtype=np.int64)
     tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
     skipped = [np.empty(0, dtype=np.int64)]
-    for number in range(runs):
+    for number in range(folders.runs):
         stem = folders.scratch / f"run-{number:05d}"
-        begins[:, number] = np.load(f"{stem}-begins.npy")
+        sizes += np.diff(np.load(f"{stem}-begins.npy"))
         boxes = np.load(f"{stem}-boxes.npy")
         tight[:, :2] = np.minimum(tight, boxes)[:, :2]
         tight[:, 2:] = np.maximum(tight, boxes)[:, 2:]
         skipped.append(np.load(f"{stem}-skipped.npy"))
     save_array(folders.scratch / "boxes.npy", plan.around(tight))
-    save_array(folders.scratch / "begins.npy", begins)
-    sizes: list[int] = np.diff(begins, axis=0).sum(axis=1).tolist()
-    return sizes, np.concatenate(skipped)
+    counts: list[int] = sizes.tolist()
+    return counts, np.concatenate(skipped)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from liftmesh.choices import as_folder
 from liftmesh.errors import FormatError
 from liftmesh.frozen import freeze
 from liftmesh.optional import load
-from liftmesh.tiles.store import is_sound, load_json, seal
+from liftmesh.tiles.store import is_sound, load_json, mapped, seal
 
 if TYPE_CHECKING:
     from liftmesh._typing import Progress
@@ -308,37 +307,6 @@ class Tiled:
 
     def _mapped(self, name: str) -> Integers:
         return mapped(self.directory / name)
-
-
-def mapped(path: Path) -> Integers:
-    """Map a file of a folder.
-
-    Parameters
-    ----------
-    path : Path
-        An NPY file.
-
-    Returns
-    -------
-    ndarray of int64
-        Its numbers.
-
-    Raises
-    ------
-    FormatError
-        It is damaged.
-    OSError
-        It cannot be read.
-    """
-    try:
-        found: Integers = np.load(path, mmap_mode="r")
-    except (ValueError, EOFError) as error:
-        raise FormatError(f"{path}: damaged ({error}): tile the source again") from error
-    except OSError as error:
-        if error.errno == errno.ENOMEM:  # no room for the map
-            raise MemoryError from error
-        raise
-    return found
 
 
 def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
