@@ -203,6 +203,9 @@ def merge_frontiers(
     progress: Callable[[float], None] | None,
     folder: str | None = None,
 ) -> Merged: ...
+def find_rows(
+    rows: NDArray[np.int64], triangles: NDArray[np.int64], threads: int
+) -> NDArray[np.int32]: ...
 def partition(
     rows: NDArray[np.floating[Any]],
     first: int,

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from liftmesh.choices import NonFinite, check_progress
+from liftmesh.choices import NonFinite, ShardFormat, check_progress
 from liftmesh.errors import InputError
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 _TRIES = 3  # of a task that raises OSError, as a network disk may
 
 
-def delaunay(
+def delaunay(  # noqa: PLR0913 - options are keywords
     source: object,
     out: str | os.PathLike[str],
     *,
@@ -60,6 +60,8 @@ def delaunay(
     scratch: str | os.PathLike[str] | None = None,
     nonfinite: NonFinite = "error",
     resume: bool = True,
+    shards: ShardFormat = "npy",
+    neighbors: bool = False,
     progress: Progress | None = None,
 ) -> Tiled:
     """Triangulate more points than fit in memory, on the workers of Dask.
@@ -84,7 +86,7 @@ def delaunay(
         resumed.
     scratch : str or path, optional
         Where to make a folder for 24 bytes a row, which all workers see; by default `out`.
-    nonfinite, resume, progress
+    nonfinite, resume, shards, neighbors, progress
         As for `liftmesh.tile`.
 
     Returns
@@ -111,7 +113,7 @@ def delaunay(
     <Tiled: 1980 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    options = Options.checked(out, tile_rows, scratch, nonfinite, resume)
+    options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
     with _client(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)

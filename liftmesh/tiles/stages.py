@@ -7,7 +7,7 @@ was killed goes on where it was.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -15,10 +15,14 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.arrays import non_finite
+from liftmesh.choices import ShardFormat
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.tiles.node import Frontier, joined, merge
+from liftmesh.tiles.edges import open_edges, paired
+from liftmesh.tiles.node import Frontier, Merged, joined, merge
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.repeated import set_apart
+from liftmesh.tiles.runs import tile_records
+from liftmesh.tiles.shards import save_shard
 from liftmesh.tiles.sources import Part, planar
 from liftmesh.tiles.store import (
     is_sound,
@@ -26,7 +30,6 @@ from liftmesh.tiles.store import (
     names_to_disk,
     save_array,
     save_record,
-    values_of,
 )
 
 _HOPELESS = 0.98  # a share of rows that goes up; the next level is passed, but not two in a row
@@ -50,8 +53,8 @@ class Folders:
         How many points a merge may have in memory; with more, its arrays are in files.
     runs : int
         How many parts the source has.
-    shards : str
-        The format of the triangles: "npy", "parquet" or "ply".
+    shards : {"npy", "parquet", "ply"}
+        The format of the triangles.
     neighbors : bool
         Whether neighbours are written, too.
     """
@@ -61,7 +64,7 @@ class Folders:
     plan: str = ""
     held: int = 0
     runs: int = 0
-    shards: str = "npy"
+    shards: ShardFormat = "npy"
     neighbors: bool = False
 
 
@@ -118,6 +121,16 @@ def label(name: int) -> str:
     ('tile-00007', 'seam-00003')
     """
     return f"seam-{name:05d}" if name >= 0 else f"tile-{~name:05d}"
+
+
+def node_of(stem: str) -> int:
+    """Return the node whose files have a name.
+
+    >>> node_of("tile-00007"), node_of("seam-00003")
+    (-8, 3)
+    """
+    kind, number = stem.split("-")
+    return int(number) if kind == "seam" else ~int(number)
 
 
 def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
@@ -277,17 +290,24 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
     foreign = boxes[boxes[:, 0] <= boxes[:, 2]]
     scratch = str(folders.scratch) if children and rows > folders.held else None
     found = merge(
-        part, plan.cells[name], foreign, is_root=is_root, threads=threads, scratch=scratch
+        part,
+        plan.cells[name],
+        foreign,
+        is_root=is_root,
+        with_neighbors=folders.neighbors,
+        threads=threads,
+        scratch=scratch,
     )
+    corners = part.records if folders.shards == "ply" else part.records[:0]
     del part
     stem = label(name)
     up = found.frontier
     keeps: dict[str, Array] = {"duplicates": found.duplicates, "records": up.records, "rim": up.rim}
     if is_root:
         keeps["hull"] = found.hull
-    shards, notes = {}, {}
-    if len(found.triangles):
-        shards[f"{stem}.npy"] = save_array(folders.out / f"{stem}.npy", found.triangles)
+    if folders.neighbors:
+        keeps["links"], keeps["edges"] = _linked(folders, name, found, children)
+    shards, notes = _saved_shard(folders, stem, found, corners), {}
     for what, array in keeps.items():
         notes[f"{stem}-{what}.npy"] = save_array(folders.scratch / f"{stem}-{what}.npy", array)
     return Done(
@@ -304,60 +324,25 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
     )
 
 
-def tile_records(folders: Folders, tile: int) -> Integers:
-    """Read the rows of a tile from all runs, in their order.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `partition` wrote.
-    tile : int
-        The number of the tile.
-
-    Returns
-    -------
-    (k, 3) ndarray of int64
-        Row number, x and y, as 64-bit words, by ascending row.
-    """
-    runs = [*_runs(folders, tile)]
-    records = np.empty((sum(end - begin for _, begin, end in runs), 3), dtype=np.int64)
-    at = 0
-    for run, begin, end in runs:
-        records[at : at + end - begin] = values_of(run, 3 * begin, 3 * end).reshape(-1, 3)
-        at += end - begin
-    return records
+def _saved_shard(folders: Folders, stem: str, found: Merged, corners: Integers) -> dict[str, str]:
+    """Write what a node has decided; return the SHA-256 of the files."""
+    if not len(found.triangles):
+        return {}
+    shard = f"{stem}.{folders.shards}"
+    saved = {shard: save_shard(folders.out / shard, found.triangles, corners)}
+    if folders.neighbors:
+        beside = f"{stem}-neighbors.npy"
+        saved[beside] = save_array(folders.out / beside, found.neighbors)
+    return saved
 
 
-def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
-    """Draw rows of a tile from all runs, evenly.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `partition` wrote.
-    tile : int
-        The number of the tile.
-    count : int
-        How many rows, about.
-
-    Returns
-    -------
-    (k, 2) ndarray of float64
-        Points.
-    """
-    runs = [*_runs(folders, tile)]
-    step = max(1, sum(end - begin for _, begin, end in runs) // count)
-    found = [np.array(np.load(run, mmap_mode="r")[begin:end:step]) for run, begin, end in runs]
-    return np.concatenate(found).view(np.float64)[:, 1:]
-
-
-def _runs(folders: Folders, tile: int) -> Iterator[tuple[Path, int, int]]:
-    """Find the rows of a tile in all runs; no table has the tiles of all runs at once."""
-    for number in range(folders.runs):
-        stem = folders.scratch / f"run-{number:05d}"
-        begin, end = values_of(Path(f"{stem}-begins.npy"), tile, tile + 2).tolist()
-        if begin < end:
-            yield Path(f"{stem}.npy"), begin, end
+def _linked(
+    folders: Folders, name: int, found: Merged, children: Sequence[Done]
+) -> tuple[Integers, Integers]:
+    """Pair the open edges of a node and of those below it; return links, and what goes up."""
+    below = [folders.scratch / f"{label(each)}-edges.npy" for c in children for each in c.frontier]
+    edges = [open_edges(name, found.triangles, found.neighbors), *map(np.load, below)]
+    return paired(np.concatenate(edges))
 
 
 def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
@@ -405,35 +390,3 @@ def load_plan(folders: Folders) -> Plan:
     if lists is None:
         raise FormatError(f"{folders.scratch / _PLAN}: not of this run: tile the source again")
     return Plan.from_dict(lists)
-
-
-def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
-    """Write the boxes of all nodes, from those of the runs; count the rows of the tiles.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to read and write.
-    plan : Plan
-        Where the tiles are.
-
-    Returns
-    -------
-    sizes : list of int
-        How many rows each tile has.
-    skipped : (k,) ndarray of int64
-        The rows that are not finite.
-    """
-    sizes = np.zeros(plan.tiles, dtype=np.int64)
-    tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
-    skipped = [np.empty(0, dtype=np.int64)]
-    for number in range(folders.runs):
-        stem = folders.scratch / f"run-{number:05d}"
-        sizes += np.diff(np.load(f"{stem}-begins.npy"))
-        boxes = np.load(f"{stem}-boxes.npy")
-        tight[:, :2] = np.minimum(tight, boxes)[:, :2]
-        tight[:, 2:] = np.maximum(tight, boxes)[:, 2:]
-        skipped.append(np.load(f"{stem}-skipped.npy"))
-    save_array(folders.scratch / "boxes.npy", plan.around(tight))
-    counts: list[int] = sizes.tolist()
-    return counts, np.concatenate(skipped)
