@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from itertools import accumulate
@@ -98,8 +99,10 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     ------
     InputError, NonFiniteError, DegenerateInputError, FormatError, OSError
         As for `liftmesh.tile`.
+    ConnectionError
+        The scheduler is gone, or has dropped the tasks; the run can be resumed.
     MissingDependencyError
-        Dask is not installed.
+        Dask is not installed, or Parquet is read or written without pyarrow.
 
     Examples
     --------
@@ -180,6 +183,16 @@ class _Workers:
 
     def _gathered(self, stage: str, futures: Sequence[Any]) -> list[Any]:
         """Wait for all; the first error ends the others."""
+        try:
+            return self._waited(stage, futures)
+        except CancelledError as error:
+            reason = str(error).splitlines()[0] if str(error) else "cancelled"
+            raise ConnectionError(
+                f"Dask has dropped the tasks ({reason}): look whether the scheduler is up, and "
+                "call again with the same arguments: what is done is kept"
+            ) from error
+
+    def _waited(self, stage: str, futures: Sequence[Any]) -> list[Any]:
         found: dict[str, Any] = {}
         done = self._distributed.as_completed(futures, with_results=True, raise_errors=True)
         try:
