@@ -16,6 +16,7 @@ from liftmesh import Tiled
 from liftmesh.choices import ShardFormat
 from liftmesh.errors import FormatError, InputError, MissingDependencyError
 from liftmesh.tiles import shards as formats
+from liftmesh.tiles.edges import paired
 
 FORMATS: tuple[ShardFormat, ...] = ("npy", "parquet", "ply")
 POINTS = np.random.default_rng(5).permutation(np.indices((25, 28)).reshape(2, -1).T) * 1.0
@@ -207,6 +208,42 @@ def test_wrong_neighbors_are_found(change: str, tmp_path: Path) -> None:
         }
         path.write_bytes(whole)
     assert tiled.verify(POINTS)
+
+
+def test_a_neighbor_at_the_same_corner_is_not_enough(tmp_path: Path) -> None:
+    tiled = liftmesh.tile(POINTS, tmp_path, tile_rows=300, neighbors=True)
+    triangles, path = np.load(tiled.shards[0]), tmp_path / "tile-00000-neighbors.npy"
+    stated = np.load(path)
+    triangle, side = np.argwhere((stated >= 0).all(axis=1)[:, None] & [True] * 3)[0]
+    for turn in (1, 2):
+        at_corner = np.flatnonzero(
+            (triangles == triangles[triangle, (side + turn) % 3]).any(axis=1)
+        )
+        for other in set(at_corner.tolist()) - {int(stated[triangle, side])}:
+            wrong = stated.copy()
+            wrong[triangle, side] = other
+            np.save(path, wrong)
+            flaws = {flaw.kind: flaw.count for flaw in tiled.verify(POINTS).flaws}
+            assert flaws["other_neighbors"] == 1
+
+
+def test_links_are_ascending_and_mutual(tmp_path: Path) -> None:
+    tiled = liftmesh.tile(POINTS, tmp_path, tile_rows=90, neighbors=True)
+    found = set()
+    for shard, path in enumerate(tiled.shards):
+        links = np.load(tmp_path / f"{path.stem}-links.npy")
+        assert (np.diff(links[:, 0]) > 0).all()
+        assert (links[:, 1] != shard).all()
+        found |= {(shard, code // 3, *beyond) for code, *beyond in links.tolist()}
+    assert found
+    assert found == {(there, at, shard, row) for shard, row, there, at in found}
+
+
+def test_edges_in_the_same_direction_are_no_pair() -> None:
+    edges = np.array([[4, 9, 0, 0], [4, 9, 1, 7], [9, 5, 0, 1], [5, 9, 2, 3]])
+    links, left = paired(edges)
+    assert links.tolist() == [[2, 3, 0, 1]]
+    assert left.tolist() == edges[:2].tolist()
 
 
 def test_vertices_of_ply_are_held_against_the_source(tmp_path: Path) -> None:
