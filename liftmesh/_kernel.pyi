@@ -26,6 +26,7 @@ Merged: TypeAlias = tuple[
     str,
     int,
     NDArray[np.int64],
+    NDArray[np.int32],
     NDArray[np.int64],
     NDArray[np.int64],
     NDArray[np.int64],
@@ -196,11 +197,15 @@ def merge_frontiers(
     cell: NDArray[np.float64],
     foreign: NDArray[np.float64],
     is_everything: bool,
+    with_neighbors: bool,
     threads: int,
     shared: bool,
     progress: Callable[[float], None] | None,
     folder: str | None = None,
 ) -> Merged: ...
+def find_rows(
+    rows: NDArray[np.int64], triangles: NDArray[np.int64], threads: int
+) -> NDArray[np.int32]: ...
 def partition(
     rows: NDArray[np.floating[Any]],
     first: int,

@@ -28,6 +28,7 @@ SampleMethod: TypeAlias = Literal["linear", "nearest", "laplace", "sibson"]
 Pinched: TypeAlias = Literal["error", "trim"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade"]
 Returns: TypeAlias = Literal["first", "last", "only"]
+ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
 Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 

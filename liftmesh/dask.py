@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from itertools import accumulate
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from liftmesh.choices import NonFinite, check_progress
+from liftmesh.choices import NonFinite, ShardFormat, check_progress
 from liftmesh.errors import InputError
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
@@ -51,7 +52,7 @@ if TYPE_CHECKING:
 _TRIES = 3  # of a task that raises OSError, as a network disk may
 
 
-def delaunay(
+def delaunay(  # noqa: PLR0913 - options are keywords
     source: object,
     out: str | os.PathLike[str],
     *,
@@ -60,6 +61,8 @@ def delaunay(
     scratch: str | os.PathLike[str] | None = None,
     nonfinite: NonFinite = "error",
     resume: bool = True,
+    shards: ShardFormat = "npy",
+    neighbors: bool = False,
     progress: Progress | None = None,
 ) -> Tiled:
     """Triangulate more points than fit in memory, on the workers of Dask.
@@ -84,7 +87,7 @@ def delaunay(
         resumed.
     scratch : str or path, optional
         Where to make a folder for 24 bytes a row, which all workers see; by default `out`.
-    nonfinite, resume, progress
+    nonfinite, resume, shards, neighbors, progress
         As for `liftmesh.tile`.
 
     Returns
@@ -96,8 +99,10 @@ def delaunay(
     ------
     InputError, NonFiniteError, DegenerateInputError, FormatError, OSError
         As for `liftmesh.tile`.
+    ConnectionError
+        The scheduler is gone, or has dropped the tasks; the run can be resumed.
     MissingDependencyError
-        Dask is not installed.
+        Dask is not installed, or Parquet is read or written without pyarrow.
 
     Examples
     --------
@@ -111,7 +116,7 @@ def delaunay(
     <Tiled: 1980 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    options = Options.checked(out, tile_rows, scratch, nonfinite, resume)
+    options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
     with _client(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)
@@ -178,6 +183,16 @@ class _Workers:
 
     def _gathered(self, stage: str, futures: Sequence[Any]) -> list[Any]:
         """Wait for all; the first error ends the others."""
+        try:
+            return self._waited(stage, futures)
+        except CancelledError as error:
+            reason = str(error).splitlines()[0] if str(error) else "cancelled"
+            raise ConnectionError(
+                f"Dask has dropped the tasks ({reason}): look whether the scheduler is up, and "
+                "call again with the same arguments: what is done is kept"
+            ) from error
+
+    def _waited(self, stage: str, futures: Sequence[Any]) -> list[Any]:
         found: dict[str, Any] = {}
         done = self._distributed.as_completed(futures, with_results=True, raise_errors=True)
         try:

@@ -3,12 +3,16 @@
     python scripts/bench_tiles.py                    ten million uniform points
     python scripts/bench_tiles.py --n 1000000 --tile-rows 150000 --distributions uniform circle
     python scripts/bench_tiles.py --workers 1 2      and on as many workers of Dask
+    python scripts/bench_tiles.py --formats --verify in each format, and proved
+    python scripts/bench_tiles.py --all              every table of TILES.md: an hour, 12 GB of disk
 
 Each way reads the same NPY file and writes its triangles with 64-bit rows, in a process of its own:
 one call of `delaunay`, `tile`, and `liftmesh.dask.delaunay` on clusters of processes. Shown are the
-seconds of all processors and of the clock, the peak memory of the largest process, the bytes that
-tiles hand on for each point, and whether the triangles are those of one call, by a hash of 192 bits
-that does not depend on their order.
+seconds of all processors and their ratio to one call, the seconds of the clock, the peak memory of
+the largest process, which share of the rows leaves the tiles, and comes to the last merge, the
+bytes that are handed on for each point, and whether the triangles are those of one call, by a hash
+of 192 bits that does not depend on their order. For workers also the seconds of the busiest one:
+what the clock would show on an idle machine, but for the start and for waiting.
 
 Tiles with buffers are what PDAL and LAStools make: each tile of a square grid is triangulated with
 the points of a margin around it, and keeps the triangles whose centroid it holds. Shown is how many
@@ -28,30 +32,54 @@ from dataclasses import dataclass
 from math import isqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 from benchmark.contest import SEED
-from distributions import DISTRIBUTIONS, Points
+from distributions import Points
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
+from tile_families import FAMILIES
 
 import liftmesh
 
 BLOCK = 1 << 20
 MARGINS = (2, 5, 10)
+COLUMNS = (
+    "ratio",
+    "processors s",
+    "busiest worker s",
+    "clock s",
+    "peak MB",
+    "leave tiles",
+    "last merge",
+    "bytes a point",
+    "triangles",
+)
+SHOWN = sorted({*FAMILIES} - {"mixed-magnitudes", "tenth-lattice", "parabola", "spiral"})
+ALL = (  # the tables of TILES.md, in its order
+    "--workers 1 2",
+    "--n 100000000 --workers 1 2 --verify",
+    f"--n 2000000 --tile-rows 150000 --distributions {' '.join(SHOWN)}",
+    "--n 10000000 --distributions circle",
+    "--n 5000000 --formats --verify",
+    "--n 1000000 --tile-rows 60000 --margins --distributions uniform kuzmin",
+)
 MIXERS = (1, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
 
 
 @dataclass(frozen=True)
 class Taken:
-    """What a way takes, and the hash of its triangles."""
+    """What a way takes, what tiles hand on, and the hash of the triangles."""
 
     processors: float
     clock: float
     memory: int
+    busiest: float
+    up: int
+    root: int
     moved: int
     triangles: int
     mark: str
@@ -60,10 +88,17 @@ class Taken:
 def main() -> None:
     """Print a table for each distribution."""
     options = read_options()
-    console = Console() if os.isatty(1) else Console(width=110)
+    for each in (parsed(words.split()) for words in ALL) if options.all else [options]:
+        each.folder = options.folder
+        compare(each)
+
+
+def compare(options: Namespace) -> None:
+    """Print the tables that some options ask for."""
+    console = Console() if os.isatty(1) else Console(width=130)
     for distribution in options.distributions:
         with TemporaryDirectory(dir=options.folder) as folder:
-            points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
+            points = FAMILIES[distribution](options.n, np.random.default_rng(SEED))
             np.save(Path(folder) / "points.npy", points)
             console.print(table_of(distribution, len(points), Path(folder), options))
             if options.margins:
@@ -72,39 +107,59 @@ def main() -> None:
 
 def read_options() -> Namespace:
     """Parse the command line."""
+    return parsed(sys.argv[1:])
+
+
+def parsed(words: list[str]) -> Namespace:
+    """Parse words."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--n", type=int, default=10_000_000, metavar="ROWS")
     add("--tile-rows", type=int, default=1_500_000, metavar="ROWS")
-    add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=("uniform",), metavar="D")
+    add("--distributions", nargs="+", choices=FAMILIES, default=("uniform",), metavar="D")
     add("--workers", nargs="*", type=int, default=(), metavar="N", help="clusters of processes")
     add("--margins", action="store_true", help="tiles with buffers, too")
+    add("--formats", action="store_true", help="Parquet, PLY and neighbours, too")
+    add("--verify", action="store_true", help="and the proof")
+    add("--all", action="store_true", help="every table of TILES.md")
     add("--folder", metavar="FOLDER", help="where files are written")
-    return parser.parse_args()
+    return parser.parse_args(words)
 
 
 def table_of(distribution: str, rows: int, folder: Path, options: Namespace) -> Table:
     """Run all ways on a distribution."""
     title = f"{distribution}, {rows:,} rows, load {os.getloadavg()[0]:.1f}"
     table = Table("way", title=title, title_justify="left")
-    for column in ("processors s", "clock s", "peak MB", "bytes moved a point", "triangles"):
+    for column in COLUMNS:
         table.add_column(column, justify="right")
-    ways = ["one call", "tile", *(f"dask {count}" for count in options.workers)]
     first = None
-    for way in ways:
+    for way in ways_of(options):
         found = run(way, folder, options.tile_rows)
         first = first or found
         equal = "equal" if found.mark == first.mark else "DIFFERENT"
-        table.add_row(way, *cells(found, rows), equal if way != "one call" else "")
+        ratio = f"{found.processors / first.processors:.2f}"
+        table.add_row(way, ratio, *cells(found, rows), equal if way != "one call" else "")
     return table
+
+
+def ways_of(options: Namespace) -> list[str]:
+    """List what is compared; the proof is that of the folder before it."""
+    ways = ["one call", "tile"]
+    ways += ["verify"] * options.verify
+    ways += ["tile parquet", "tile ply", "tile neighbors"] * options.formats
+    ways += ["verify"] * (options.verify and options.formats)
+    return [*ways, *(f"dask {count}" for count in options.workers)]
 
 
 def cells(found: Taken, rows: int) -> list[str]:
     """Format the figures of a way."""
     return [
         f"{found.processors:.2f}",
+        f"{found.busiest:.2f}" if found.busiest else "",
         f"{found.clock:.1f}",
         f"{found.memory / 1e6:.0f}",
+        f"{found.up / rows:.2%}",
+        f"{found.root / rows:.2%}",
         f"{found.moved / rows:.2f}",
     ]
 
@@ -120,29 +175,36 @@ def take(way: str, folder: Path, tile_rows: int) -> Taken:
     """Take a way in this process."""
     source, out = folder / "points.npy", folder / "out"
     begin, before = perf_counter(), spent()
-    memory = moved = 0
+    memory, busiest = 0, 0.0
     if way == "one call":
         simplices = liftmesh.delaunay(np.load(source), threads=1).simplices.astype(np.int64)
         np.save(folder / "one.npy", simplices)
-    elif way == "tile":
-        liftmesh.tile(source, out, tile_rows=tile_rows, threads=1, resume=False)
+    elif way == "verify":
+        if not liftmesh.open_tiled(out).verify(threads=1).canonical:
+            raise SystemExit(f"{out}: not the canonical triangulation")
+    elif way.startswith("tile"):
+        _, _, what = way.partition(" ")
+        written: Any = {"neighbors": True} if what == "neighbors" else {"shards": what or "npy"}
+        liftmesh.tile(source, out, tile_rows=tile_rows, threads=1, resume=False, **written)
     else:
-        memory = by_dask(int(way.split()[1]), source, out, tile_rows)
-    taken = spent() - before, perf_counter() - begin, memory or peak()
+        memory, busiest = by_dask(int(way.split()[1]), source, out, tile_rows)
+    taken = spent() - before, perf_counter() - begin, memory or peak(), busiest
     if way == "one call":
         blocks: Any = [turned(simplices, np.load(source))]
+        merges = {"rows_up_from_tiles": 0, "rows_at_root": 0, "bytes_up": 0}
     else:
         tiled = liftmesh.open_tiled(out)
-        moved, blocks = tiled.manifest["merges"]["bytes_up"], tiled.blocks()
+        merges, blocks = tiled.manifest["merges"], tiled.blocks()
     marks = [(len(block), mark_of(block)) for block in blocks]
     mark = sum((each for _, each in marks), np.zeros(len(MIXERS), np.uint64))
+    handed = (merges[name] for name in ("rows_up_from_tiles", "rows_at_root", "bytes_up"))
     return Taken(
-        *taken, moved, sum(count for count, _ in marks), "".join(f"{m:016x}" for m in mark)
+        *taken, *handed, sum(count for count, _ in marks), "".join(f"{m:016x}" for m in mark)
     )
 
 
-def by_dask(workers: int, source: Path, out: Path, tile_rows: int) -> int:
-    """Triangulate on a cluster; return the most memory that a worker took."""
+def by_dask(workers: int, source: Path, out: Path, tile_rows: int) -> tuple[int, float]:
+    """Triangulate on a cluster; return what a worker took at most: memory, and seconds."""
     from dask import distributed  # noqa: PLC0415 - slow to import
 
     import liftmesh.dask  # noqa: PLC0415 - with it
@@ -152,9 +214,13 @@ def by_dask(workers: int, source: Path, out: Path, tile_rows: int) -> int:
         distributed.LocalCluster(n_workers=workers, **options) as cluster,
         distributed.Client(cluster) as client,
     ):
+        client.wait_for_workers(workers)
+        before = client.run(process_time)
         options = {"tile_rows": tile_rows, "resume": False}
         liftmesh.dask.delaunay(source, out, client=client, **options)
-        return max(client.run(peak).values())
+        after = client.run(process_time)
+        busiest = max(after[worker] - before[worker] for worker in before)
+        return max(client.run(peak).values()), busiest
 
 
 def spent() -> float:

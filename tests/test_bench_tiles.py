@@ -6,6 +6,10 @@ from pathlib import Path
 
 import bench_tiles
 import numpy as np
+import pytest
+import tiles_out_of_core
+
+import liftmesh
 
 POINTS = np.random.default_rng(3).normal(size=(4_000, 2))
 
@@ -17,7 +21,7 @@ def test_tiles_are_equal_and_need_less_memory(tmp_path: Path) -> None:
     assert one.triangles == tiled.triangles > 7_000
     assert one.moved == 0 < tiled.moved
     assert min(one.processors, tiled.processors, one.clock, tiled.clock) > 0
-    assert bench_tiles.cells(tiled, 4_000)[3] == f"{tiled.moved / 4_000:.2f}"
+    assert bench_tiles.cells(tiled, 4_000)[6] == f"{tiled.moved / 4_000:.2f}"
 
 
 def test_the_mark_tells_sets_apart() -> None:
@@ -37,3 +41,34 @@ def test_buffers_leave_seams() -> None:
     assert missing[0] > missing[1] > 0
     table = bench_tiles.table_of_margins(POINTS[:1_000], 100)
     assert table.row_count == len(bench_tiles.MARGINS)
+
+
+def test_formats_and_the_proof_are_ways_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bench_tiles, "run", bench_tiles.take)  # not in processes of their own
+    np.save(tmp_path / "points.npy", POINTS)
+    options = bench_tiles.parsed(["--formats", "--verify", "--tile-rows", "1500"])
+    table = bench_tiles.table_of("normal", len(POINTS), tmp_path, options)
+    told = dict(zip(("way", *bench_tiles.COLUMNS), (c._cells for c in table.columns), strict=True))
+    ways = ["one call", "tile", "verify", "tile parquet", "tile ply", "tile neighbors", "verify"]
+    assert told["way"] == ways
+    assert told["triangles"] == ["", *["equal"] * 6]
+    assert all(share.endswith("%") for share in told["leave tiles"])
+    assert len([bench_tiles.parsed(words.split()) for words in bench_tiles.ALL]) > 4
+
+
+def test_generated_points_have_one_hash_whatever_the_tiles(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tiles_out_of_core, "_CHUNK", 3_000)
+        one, other = (tiles_out_of_core.hashed(10_000, rows, str(tmp_path)) for rows in (900, 2500))
+        chunks = [tiles_out_of_core.Generated(i, 3_000).read() for i in range(3)]
+        points = np.concatenate((*chunks, tiles_out_of_core.Generated(3, 1_000).read()))
+    assert one == other
+    simplices = liftmesh.delaunay(points).simplices.astype(np.int64)
+    mark = bench_tiles.mark_of(bench_tiles.turned(simplices, points))
+    assert one == "".join(f"{each:016x}" for each in mark)
+    assert "10,000 rows in 12 tiles" in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import dask.array
+import dask.config
 import dask.dataframe
 import numpy as np
 import pandas as pd
@@ -26,6 +28,7 @@ from liftmesh.errors import InputError, MissingDependencyError, NonFiniteError
 
 POINTS = np.random.default_rng(8).random((24_000, 2))
 TILE_ROWS = 2_000
+OPTIONS: dict[str, Any] = {"tile_rows": TILE_ROWS, "shards": "parquet", "neighbors": True}
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +64,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 @pytest.fixture(scope="module")
 def expected(source: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     out = tmp_path_factory.mktemp("expected")
-    liftmesh.tile(source, out, tile_rows=TILE_ROWS)
+    liftmesh.tile(source, out, **OPTIONS)
     return contents(out)
 
 
@@ -69,13 +72,14 @@ def test_the_bytes_are_those_of_one_process(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
     shown: list[float] = []
-    options: dict[str, Any] = {"tile_rows": TILE_ROWS, "progress": shown.append}
-    found = liftmesh.dask.delaunay(source, tmp_path, client=client, **options)
+    found = liftmesh.dask.delaunay(
+        source, tmp_path, client=client, progress=shown.append, **OPTIONS
+    )
     assert contents(tmp_path) == expected
     assert shown == sorted(shown)
     assert shown[-1] == 1.0
     assert found.simplices.max().compute() == len(POINTS) - 1  # by the same workers
-    again = liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS)  # the current client
+    again = liftmesh.dask.delaunay(source, tmp_path, **OPTIONS)  # the current client
     assert again.manifest == found.manifest
 
 
@@ -142,7 +146,7 @@ def test_a_worker_is_killed_in_the_middle(
     before = client.run(os.getpid)
     thread = threading.Thread(target=kill_one)
     thread.start()
-    liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS, client=client)
+    liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
     thread.join()
     assert contents(tmp_path) == expected
     client.wait_for_workers(2)
@@ -154,7 +158,9 @@ import sys
 from dask.distributed import Client
 import liftmesh.dask
 with Client(sys.argv[1]) as client:
-    liftmesh.dask.delaunay(sys.argv[2], sys.argv[3], tile_rows=2000, client=client)
+    liftmesh.dask.delaunay(
+        sys.argv[2], sys.argv[3], tile_rows=2000, shards="parquet", neighbors=True, client=client
+    )
 """
 
 
@@ -167,9 +173,35 @@ def test_a_client_dies_and_comes_back(
     child.kill()
     child.wait()
     assert not (tmp_path / "manifest.json").exists()
-    done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.npy")}
+    done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
     assert done
-    liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS, client=client)
+    liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
+    assert contents(tmp_path) == expected
+    assert {path: path.stat().st_mtime_ns for path in done} == done
+
+
+def test_the_scheduler_is_lost_and_started_again(
+    source: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "processes": False}
+    options |= {"dashboard_address": ":0", "silence_logs": logging.CRITICAL}
+    quick = dask.config.set({"distributed.comm.timeouts.connect": "300ms"})
+    with quick, LocalCluster(**options) as first, Client(first) as client:
+
+        def close() -> None:
+            wait_for(tmp_path, 6)
+            first.sync(first.scheduler.close)
+
+        thread = threading.Thread(target=close)
+        thread.start()
+        with pytest.raises(ConnectionError, match=r"Dask has dropped the tasks .*: what is done"):
+            liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
+        thread.join()
+    assert not (tmp_path / "manifest.json").exists()
+    done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
+    assert done
+    with LocalCluster(**options) as second, Client(second) as client:
+        liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
     assert contents(tmp_path) == expected
     assert {path: path.stat().st_mtime_ns for path in done} == done
 
@@ -257,7 +289,7 @@ def test_without_a_client_there_is_a_cluster_for_the_call(
 ) -> None:
     """Its workers are threads here, which start faster."""
     monkeypatch.setattr("dask.distributed.LocalCluster", partial(LocalCluster, processes=False))
-    liftmesh.dask.delaunay(source, tmp_path, tile_rows=TILE_ROWS)
+    liftmesh.dask.delaunay(source, tmp_path, **OPTIONS)
     assert contents(tmp_path) == expected
 
 

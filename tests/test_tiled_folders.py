@@ -74,6 +74,10 @@ def test_folders_in_the_result_that_no_run_has_made(name: str, tmp_path: Path) -
         ("tile-00000.npy", False),
         ("seam-00007.npy", True),
         ("hull.npy", True),
+        ("tile-00000.ply", False),
+        ("tile-00003.parquet", True),
+        ("seam-00007-links.npy", False),
+        ("tile-00003-neighbors.npy", True),
         ("manifest.json", False),
     ],
 )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import fuzz_tiles
 import numpy as np
 import oracle
 import pytest
-from distributions import DISTRIBUTIONS
 from hypothesis import given, settings, strategies as st
 from strategies import ANY_MAGNITUDE, clouds
+from tile_families import FAMILIES
 from tilings import Points, ordered, tiled
 
 import liftmesh
@@ -18,6 +19,18 @@ from liftmesh.tiles.plan import Plan, planned
 
 INFINITE = (-np.inf, -np.inf, np.inf, np.inf)
 NOWHERE = np.empty((0, 4))
+
+
+def by_ends(triangles: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
+    """Triangles in order, with the place of the neighbour beyond each edge in that order."""
+    order = np.lexsort(np.asarray(triangles).T[::-1])
+    place = np.full(len(order) + 1, -1)
+    place[order] = np.arange(len(order))
+    return np.column_stack((triangles, place[neighbors]))[order]
+
+
+def by_ends_of(expected: liftmesh.Triangulation) -> np.ndarray:
+    return by_ends(expected.simplices, expected.neighbors)
 
 
 def check(points: Points, tiles: int, sample: Points | None = None, **options: object) -> None:
@@ -34,12 +47,13 @@ def check(points: Points, tiles: int, sample: Points | None = None, **options: o
     assert np.array_equal(found.skipped, expected.skipped)
     assert np.array_equal(found.root.hull, expected.convex_hull[:, 0])
     assert len(found.root.frontier) == 0
+    assert np.array_equal(by_ends(found.triangles, found.neighbors), by_ends_of(expected))
 
 
-@pytest.mark.parametrize("name", DISTRIBUTIONS)
+@pytest.mark.parametrize("name", FAMILIES)
 def test_every_distribution_is_that_of_one_call(name: str) -> None:
     rng = np.random.default_rng(22)
-    points = DISTRIBUTIONS[name](20_000, rng)
+    points = FAMILIES[name](2_000 if name == "mixed-magnitudes" else 20_000, rng)
     points[rng.integers(0, len(points), 200)] = points[rng.integers(0, len(points), 200)]
     for tiles in (2, 41):
         check(points, tiles, points[:: max(1, len(points) // (200 * tiles))], chunk=7_001)
@@ -58,32 +72,9 @@ def test_small_clouds_through_random_trees(rows: Points, seed: int, tiles: int) 
     check(points, tiles, sample, chunk=chunk, flatten=lambda cut: bool(flat[cut]))
 
 
-def small_sets(rng: np.random.Generator) -> Points:
-    """Sets with many ties, so that every triangulation but the canonical one would be wrong."""
-    n = int(rng.integers(3, 40))
-    ring = [(x, y) for x in range(-25, 26) for y in range(-25, 26) if x * x + y * y == 325]
-    kinds = (
-        rng.integers(0, 5, (n, 2)),
-        np.array(ring)[rng.integers(0, len(ring), n)],
-        np.column_stack((rng.integers(0, 2, n), rng.integers(0, 30, n))),
-        np.repeat(rng.integers(0, 6, (1 + n // 4, 2)), 4, axis=0),
-        np.column_stack((np.arange(n), np.zeros(n))),
-    )
-    return kinds[int(rng.integers(len(kinds)))] * float(rng.choice([1.0, 5e-324, 2.0**1018]))
-
-
-def test_sets_of_ties_agree_with_exact_integers() -> None:
-    rng = np.random.default_rng(7)
-    for _ in range(80):
-        points = small_sets(rng)
-        found = tiled(points, planned(points, int(rng.integers(2, 9))))
-        exact = oracle.exact(points)
-        named = {
-            oracle.counter_clockwise(*(exact[row] for row in triangle))
-            for triangle in found.triangles.tolist()
-        }
-        assert named == oracle.delaunay(exact)
-        assert len(named) == len(found.triangles)
+def test_tiny_sets_of_ties_agree_with_exact_integers() -> None:
+    for seed in range(120):
+        fuzz_tiles.check(seed)
 
 
 def test_rows_that_are_not_finite_are_left_out_by_their_number() -> None:
@@ -138,7 +129,7 @@ def is_settled(corners: Points, cell: tuple[float, ...], foreign: Points) -> boo
     records[:, 1:] = corners.view(np.int64)
     empty = np.empty((0, 2), dtype=np.int32)
     return len(_kernel.merge_frontiers(
-        records, empty, np.array([cell]), foreign, False, 1, False, None
+        records, empty, np.array([cell]), foreign, False, False, 1, False, None
     )[2]) == 1  # fmt: skip
 
 
@@ -213,3 +204,18 @@ def test_the_boxes_around_a_node_hold_all_other_points() -> None:
         assert len(others) <= 32 * 10
     assert len(plan.others(~0)) < 299
     assert begins[-1] == 3_000
+
+
+@pytest.mark.parametrize("spread", [1, 40, 1 << 40, 1 << 61])
+def test_rows_are_found_wherever_they_are(spread: int) -> None:
+    rng = np.random.default_rng(spread)
+    near = rng.integers(0, 900, 500)
+    far = rng.integers(0, 900, 500) * spread + rng.integers(0, spread, 500)
+    rows = np.unique(np.concatenate((near, far)))
+    sought = np.concatenate((rows, rows - 1, rows + 1, [-1, -(2**63), 2**63 - 1]))
+    sought = sought[: len(sought) // 3 * 3].reshape(-1, 3)
+    places = _kernel.find_rows(rows, sought, 2)
+    assert np.array_equal(places >= 0, np.isin(sought, rows))
+    assert np.array_equal(rows[places[places >= 0]], sought[places >= 0])
+    assert (_kernel.find_rows(rows[:0], sought, 1) == -1).all()
+    assert (_kernel.find_rows(rows[:1], sought, 1) == np.where(sought == rows[0], 0, -1)).all()

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from liftmesh.tiles.adjacency import as_pairs, links_to
+from liftmesh.tiles.edges import open_edges, paired
 from liftmesh.tiles.node import Frontier, Merged, joined, merge
 
 if TYPE_CHECKING:
@@ -25,6 +27,7 @@ class Tiling:
     duplicates: NDArray[np.int64]
     skipped: NDArray[np.int64]
     root: Merged
+    neighbors: NDArray[np.int64]
     points_in: dict[int, int]
     points_up: dict[int, int]
 
@@ -57,9 +60,28 @@ class Tree:
             duplicates[np.argsort(duplicates[:, 0])],
             self.skipped,
             done[root],
+            self._neighbors(root, done),
             sizes,
             {name: len(node.frontier) for name, node in done.items()},
         )
+
+    def _neighbors(self, root: int, done: dict[int, Merged]) -> NDArray[np.int64]:
+        """Which triangles share an edge, as rows of all triangles."""
+        edges: dict[int, NDArray[np.int64]] = {}
+        links: list[NDArray[np.int64]] = []
+        for name, merged in done.items():  # children first
+            below = [edges.pop(each) for each in [*edges] if name in self.plan.above(each)]
+            own = open_edges(name, merged.triangles, merged.neighbors)
+            pairs, edges[name] = paired(np.concatenate([own, *below]))
+            links.append(pairs)
+        assert len(edges[root]) == (0 if done[root].is_flat else len(done[root].hull))
+        names = np.array([*done])
+        begins = np.cumsum([0, *(len(merged.triangles) for merged in done.values())])
+        found = [np.empty((0, 3), dtype=np.int64)]
+        for shard, (name, merged) in enumerate(done.items()):
+            pairs = as_pairs(shard, merged.neighbors, links_to(name, links, names))
+            found.append(np.where(pairs[:, :, 0] < 0, -1, begins[pairs[:, :, 0]] + pairs[:, :, 1]))
+        return np.concatenate(found)
 
     def _node(
         self,
@@ -74,7 +96,9 @@ class Tree:
             return part
         others = self.boxes[self.plan.others(name)]
         foreign = others[others[:, 0] <= others[:, 2]]
-        done[name] = merge(part, self.plan.cells[name], foreign, is_root=name == root)
+        done[name] = merge(
+            part, self.plan.cells[name], foreign, is_root=name == root, with_neighbors=True
+        )
         sizes[name] = len(part)
         return done[name].frontier
 

@@ -7,8 +7,10 @@
 #include <stdexcept>
 
 #include "bindings_runs.hpp"
+#include "parallel/blocks.hpp"
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
+#include "tiles/row_index.hpp"
 
 namespace bindings {
 
@@ -21,6 +23,7 @@ namespace {
 // Three numbers of 64 bits each: a row, x and y.
 using Records = nb::ndarray<const std::int64_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Edges = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Rows = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Boxes = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
 using Axes = nb::ndarray<const std::uint8_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
@@ -40,8 +43,8 @@ nb::object array_of(const std::vector<Item>& items) {
 }
 
 nb::tuple merge_frontiers(const Records& records, const Edges& rim, const Boxes& cell,
-                          const Boxes& foreign, bool is_everything, unsigned threads, bool shared,
-                          nb::handle progress, nb::handle folder) {
+                          const Boxes& foreign, bool is_everything, bool with_neighbors,
+                          unsigned threads, bool shared, nb::handle progress, nb::handle folder) {
     if (records.shape(0) > liftmesh::most_rows) throw std::invalid_argument("too many rows");
     if (cell.shape(0) != 1) throw std::invalid_argument("a node has one cell");
     const liftmesh::Territory territory{span_of<Box>(cell)[0], span_of<Box>(foreign),
@@ -50,13 +53,15 @@ nb::tuple merge_frontiers(const Records& records, const Edges& rim, const Boxes&
     liftmesh::Node node;
     run_in_files(folder, [&] {
         node = liftmesh::merge_frontiers(span_of<Record>(records), span_of<liftmesh::RimEdge>(rim),
-                                         territory, {threads, shared}, interrupt);
+                                         territory, with_neighbors, {threads, shared}, interrupt);
     });
     if (node.status == liftmesh::Status::interrupted) throw nb::python_error();
+    const std::size_t rows = with_neighbors ? node.triangle_count : 0;
     return nb::make_tuple(
         name(node.status), node.missing, adopt(std::move(node.triangles), node.triangle_count, 3),
-        array_of<std::int64_t>(node.duplicates), array_of<std::int64_t>(node.hull),
-        array_of<std::int64_t>(node.frontier), array_of<std::int32_t>(node.rim));
+        adopt(std::move(node.neighbors), rows, 3), array_of<std::int64_t>(node.duplicates),
+        array_of<std::int64_t>(node.hull), array_of<std::int64_t>(node.frontier),
+        array_of<std::int32_t>(node.rim));
 }
 
 std::vector<liftmesh::Cut> cuts_of(const Axes& axes, const Pairs& at, const Edges& children) {
@@ -85,12 +90,32 @@ nb::tuple partition(const PlanarRows& rows, std::int64_t first, const Axes& axes
                           array_of<double>(found.boxes), array_of<std::int64_t>(found.skipped));
 }
 
+nb::object find_rows(const Rows& rows, const Records& triangles, unsigned threads) {
+    if (rows.shape(0) > liftmesh::most_rows) throw std::invalid_argument("too many rows");
+    const std::size_t count = 3 * triangles.shape(0);
+    auto places = liftmesh::allocate<std::int32_t>(count);
+    PythonInterrupt interrupt;
+    bool is_complete = false;
+    {
+        const nb::gil_scoped_release unlocked;
+        const liftmesh::RowIndex index(span_of<liftmesh::RowId>(rows));
+        liftmesh::ThreadPool pool(liftmesh::Threads{threads, false}.for_rows(count), interrupt);
+        constexpr std::size_t block = std::size_t{1} << 14;
+        is_complete = liftmesh::in_blocks(count, block, pool, [&](auto i, auto last, auto) {
+            for (; i < last; ++i) places[i] = index.find(triangles.data()[i]);
+        });
+    }
+    if (!is_complete) throw nb::python_error();
+    return adopt(std::move(places), triangles.shape(0), 3);
+}
+
 }  // namespace
 
 void bind_tiles(nb::module_& m) {
     m.def("merge_frontiers", &merge_frontiers, "records"_a, "rim"_a, "cell"_a, "foreign"_a,
-          "is_everything"_a, "threads"_a, "shared"_a, "progress"_a.none(),
+          "is_everything"_a, "with_neighbors"_a, "threads"_a, "shared"_a, "progress"_a.none(),
           "folder"_a.none() = nb::none());
+    m.def("find_rows", &find_rows, "rows"_a, "triangles"_a, "threads"_a);
     m.def("partition", &partition, "rows"_a, "first"_a, "axes"_a, "at"_a, "children"_a, "tiles"_a);
 }
 

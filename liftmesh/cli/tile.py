@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from liftmesh.choices import ShardFormat
 from liftmesh.cli import options, standard_streams, terminal
 
 if TYPE_CHECKING:
@@ -58,6 +59,12 @@ def run(
     anew: Annotated[
         bool, typer.Option("--anew", help="Replace what a former run has written to OUT.")
     ] = False,
+    shards: Annotated[
+        ShardFormat, typer.Option(help="Format of the triangles; ply holds meshes.")
+    ] = "npy",
+    neighbors: Annotated[
+        bool, typer.Option("--neighbors", help="Also write which triangles share an edge.")
+    ] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     json: options.Json = False,
@@ -76,6 +83,10 @@ def run(
         As in `liftmesh.tile`.
     anew : bool
         Whether not to resume.
+    shards : str
+        The format of the triangles.
+    neighbors : bool
+        Whether neighbours are written.
     nonfinite, threads : str
         As in `liftmesh.tile`.
     json : bool
@@ -90,6 +101,7 @@ def run(
     if tile_rows is not None:
         rows = options.parse_count("--tile-rows", tile_rows, 16)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
+    common |= {"shards": shards, "neighbors": neighbors}
     paths = [str(path) for path in sources]
     with terminal.bar(1.0) as advance:
         shown = [0.0]

@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING, Literal
 
 from liftmesh._typing import Progress
-from liftmesh.choices import NonFinite, check_progress
+from liftmesh.choices import NonFinite, ShardFormat, check_progress
 from liftmesh.threads import as_threads
 from liftmesh.tiles.run import Options, triangulated
 from liftmesh.tiles.schedule import Serial
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _MANY = 1 << 30  # rows: enough for any number of threads
 
 
-def tile(
+def tile(  # noqa: PLR0913 - options are keywords
     source: object,
     out: str | os.PathLike[str],
     *,
@@ -25,6 +25,8 @@ def tile(
     scratch: str | os.PathLike[str] | None = None,
     nonfinite: NonFinite = "error",
     resume: bool = True,
+    shards: ShardFormat = "npy",
+    neighbors: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Tiled:
@@ -52,6 +54,14 @@ def tile(
     resume : bool, default True
         Whether to continue a run that was interrupted, with its finished parts; the source is read
         again and must be the same. False begins anew, and replaces what a former run has written.
+    shards : {"npy", "parquet", "ply"}, default "npy"
+        The format of the triangles. NPY holds rows of the source. Parquet holds them as columns a,
+        b and c, in half the bytes, and needs pyarrow (``liftmesh[dask]``). PLY holds meshes that
+        viewers open: each shard has the vertices of its triangles, with z = 0 and their ``row``;
+        it is refused beyond 2**31 rows, because it has no 64-bit integers.
+    neighbors : bool, default False
+        Whether to write which triangles share an edge, within and across shards, for
+        `Tiled.neighbors`: 12 bytes a triangle.
     threads : int, optional
         As for `delaunay`; one tile is triangulated at a time.
     progress : callable, optional
@@ -74,6 +84,8 @@ def tile(
         There are fewer than three distinct points, or all lie on one line.
     FormatError
         A file is damaged, or has no points.
+    MissingDependencyError
+        Parquet is read or written, and pyarrow is not installed.
     OSError
         A file cannot be read or written; after a full disk, the run can be resumed.
 
@@ -98,7 +110,7 @@ def tile(
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    options = Options.checked(out, tile_rows, scratch, nonfinite, resume)
+    options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
     found = triangulated(source, options, Serial(count, progress))
     if progress is not None:
         progress(1.0)

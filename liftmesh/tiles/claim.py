@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING
 
 from liftmesh.choices import as_folder
 from liftmesh.errors import DegenerateInputError, FormatError, InputError
+from liftmesh.tiles.manifest import MANIFEST, manifest_of
 from liftmesh.tiles.stages import JOB, Folders
 from liftmesh.tiles.store import load_json, save_json
-from liftmesh.tiles.tiled import MANIFEST, manifest_of
 
 if TYPE_CHECKING:
     from liftmesh.tiles.sources import Part
@@ -33,11 +33,14 @@ CLAIM = ".liftmesh-run"
 MARKER = "scratch.json"
 SCRATCH = ".liftmesh-tiles"
 
-_SHARD = re.compile(r"(tile|seam)-\d{5,}\.npy|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json")
+_SHARD = re.compile(
+    r"(tile|seam)-\d{5,}(\.(npy|parquet|ply)|-(neighbors|links)\.npy)"
+    r"|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json"
+)
 _TEMPORARY = r"\.liftmesh-[0-9a-f]{16}"
 _NOTE = re.compile(
-    r"points-\d{5,}(-\d{5,})?\.npy|run-\d{5,}(-begins|-boxes|-skipped|-duplicates)?\.npy|(begins|boxes)\.npy"
-    r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull)\.npy"
+    r"points-\d{5,}(-\d{5,})?\.npy|run-\d{5,}(-begins|-boxes|-skipped|-duplicates)?\.npy|(boxes|shards|cuts)\.npy"
+    r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull|links|edges)\.npy"
     rf"|(job|plan|(run|tile|seam)-\d{{5,}})\.json|{_TEMPORARY}"
 )
 _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}

@@ -20,6 +20,14 @@ _MEANINGS = {
     "other_hull": ("boundary is not the hull that the folder states",) * 2,
     "other_duplicates": ("list of duplicates is not that of the points",) * 2,
     "other_skipped": ("list of skipped rows is not that of the points",) * 2,
+    "other_neighbors": (
+        "neighbour is not the triangle beyond the edge",
+        "neighbours are not the triangles beyond the edges",
+    ),
+    "other_coordinates": (
+        "vertex of a shard is not at the position of its row",
+        "vertices of shards are not at the positions of their rows",
+    ),
     "damaged_files": ("file is not as it was written", "files are not as they were written"),
 }
 

@@ -57,6 +57,9 @@ class Merged:
         What goes up: nothing from the root, but for points on one line.
     is_flat : bool
         Whether the points have no triangle: they are fewer than three, or on one line.
+    neighbors : (m, 3) ndarray of int32
+        Which of the triangles is beyond each edge, or -1 if none is; edge k is opposite corner k.
+        Empty if they were not asked for.
     """
 
     triangles: Integers
@@ -64,6 +67,7 @@ class Merged:
     hull: Integers
     frontier: Frontier
     is_flat: bool
+    neighbors: Rows = field(default_factory=lambda: np.empty((0, 3), dtype=np.int32))
 
 
 def joined(parts: Sequence[Frontier]) -> Frontier:
@@ -92,6 +96,7 @@ def merge(
     foreign: Floats,
     *,
     is_root: bool,
+    with_neighbors: bool = False,
     threads: int = 1,
     scratch: str | None = None,
 ) -> Merged:
@@ -108,6 +113,8 @@ def merge(
         Boxes that hold all points of the input that are not the node's.
     is_root : bool
         Whether there are no others.
+    with_neighbors : bool
+        Whether to say which triangles share an edge.
     threads : int
         Number of threads.
     scratch : str, optional
@@ -131,10 +138,19 @@ def merge(
             "are equal, or on one circle or line; thin them out"
         )
     boxes = np.ascontiguousarray(foreign, dtype=np.float64)
-    status, missing, triangles, duplicates, hull, records, rim = _kernel.merge_frontiers(
-        part.records, part.rim, np.array([cell]), boxes, is_root, threads, False, None, scratch
+    status, missing, triangles, neighbors, duplicates, hull, records, rim = _kernel.merge_frontiers(
+        part.records,
+        part.rim,
+        np.array([cell]),
+        boxes,
+        is_root,
+        with_neighbors,
+        threads,
+        False,
+        None,
+        scratch,
     )
     if missing or status == "non-finite":
         raise RuntimeError(f"frontiers do not fit together: {missing} edges of the rim are missing")
     flat = status != "ok"
-    return Merged(triangles, duplicates, hull, Frontier(records, rim), flat)
+    return Merged(triangles, duplicates, hull, Frontier(records, rim), flat, neighbors)

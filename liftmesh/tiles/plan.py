@@ -83,6 +83,25 @@ class Plan:
             found[cut, 2:] = np.maximum(before, after)[2:]
         return found
 
+    def above(self, name: int) -> list[int]:
+        """List the cuts above a node, the nearest one first.
+
+        Parameters
+        ----------
+        name : int
+            A cut, or ``~t`` for tile t.
+
+        Returns
+        -------
+        list of int
+            None for the root.
+        """
+        found: list[int] = []
+        while name in self._above:
+            name, _ = self._above[name]
+            found.append(name)
+        return found
+
     def others(self, name: int) -> list[int]:
         """List nodes that together have all tiles but those of a node; few of them are far away.
 

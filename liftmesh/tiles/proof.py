@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,12 +20,13 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.errors import FormatError
+from liftmesh.tiles.adjacency_proof import AdjacencyProof
 from liftmesh.tiles.findings import Findings
 from liftmesh.tiles.repeated import positions_of, set_apart
+from liftmesh.tiles.runs import save_boxes, tile_records
 from liftmesh.tiles.schedule import in_order
-from liftmesh.tiles.stages import Folders, label, save_tables, tile_records
-from liftmesh.tiles.tiled import mapped
+from liftmesh.tiles.shards import open_shard, vertices_of
+from liftmesh.tiles.stages import Folders, label
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -69,6 +70,11 @@ class Proof:
         self._lowest = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._shards = {path.stem: path for path in tiled.shards}
         self.found = Findings()
+        self._adjacency = (
+            AdjacencyProof(tiled, plan, scratch, self.found)
+            if tiled.manifest["neighbors"]
+            else None
+        )
         self.duplicates = 0
 
     def read(self, chunks: Iterator[Floats]) -> tuple[int, str]:
@@ -94,7 +100,8 @@ class Proof:
             for what, array in zip(("", "-begins", "-boxes", "-skipped"), found, strict=True):
                 np.save(f"{stem}{what}.npy", array)
             first += len(rows)
-        _, skipped = save_tables(self._folders, self._plan, number)
+        self._folders = replace(self._folders, runs=number)
+        _, skipped = save_boxes(self._folders, self._plan)
         if not np.array_equal(skipped, self._tiled.skipped):
             self.found.add("other_skipped", 1)
         return len(skipped), digest.hexdigest()
@@ -122,11 +129,15 @@ class Proof:
                 waiting[name] = self._tile(~name)
             else:
                 waiting[name] = self._cut(name, [waiting.pop(child) for child in children])
+            if self._adjacency is not None:
+                self._adjacency.add(name, children)
             yield
         (root,) = waiting.values()
         self.hull_edges = len(root.edges)
         self.found.add_rows("missing_vertices", root.records[root.is_bare])
         self._check_boundary(root)
+        if self._adjacency is not None:
+            self._adjacency.finish(len(root.edges))
         if self.duplicates != len(self._tiled.duplicates):
             self.found.add("other_duplicates", 1)
 
@@ -182,22 +193,32 @@ class Proof:
         path = self._shards.get(label(name))
         if path is None:
             return np.empty((0, 3), dtype=np.int32)
-        triangles = mapped(path)
-        if triangles.dtype != np.int64 or triangles.shape[1:] != (3,):
-            raise FormatError(f"{path}: damaged: tile the source again")
+        triangles = open_shard(path)
+        self._check_positions(path, records)
         corners = np.empty(triangles.shape, dtype=np.int32)
         is_known = np.ones(len(triangles), dtype=np.bool_)
         rows = np.ascontiguousarray(records[:, 0])
         for begin in range(0, len(triangles), _BLOCK):
             block = np.array(triangles[begin : begin + _BLOCK])
-            places = np.minimum(np.searchsorted(rows, block), max(0, len(rows) - 1))
-            same = rows[places] == block if len(rows) else np.zeros(block.shape, dtype=np.bool_)
+            places = _kernel.find_rows(rows, block, self._threads)
             corners[begin : begin + _BLOCK] = places
-            is_known[begin : begin + _BLOCK] = same.all(axis=1)
+            is_known[begin : begin + _BLOCK] = (places >= 0).all(axis=1)
         if not is_known.all():
             self.found.add_strange(triangles, ~is_known, path.name)
             corners = corners[is_known]
         return corners
+
+    def _check_positions(self, path: Path, records: Integers) -> None:
+        """Vertices that a shard has itself are where the source has them."""
+        vertices = vertices_of(path)
+        if vertices is None or not len(records):
+            return
+        order = np.argsort(records[:, 0])
+        rows = records[order, 0]
+        at = np.minimum(np.searchsorted(rows, vertices[:, 0]), max(0, len(rows) - 1))
+        places = records[order[at], 1:].view(np.float64)
+        is_right = (places == vertices[:, 1:].view(np.float64)).all(axis=1)
+        self.found.add("other_coordinates", int((~is_right).sum()))
 
     def _paired(self, loose: Loose, edges: Rows) -> Rows:
         """Test the edges with one triangle on either side; return those without a partner."""

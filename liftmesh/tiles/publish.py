@@ -12,19 +12,22 @@ import numpy as np
 
 from liftmesh._typing import Integers
 from liftmesh.errors import DegenerateInputError
+from liftmesh.tiles.adjacency import link_all, neighbors_of
+from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
 from liftmesh.tiles.repeated import merged
 from liftmesh.tiles.stages import Done, Folders, label
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
-from liftmesh.tiles.tiled import KIND, MANIFEST, PLAN
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.schedule import Runner
     from liftmesh.tiles.sources import Part
 
 _DUPLICATES = "duplicates.npy"
 
 
 def publish(
+    runner: Runner,
     folders: Folders,
     parts: Sequence[Part],
     plan: Plan,
@@ -36,6 +39,8 @@ def publish(
 
     Parameters
     ----------
+    runner : Runner
+        What calls tasks.
     folders : Folders
         Where to read and write.
     parts : sequence of Part
@@ -68,7 +73,11 @@ def publish(
     blocks = merged(listed.tiles, listed.chunks, rows)
     save_blocks(folders.out / _DUPLICATES, (listed.count, 2), blocks)
     save_json(folders.out / PLAN, plan.as_dict())
+    written = [each for each in _by_kind(done) if each.triangles]
     files = {f"{name}.npy": _file(folders.out, name, array) for name, array in arrays.items()}
+    if folders.neighbors:
+        _check_edges(folders, done[-1], len(hull))
+        files |= _neighbors(runner, folders, written)
     for name in (PLAN, _DUPLICATES):
         files[name] = _stated(folders.out / name)
     manifest = {
@@ -77,8 +86,7 @@ def publish(
         **counts,
         "kind": KIND,
         "source": _files(parts, folders.out),
-        "neighbors": None,
-        "shards": [_shard(folders.out, each) for each in _by_kind(done) if each.triangles],
+        "shards": [_shard(folders, each) for each in written],
         "files": files,
         "merges": _merges(done),
     }
@@ -126,10 +134,38 @@ def _by_kind(done: Sequence[Done]) -> list[Done]:
     return sorted(done, key=lambda each: (each.name >= 0, abs(each.name)))
 
 
-def _shard(out: Path, done: Done) -> dict[str, Any]:
-    ((name, digest),) = done.shards.items()
-    size = (out / name).stat().st_size
-    return {"file": name, "triangles": done.triangles, "bytes": size, "sha256": digest}
+def _shard(folders: Folders, done: Done) -> dict[str, Any]:
+    name = f"{label(done.name)}.{folders.shards}"
+    size = (folders.out / name).stat().st_size
+    return {
+        "file": name,
+        "triangles": done.triangles,
+        "bytes": size,
+        "sha256": done.shards[name],
+    }
+
+
+def _check_edges(folders: Folders, root: Done, hull: int) -> None:
+    left = np.load(folders.scratch / f"{label(root.name)}-edges.npy", mmap_mode="r")
+    if len(left) != hull:
+        raise RuntimeError(
+            f"{len(left)} edges without a neighbour, but {hull} on the hull: the tiles do not fit "
+            "together, which is a bug"
+        )
+
+
+def _neighbors(
+    runner: Runner, folders: Folders, written: Sequence[Done]
+) -> dict[str, dict[str, Any]]:
+    """Write the links of the shards; return the sizes and hashes of all files of neighbours."""
+    digests = link_all(runner, folders, written)
+    for each in written:
+        beside, _ = neighbors_of(label(each.name))
+        digests[beside] = each.shards[beside]
+    return {
+        name: {"bytes": (folders.out / name).stat().st_size, "sha256": digest}
+        for name, digest in digests.items()
+    }
 
 
 def _file(out: Path, name: str, array: Integers) -> dict[str, Any]:

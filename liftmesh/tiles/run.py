@@ -17,12 +17,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.choices import NonFinite, as_count, as_switch, check_option
+from liftmesh.choices import NonFinite, ShardFormat, as_count, as_switch, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.tiles.claim import check_apart, claimed, clear, folders_of
+from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of
 from liftmesh.tiles.plan import Plan, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.repeated import frequent
+from liftmesh.tiles.runs import save_boxes, tile_sample
+from liftmesh.tiles.shards import check_format
 from liftmesh.tiles.sources import Part, parts_of
 from liftmesh.tiles.stages import (
     JOB,
@@ -31,12 +34,10 @@ from liftmesh.tiles.stages import (
     changed,
     partition,
     save_plan,
-    save_tables,
     scan,
-    tile_sample,
 )
 from liftmesh.tiles.store import load_record, save_record, seal
-from liftmesh.tiles.tiled import MANIFEST, VERSION, Tiled, manifest_of, open_tiled
+from liftmesh.tiles.tiled import Tiled, open_tiled
 
 if TYPE_CHECKING:
     from liftmesh.tiles.schedule import Runner
@@ -73,12 +74,14 @@ class Options:
         scratch: str | os.PathLike[str] | None,
         nonfinite: NonFinite,
         resume: bool,
+        shards: ShardFormat,
+        neighbors: bool,
     ) -> Options:
         """Check the options.
 
         Parameters
         ----------
-        out, tile_rows, scratch, nonfinite, resume
+        out, tile_rows, scratch, nonfinite, resume, shards, neighbors
             As for `tile`.
 
         Returns
@@ -95,7 +98,10 @@ class Options:
         resumes = as_switch("resume", resume)
         is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
         rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
-        return cls(folders_of(out, scratch), rows, nonfinite == "skip", resumes)
+        check_option("shards", shards, ShardFormat)
+        is_linked = as_switch("neighbors", neighbors)
+        folders = replace(folders_of(out, scratch), shards=shards, neighbors=is_linked)
+        return cls(folders, rows, nonfinite == "skip", resumes)
 
 
 def triangulated(
@@ -137,6 +143,7 @@ def triangulated(
         rows = options.tile_rows or before or fitting
         parts = cut(source, min(rows, _PART_ROWS), folders.scratch)
         check_apart(folders, parts)
+        check_format(folders.shards, sum(part.rows for part in parts))
         if not options.resumes:
             clear(folders)
         Run(folders, parts, rows, options.skips).finish(runner)
@@ -174,19 +181,20 @@ class Run:
         else:
             folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
         done = runner.tree(folders, plan, sizes)
-        publish(folders, self.parts, plan, identity, done, skipped)
+        publish(runner, folders, self.parts, plan, identity, done, skipped)
 
     def _sorted(
         self, runner: Runner, plan: Plan, identity: Mapping[str, Any], scanned: Sequence[Scanned]
     ) -> tuple[Folders, list[int], Integers]:
         """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
         name = seal(_program(), identity, plan.as_dict())
-        folders = replace(self.folders, plan=name, held=2 * self.tile_rows)
+        runs = len(self.parts)
+        folders = replace(self.folders, plan=name, held=2 * self.tile_rows, runs=runs)
         save_plan(folders, plan)
         numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
         calls = [(folders, part, i, first, found.digest) for i, (part, first, found) in numbered]
         runner.each("partition", partition, calls)
-        return folders, *save_tables(folders, plan, len(self.parts))
+        return folders, *save_boxes(folders, plan)
 
     def _cut_again(self, plan: Plan, folders: Folders, sizes: Sequence[int]) -> Plan:
         """Cut the tiles that came out too large, by a sample of their own rows."""
@@ -228,6 +236,8 @@ class Run:
             "version": VERSION,
             "tile_rows": self.tile_rows,
             "nonfinite": "skip" if self.skips else "error",
+            "shard_format": self.folders.shards,
+            "neighbors": self.folders.neighbors,
             "chunks": [
                 {"rows": part.rows, "sha256": digest}
                 for part, digest in zip(self.parts, digests, strict=True)
@@ -258,7 +268,7 @@ class Run:
         return False
 
     def _check_options(self, before: Mapping[str, Any], what: str, now: Mapping[str, Any]) -> None:
-        for name in ("version", "tile_rows", "nonfinite"):
+        for name in ("version", "tile_rows", "nonfinite", "shard_format", "neighbors"):
             if before[name] != now[name]:
                 raise InputError(
                     f"{self.folders.out} holds {what} with {name} {before[name]!r}, not "

@@ -15,7 +15,7 @@ from liftmesh.tiles.stages import Done, Folders, node
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
 
-SHARES = {"spool": 0, "scan": 1, "partition": 2, "triangulate": 7}
+SHARES = {"spool": 0, "scan": 1, "partition": 2, "triangulate": 7, "link": 0}
 """What the stages take of the whole, about."""
 
 

@@ -15,16 +15,19 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.arrays import non_finite
+from liftmesh.choices import ShardFormat
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.tiles.node import Frontier, joined, merge
+from liftmesh.tiles.edges import open_edges, paired
+from liftmesh.tiles.node import Frontier, Merged, joined, merge
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.repeated import set_apart
+from liftmesh.tiles.runs import tile_records
+from liftmesh.tiles.shards import save_shard
 from liftmesh.tiles.sources import Part, planar
 from liftmesh.tiles.store import (
     is_sound,
     load_record,
     names_to_disk,
-    rows_of,
     save_array,
     save_record,
 )
@@ -48,12 +51,21 @@ class Folders:
         The hash of the plan that the files are of; empty before there is one.
     held : int
         How many points a merge may have in memory; with more, its arrays are in files.
+    runs : int
+        How many parts the source has.
+    shards : {"npy", "parquet", "ply"}
+        The format of the triangles.
+    neighbors : bool
+        Whether neighbours are written, too.
     """
 
     out: Path
     scratch: Path
     plan: str = ""
     held: int = 0
+    runs: int = 0
+    shards: ShardFormat = "npy"
+    neighbors: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,6 +121,16 @@ def label(name: int) -> str:
     ('tile-00007', 'seam-00003')
     """
     return f"seam-{name:05d}" if name >= 0 else f"tile-{~name:05d}"
+
+
+def node_of(stem: str) -> int:
+    """Return the node whose files have a name.
+
+    >>> node_of("tile-00007"), node_of("seam-00003")
+    (-8, 3)
+    """
+    kind, number = stem.split("-")
+    return int(number) if kind == "seam" else ~int(number)
 
 
 def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
@@ -268,17 +290,24 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
     foreign = boxes[boxes[:, 0] <= boxes[:, 2]]
     scratch = str(folders.scratch) if children and rows > folders.held else None
     found = merge(
-        part, plan.cells[name], foreign, is_root=is_root, threads=threads, scratch=scratch
+        part,
+        plan.cells[name],
+        foreign,
+        is_root=is_root,
+        with_neighbors=folders.neighbors,
+        threads=threads,
+        scratch=scratch,
     )
+    corners = part.records if folders.shards == "ply" else part.records[:0]
     del part
     stem = label(name)
     up = found.frontier
     keeps: dict[str, Array] = {"duplicates": found.duplicates, "records": up.records, "rim": up.rim}
     if is_root:
         keeps["hull"] = found.hull
-    shards, notes = {}, {}
-    if len(found.triangles):
-        shards[f"{stem}.npy"] = save_array(folders.out / f"{stem}.npy", found.triangles)
+    if folders.neighbors:
+        keeps["links"], keeps["edges"] = _linked(folders, name, found, children)
+    shards, notes = _saved_shard(folders, stem, found, corners), {}
     for what, array in keeps.items():
         notes[f"{stem}-{what}.npy"] = save_array(folders.scratch / f"{stem}-{what}.npy", array)
     return Done(
@@ -295,57 +324,25 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
     )
 
 
-def tile_records(folders: Folders, tile: int) -> Integers:
-    """Read the rows of a tile from all runs, in their order.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_tables` wrote.
-    tile : int
-        The number of the tile.
-
-    Returns
-    -------
-    (k, 3) ndarray of int64
-        Row number, x and y, as 64-bit words, by ascending row.
-    """
-    runs = rows_of(folders.scratch / "begins.npy", tile, tile + 2).T
-    records = np.empty((int((runs[:, 1] - runs[:, 0]).sum()), 3), dtype=np.int64)
-    at = 0
-    for number, (begin, end) in enumerate(runs.tolist()):
-        if begin < end:
-            path = folders.scratch / f"run-{number:05d}.npy"
-            records[at : at + end - begin] = rows_of(path, begin, end)
-            at += end - begin
-    return records
+def _saved_shard(folders: Folders, stem: str, found: Merged, corners: Integers) -> dict[str, str]:
+    """Write what a node has decided; return the SHA-256 of the files."""
+    if not len(found.triangles):
+        return {}
+    shard = f"{stem}.{folders.shards}"
+    saved = {shard: save_shard(folders.out / shard, found.triangles, corners)}
+    if folders.neighbors:
+        beside = f"{stem}-neighbors.npy"
+        saved[beside] = save_array(folders.out / beside, found.neighbors)
+    return saved
 
 
-def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
-    """Draw rows of a tile from all runs, evenly.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_tables` wrote.
-    tile : int
-        The number of the tile.
-    count : int
-        How many rows, about.
-
-    Returns
-    -------
-    (k, 2) ndarray of float64
-        Points.
-    """
-    runs = rows_of(folders.scratch / "begins.npy", tile, tile + 2).T
-    step = max(1, int((runs[:, 1] - runs[:, 0]).sum()) // count)
-    found = [
-        np.array(np.load(folders.scratch / f"run-{number:05d}.npy", mmap_mode="r")[begin:end:step])
-        for number, (begin, end) in enumerate(runs.tolist())
-        if begin < end
-    ]
-    return np.concatenate(found).view(np.float64)[:, 1:]
+def _linked(
+    folders: Folders, name: int, found: Merged, children: Sequence[Done]
+) -> tuple[Integers, Integers]:
+    """Pair the open edges of a node and of those below it; return links, and what goes up."""
+    below = [folders.scratch / f"{label(each)}-edges.npy" for c in children for each in c.frontier]
+    edges = [open_edges(name, found.triangles, found.neighbors), *map(np.load, below)]
+    return paired(np.concatenate(edges))
 
 
 def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
@@ -393,38 +390,3 @@ def load_plan(folders: Folders) -> Plan:
     if lists is None:
         raise FormatError(f"{folders.scratch / _PLAN}: not of this run: tile the source again")
     return Plan.from_dict(lists)
-
-
-def save_tables(folders: Folders, plan: Plan, runs: int) -> tuple[list[int], Integers]:
-    """Write what all nodes need to know of the runs: boxes, and where each tile begins.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to read and write.
-    plan : Plan
-        Where the tiles are.
-    runs : int
-        How many parts were sorted.
-
-    Returns
-    -------
-    sizes : list of int
-        How many rows each tile has.
-    skipped : (k,) ndarray of int64
-        The rows that are not finite.
-    """
-    begins = np.empty((plan.tiles + 1, runs), dtype=np.int64)
-    tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
-    skipped = [np.empty(0, dtype=np.int64)]
-    for number in range(runs):
-        stem = folders.scratch / f"run-{number:05d}"
-        begins[:, number] = np.load(f"{stem}-begins.npy")
-        boxes = np.load(f"{stem}-boxes.npy")
-        tight[:, :2] = np.minimum(tight, boxes)[:, :2]
-        tight[:, 2:] = np.maximum(tight, boxes)[:, 2:]
-        skipped.append(np.load(f"{stem}-skipped.npy"))
-    save_array(folders.scratch / "boxes.npy", plan.around(tight))
-    save_array(folders.scratch / "begins.npy", begins)
-    sizes: list[int] = np.diff(begins, axis=0).sum(axis=1).tolist()
-    return sizes, np.concatenate(skipped)

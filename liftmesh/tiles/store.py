@@ -9,13 +9,15 @@ count as none.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -24,6 +26,57 @@ from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22
+_NPY_LENGTH = 8  # the byte of an NPY file of version 1 where the length of its header stands
+
+
+class Hashed:
+    """A stream to write to, which hashes what is written."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self._hash = hashlib.sha256()
+        self.closed = False
+
+    @property
+    def digest(self) -> str:
+        """The SHA-256 of all bytes, in hexadecimal digits."""
+        return self._hash.hexdigest()
+
+    def write(self, content: Any) -> int:
+        """Write bytes, in blocks that are still in the cache when they are written."""
+        values = memoryview(content)
+        for begin in range(0, len(values), _BLOCK):
+            self._hash.update(values[begin : begin + _BLOCK])
+            self._stream.write(values[begin : begin + _BLOCK])
+        return len(values)
+
+    def flush(self) -> None:
+        """Hand on what has been written."""
+        self._stream.flush()
+
+
+@contextmanager
+def saving(path: Path) -> Iterator[Hashed]:
+    """Write a file that is there when it is on the disk, whole.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Yields
+    ------
+    Hashed
+        Where to write.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    with replacing(path) as stream:
+        yield Hashed(stream)
+        _to_disk(stream)
 
 
 def save_array(path: Path, array: Array) -> str:
@@ -49,15 +102,10 @@ def save_array(path: Path, array: Array) -> str:
     header = io.BytesIO()
     plain = np.ascontiguousarray(array)
     np.lib.format.write_array_header_1_0(header, np.lib.format.header_data_from_array_1_0(plain))
-    digest = hashlib.sha256(header.getvalue())
-    values = plain.reshape(-1).view(np.uint8).data
-    with replacing(path) as stream:
+    with saving(path) as stream:
         stream.write(header.getvalue())
-        for begin in range(0, len(values), _BLOCK):
-            digest.update(values[begin : begin + _BLOCK])
-            stream.write(values[begin : begin + _BLOCK])
-        _to_disk(stream)
-    return digest.hexdigest()
+        stream.write(plain.reshape(-1).view(np.uint8).data)
+        return stream.digest
 
 
 def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) -> None:
@@ -85,33 +133,73 @@ def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) 
         _to_disk(stream)
 
 
-def rows_of(path: Path, begin: int, end: int) -> Integers:
-    """Read some rows of an NPY file that `save_array` has written, and nothing else.
+def mapped(path: Path) -> Integers:
+    """Map a file of a folder.
 
     Parameters
     ----------
     path : Path
-        A file of rows of int64.
-    begin, end : int
-        The first row, and the one after the last.
+        An NPY file.
 
     Returns
     -------
-    (end - begin, k) ndarray of int64
-        The rows.
+    ndarray of int64
+        Its numbers.
 
     Raises
     ------
+    FormatError
+        It is damaged.
+    OSError
+        It cannot be read.
+    """
+    try:
+        found: Integers = np.load(path, mmap_mode="r")
+    except (ValueError, EOFError) as error:
+        raise FormatError(f"{path}: damaged ({error}): tile the source again") from error
+    except OSError as error:
+        if error.errno == errno.ENOMEM:  # no room for the map
+            raise MemoryError from error
+        raise
+    return found
+
+
+def values_of(path: Path, begin: int, end: int) -> Integers:
+    """Read some numbers of an NPY file that `save_array` has written, and nothing else.
+
+    A tile reads from every run, so this has to be quick: the header is not parsed.
+
+    Parameters
+    ----------
+    path : Path
+        A file of int64.
+    begin, end : int
+        The first number, and the one after the last, counted through all rows.
+
+    Returns
+    -------
+    (end - begin,) ndarray of int64
+        The numbers.
+
+    Raises
+    ------
+    FormatError
+        The file is truncated.
     OSError
         The file cannot be read.
     """
-    with path.open("rb") as stream:
-        np.lib.format.read_magic(stream)
-        (_, columns), _, _ = np.lib.format.read_array_header_1_0(stream)
-        values = np.fromfile(stream, np.int64, columns * (end - begin), offset=8 * columns * begin)
-    if len(values) < columns * (end - begin):
+    values = np.empty(end - begin, dtype=np.int64)
+    opened = os.open(path, os.O_RDONLY)
+    try:
+        length = int.from_bytes(os.pread(opened, 2, _NPY_LENGTH), "little")
+        at, rest = _NPY_LENGTH + 2 + length + 8 * begin, values.view(np.uint8).data
+        while len(rest) and (count := os.preadv(opened, [rest], at)):
+            at, rest = at + count, rest[count:]
+    finally:
+        os.close(opened)
+    if len(rest):
         raise FormatError(f"{path}: truncated: tile the source again")
-    return values.reshape(end - begin, columns)
+    return values
 
 
 def save_json(path: Path, content: Mapping[str, Any]) -> None:

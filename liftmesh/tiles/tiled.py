@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import errno
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,19 +12,17 @@ import numpy as np
 
 from liftmesh._typing import Integers
 from liftmesh.choices import as_folder
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.frozen import freeze
 from liftmesh.optional import load
-from liftmesh.tiles.store import is_sound, load_json, seal
+from liftmesh.tiles.adjacency import as_pairs, neighbors_of
+from liftmesh.tiles.manifest import manifest_of
+from liftmesh.tiles.shards import open_shard, read_shard
+from liftmesh.tiles.store import is_sound, mapped
 
 if TYPE_CHECKING:
     from liftmesh._typing import Progress
     from liftmesh.planar.certificate import Certificate
-
-MANIFEST = "manifest.json"
-PLAN = "plan.json"
-KIND = "liftmesh tiles"
-VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -41,8 +38,7 @@ class Tiled:
         The folder with the shards.
     manifest : dict
         What the folder holds: counts, the files of the source with their first rows, the shards
-        with their SHA-256, and the SHA-256 of each chunk of the source. The files state no
-        neighbours.
+        with their SHA-256, and the SHA-256 of each chunk of the source.
 
     Examples
     --------
@@ -78,7 +74,7 @@ class Tiled:
 
     @property
     def shards(self) -> tuple[Path, ...]:
-        """The files of triangles, NPY of int64: tiles first, then what crosses their borders."""
+        """The files of triangles: tiles first, then what crosses their borders."""
         return tuple(self.directory / shard["file"] for shard in self.manifest["shards"])
 
     @property
@@ -103,10 +99,12 @@ class Tiled:
         Yields
         ------
         (m, 3) ndarray of int64
-            Counter-clockwise, from the lexicographically least corner; mapped, not read.
+            Counter-clockwise, from the lexicographically least corner; NPY is mapped, not read.
 
         Raises
         ------
+        FormatError
+            A file is damaged.
         OSError
             A file cannot be read.
 
@@ -119,7 +117,7 @@ class Tiled:
         [[[0, 1, 2]]]
         """
         for path in self.shards:
-            yield self._mapped(path.name)
+            yield open_shard(path)
 
     def compute(self) -> Integers:
         """Read all triangles into memory: 24 bytes each.
@@ -150,6 +148,74 @@ class Tiled:
             found[at : at + len(block)] = block
             at += len(block)
         return found
+
+    def neighbor_blocks(self) -> Iterator[Integers]:
+        """Yield which triangles are beyond the edges of one shard after the other.
+
+        Yields
+        ------
+        (m, 3, 2) ndarray of int64
+            The number of the shard, and the row in it, of the triangle across the edge opposite
+            vertex k; both are -1 outside.
+
+        Raises
+        ------
+        InputError
+            The folder was made without neighbours.
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> square = [[0, 0], [1, 0], [0, 1], [1, 2]]
+        >>> tiled = liftmesh.tile(square, tempfile.mkdtemp(), neighbors=True)
+        >>> next(tiled.neighbor_blocks())[0].tolist()
+        [[-1, -1], [-1, -1], [0, 1]]
+        """
+        return map(self._pairs, range(len(self.shards)))
+
+    def compute_neighbors(self) -> Integers:
+        """Read all neighbours into memory, as rows of `compute`: 24 bytes a triangle.
+
+        Returns
+        -------
+        (m, 3) ndarray of int64
+            The triangle across the edge opposite vertex k; -1 outside.
+
+        Raises
+        ------
+        InputError, FormatError, OSError
+            As for `neighbor_blocks`.
+        MemoryError
+            There are too many.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> square = [[0, 0], [1, 0], [0, 1], [1, 2]]
+        >>> liftmesh.tile(square, tempfile.mkdtemp(), neighbors=True).compute_neighbors()
+        array([[-1, -1,  1],
+               [ 0, -1, -1]])
+        """
+        begins = np.cumsum([0, *self._counts[:-1]])
+        found = np.empty((self.nsimplex, 3), dtype=np.int64)
+        for begin, pairs in zip(begins, self.neighbor_blocks(), strict=True):
+            shard, row = pairs[:, :, 0], pairs[:, :, 1]
+            found[begin : begin + len(pairs)] = np.where(shard < 0, -1, begins[shard] + row)
+        return found
+
+    def _pairs(self, shard: int) -> Integers:
+        if not self.manifest["neighbors"]:
+            raise InputError(
+                f"{self.directory} has no neighbours: tile again with neighbors=True, resume=False"
+            )
+        rows, links = map(self._mapped, neighbors_of(self.shards[shard].name))
+        return as_pairs(shard, rows, links)
 
     def is_sound(self) -> bool:
         """Whether every file still has the SHA-256 that the manifest states.
@@ -187,8 +253,8 @@ class Tiled:
         """Verify exactly, part by part, that the shards are the triangulation of all points.
 
         The checks are those of `liftmesh.verify`, and so is the certificate, but neither points nor
-        triangles are held at once. Also checked are the hull, the duplicates, the skipped rows and
-        the SHA-256 of every file.
+        triangles are held at once. Also checked are the hull, the duplicates, the skipped rows,
+        the neighbours, if there are any, and the SHA-256 of every file.
 
         Parameters
         ----------
@@ -245,13 +311,37 @@ class Tiled:
 
         Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
         """
+        return self._of_dask(self.to_delayed(), 3)
+
+    @property
+    def neighbors(self) -> Any:
+        """The neighbours as an array of Dask, (m, 3, 2) int64, as of `neighbor_blocks`.
+
+        Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
+        """
+        delayed = load("dask", extra="dask").delayed
+        keys = (f"neighbors-{each['sha256'][:16]}-{i}" for i, each in enumerate(self._entries))
+        return self._of_dask(
+            [delayed(self._pairs)(i, dask_key_name=key) for i, key in enumerate(keys)], 3, 2
+        )
+
+    def _of_dask(self, delayed: Sequence[Any], *shape: int) -> Any:
         array = load("dask.array", extra="dask")
-        counts = [shard["triangles"] for shard in self.manifest["shards"]]
-        chunks = [
-            array.from_delayed(delayed, (count, 3), np.int64)
-            for delayed, count in zip(self.to_delayed(), counts, strict=True)
-        ]
-        return array.concatenate(chunks)
+        return array.concatenate(
+            [
+                array.from_delayed(each, (count, *shape), np.int64)
+                for each, count in zip(delayed, self._counts, strict=True)
+            ]
+        )
+
+    @property
+    def _entries(self) -> Sequence[Mapping[str, Any]]:
+        entries: Sequence[Mapping[str, Any]] = self.manifest["shards"]
+        return entries
+
+    @property
+    def _counts(self) -> list[int]:
+        return [each["triangles"] for each in self._entries]
 
     def to_delayed(self) -> list[Any]:
         """Return the shards as delayed objects of Dask, which read them.
@@ -276,10 +366,8 @@ class Tiled:
         """
         delayed = load("dask", extra="dask").delayed
         return [
-            delayed(np.load)(
-                str(path), dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}"
-            )
-            for path, shard in zip(self.shards, self.manifest["shards"], strict=True)
+            delayed(read_shard)(path, dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}")
+            for path, shard in zip(self.shards, self._entries, strict=True)
         ]
 
     def to_dask_dataframe(self) -> Any:
@@ -308,37 +396,6 @@ class Tiled:
 
     def _mapped(self, name: str) -> Integers:
         return mapped(self.directory / name)
-
-
-def mapped(path: Path) -> Integers:
-    """Map a file of a folder.
-
-    Parameters
-    ----------
-    path : Path
-        An NPY file.
-
-    Returns
-    -------
-    ndarray of int64
-        Its numbers.
-
-    Raises
-    ------
-    FormatError
-        It is damaged.
-    OSError
-        It cannot be read.
-    """
-    try:
-        found: Integers = np.load(path, mmap_mode="r")
-    except (ValueError, EOFError) as error:
-        raise FormatError(f"{path}: damaged ({error}): tile the source again") from error
-    except OSError as error:
-        if error.errno == errno.ENOMEM:  # no room for the map
-            raise MemoryError from error
-        raise
-    return found
 
 
 def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
@@ -384,34 +441,3 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
                 "source again, into the same folder"
             )
     return tiled
-
-
-def manifest_of(folder: Path) -> dict[str, Any]:
-    """Read the manifest of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-
-    Returns
-    -------
-    dict
-        What was written, unchanged: it bears a seal.
-
-    Raises
-    ------
-    FormatError
-        There is none, it is of something else, or it is damaged.
-    OSError
-        It cannot be read.
-    """
-    place = folder / MANIFEST
-    if not place.is_file():
-        raise FormatError(f"{folder}: no finished triangulation is here: {MANIFEST} is missing")
-    manifest = load_json(place)
-    if manifest.get("kind") != KIND or manifest.get("version") != VERSION:
-        raise FormatError(f"{place}: not the manifest of tiles of version {VERSION}")
-    if manifest.pop("seal", None) != seal(manifest):
-        raise FormatError(f"{place}: damaged or changed: move it, and tile the source again")
-    return manifest

@@ -17,11 +17,11 @@ from liftmesh.choices import as_folder, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.threads import as_threads
+from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.proof import Proof
 from liftmesh.tiles.sources import Part, parts_of, planar
 from liftmesh.tiles.store import digest_of, load_json
-from liftmesh.tiles.tiled import PLAN
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled

@@ -45,7 +45,7 @@ void demand(bool condition, const Cloud& cloud, const char* what) {
 Node merged(std::span<const Record> records, std::span<const RimEdge> rim,
             const Territory& territory, unsigned threads, std::size_t patience) {
     Patient interrupt(patience);
-    return liftmesh::merge_frontiers(records, rim, territory, {threads, false}, interrupt);
+    return liftmesh::merge_frontiers(records, rim, territory, true, {threads, false}, interrupt);
 }
 
 template <class Item>
@@ -58,6 +58,7 @@ bool same(const Node& a, const Node& b) {
     return a.status == b.status && a.triangle_count == b.triangle_count &&
            up == b.frontier.size() && rim == b.rim.size() &&
            equal(a.triangles.get(), b.triangles.get(), corners) &&
+           equal(a.neighbors.get(), b.neighbors.get(), corners) &&
            equal(a.frontier.data(), b.frontier.data(), up) &&
            equal(a.rim.data(), b.rim.data(), rim);
 }

@@ -18,11 +18,12 @@ namespace {
 class Merge {
  public:
     Merge(std::span<const Record> records, Result& mesh, const Territory& territory,
-          ThreadPool& pool, Node& node)
+          bool with_neighbors, ThreadPool& pool, Node& node)
         : records_(records),
           points_(points_of(records)),
           mesh_(mesh),
           territory_(territory),
+          with_neighbors_(with_neighbors),
           pool_(pool),
           node_(node),
           ground_(mesh.triangle_count) {}
@@ -32,7 +33,7 @@ class Merge {
         if (node_.missing != 0) return true;
         if (!settle()) return false;
         if (!territory_.is_everything && !write_frontier()) return false;
-        mesh_.neighbors.reset();
+        if (!with_neighbors_) mesh_.neighbors.reset();
         return write_triangles();
     }
 
@@ -113,23 +114,37 @@ class Merge {
         if (!select(ground_.size(), pool_, is_written, settled)) return false;
         node_.triangle_count = settled.size();
         node_.triangles = allocate<RowId>(3 * settled.size());
+        std::vector<std::int32_t> place;  // of each triangle among those that are written
+        if (with_neighbors_) {
+            node_.neighbors = allocate<std::int32_t>(3 * settled.size());
+            place.assign(ground_.size(), -1);
+            for (std::size_t i = 0; i < settled.size(); ++i)
+                place[settled[i]] = static_cast<std::int32_t>(i);
+        }
         constexpr std::size_t block = std::size_t{1} << 14;
         return in_blocks(settled.size(), block, pool_, [&](std::size_t i, auto last, auto) {
-            for (; i < last; ++i) write(settled[i], &node_.triangles[3 * i]);
+            for (; i < last; ++i) write(settled[i], i, place);
         });
     }
 
-    void write(std::size_t t, RowId* out) const {
+    void write(std::size_t t, std::size_t i, const std::vector<std::int32_t>& place) {
         std::size_t least = 0;
         for (std::size_t k = 1; k < 3; ++k)
             if (before_xy(points_[corner(t, k)], points_[corner(t, least)])) least = k;
-        for (std::size_t k = 0; k < 3; ++k) out[k] = records_[corner(t, (least + k) % 3)].id;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t from = (least + k) % 3;
+            node_.triangles[3 * i + k] = records_[corner(t, from)].id;
+            if (!with_neighbors_) continue;
+            const std::int32_t beyond = mesh_.neighbors[3 * t + from];
+            node_.neighbors[3 * i + k] = beyond < 0 ? -1 : place[static_cast<std::size_t>(beyond)];
+        }
     }
 
     std::span<const Record> records_;
     Input points_;
     Result& mesh_;
     const Territory& territory_;
+    const bool with_neighbors_;
     ThreadPool& pool_;
     Node& node_;
     std::vector<Ground> ground_;
@@ -158,7 +173,8 @@ void name_rows(std::span<const Record> records, const Delaunay& found, Node& nod
 }  // namespace
 
 Node merge_frontiers(std::span<const Record> records, std::span<const RimEdge> rim,
-                     const Territory& territory, Threads threads, Interrupt& interrupt) {
+                     const Territory& territory, bool with_neighbors, Threads threads,
+                     Interrupt& interrupt) {
     Delaunay found = delaunay(points_of(records), false, threads, interrupt);
     Node node;
     node.status = found.status;
@@ -171,7 +187,7 @@ Node merge_frontiers(std::span<const Record> records, std::span<const RimEdge> r
     }
     const IeeeArithmetic ieee;
     ThreadPool pool(threads.for_rows(records.size()), interrupt);
-    if (!Merge(records, found.result, territory, pool, node).run(rim))
+    if (!Merge(records, found.result, territory, with_neighbors, pool, node).run(rim))
         node.status = Status::interrupted;
     return node;
 }

@@ -30,6 +30,9 @@ struct Node {
     Status status = Status::ok;  // collinear or too few: nothing is settled, all goes up
     std::size_t missing = 0;     // rim edges that are none: the frontiers do not fit together
     Buffer<RowId> triangles;     // triangle_count x 3, counter-clockwise from the least point
+    // For each of their edges, which of these triangles is beyond it, or -1: it is of another node,
+    // or nothing is there. Edge k is opposite corner k. Empty if not asked for.
+    Buffer<std::int32_t> neighbors;
     std::size_t triangle_count = 0;
     std::vector<RowPair> duplicates;
     std::vector<RowId> hull;  // counter-clockwise from the least point
@@ -40,6 +43,7 @@ struct Node {
 // Merges frontiers, given as one list of records and one of edges between them; or begins with the
 // points of a tile, whose rim is empty.
 Node merge_frontiers(std::span<const Record> records, std::span<const RimEdge> rim,
-                     const Territory& territory, Threads threads, Interrupt& interrupt);
+                     const Territory& territory, bool with_neighbors, Threads threads,
+                     Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -1,0 +1,241 @@
+"""Shards: files of triangles, as NPY, Parquet or PLY; the same bytes whoever writes them.
+
+NPY and Parquet name rows of the whole source. PLY has no 64-bit integers, and viewers of it want
+positions: such a shard has the vertices of its own triangles, each with its ``row``. Parquet packs
+differences of row numbers (``DELTA_BINARY_PACKED``): less than half the bytes, and faster than
+compression.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Integers
+from liftmesh.choices import ShardFormat
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.ply import read_ply
+from liftmesh.io.ply.writer import write_ply
+from liftmesh.optional import load
+from liftmesh.tiles.store import mapped, save_array, saving
+
+_COLUMNS = ("a", "b", "c")
+_GROUP = 1 << 20  # triangles of a row group
+_MOST_ROWS = 1 << 31  # that have a number in PLY
+
+
+def check_format(shards: ShardFormat, rows: int) -> None:
+    """Raise if shards of a format cannot be written, before anything is.
+
+    Parameters
+    ----------
+    shards : {"npy", "parquet", "ply"}
+        The format.
+    rows : int
+        How many rows the source has.
+
+    Raises
+    ------
+    InputError
+        PLY cannot number so many rows.
+    MissingDependencyError
+        Parquet is wanted, and pyarrow is not installed.
+    """
+    if shards == "ply" and rows > _MOST_ROWS:
+        raise InputError(
+            f"PLY has no 64-bit integers for the numbers of {rows:,} rows, only of "
+            f"{_MOST_ROWS:,}: give shards='npy' or 'parquet'"
+        )
+    if shards == "parquet":
+        load("pyarrow.parquet", extra="dask")
+
+
+def save_shard(path: Path, triangles: Integers, records: Integers) -> str:
+    """Write triangles in the format that the suffix names.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    triangles : (m, 3) ndarray of int64
+        Rows of the source.
+    records : (k, 3) ndarray of int64
+        Row, x and y of at least their corners, as 64-bit words; only PLY needs them.
+
+    Returns
+    -------
+    str
+        The SHA-256 of the file.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    return _FORMATS[path.suffix].save(path, triangles, records)
+
+
+def read_shard(path: Path) -> Integers:
+    """Read the triangles of a shard.
+
+    Parameters
+    ----------
+    path : Path
+        What `save_shard` has written.
+
+    Returns
+    -------
+    (m, 3) ndarray of int64
+        Rows of the source, in the order in which they were written.
+
+    Raises
+    ------
+    FormatError
+        It is damaged.
+    OSError
+        It cannot be read.
+    """
+    return _checked(path, _FORMATS[path.suffix].read(path))
+
+
+def open_shard(path: Path) -> Integers:
+    """Map the triangles of a shard if its format allows, and read them otherwise.
+
+    Parameters
+    ----------
+    path : Path
+        What `save_shard` has written.
+
+    Returns
+    -------
+    (m, 3) ndarray of int64
+        As from `read_shard`.
+
+    Raises
+    ------
+    FormatError, OSError
+        As for `read_shard`.
+    """
+    return _checked(path, mapped(path)) if path.suffix == ".npy" else read_shard(path)
+
+
+def vertices_of(path: Path) -> Integers | None:
+    """Read the vertices that a shard has itself.
+
+    Parameters
+    ----------
+    path : Path
+        What `save_shard` has written.
+
+    Returns
+    -------
+    (k, 3) ndarray of int64 or None
+        Row, x and y as 64-bit words; None for formats that name rows of the source alone.
+
+    Raises
+    ------
+    FormatError, OSError
+        As for `read_shard`.
+    """
+    if path.suffix != ".ply":
+        return None
+    cloud = _read_cloud(path)
+    points = np.ascontiguousarray(cloud.points[:, :2]).view(np.int64)
+    return np.column_stack((cloud.attributes["row"].astype(np.int64), points))
+
+
+def _checked(path: Path, triangles: Array) -> Integers:
+    if triangles.dtype != np.int64 or triangles.shape[1:] != (3,):
+        raise _damaged(path, "not rows of three 64-bit integers")
+    return triangles
+
+
+def _damaged(path: Path, reason: object) -> FormatError:
+    return FormatError(f"{path}: damaged ({reason}): tile the source again")
+
+
+def _save_npy(path: Path, triangles: Integers, _: Integers) -> str:
+    return save_array(path, triangles)
+
+
+def _read_npy(path: Path) -> Array:
+    return np.array(mapped(path))
+
+
+def _save_parquet(path: Path, triangles: Integers, _: Integers) -> str:
+    arrow, parquet = load("pyarrow", extra="dask"), load("pyarrow.parquet", extra="dask")
+    schema = arrow.schema([arrow.field(name, arrow.int64(), nullable=False) for name in _COLUMNS])
+    packed: dict[str, Any] = {
+        "column_encoding": dict.fromkeys(_COLUMNS, "DELTA_BINARY_PACKED"),
+        "use_dictionary": False,
+        "compression": "none",
+    }
+    with saving(path) as stream:
+        with parquet.ParquetWriter(arrow.PythonFile(stream, "w"), schema, **packed) as writer:
+            for begin in range(0, len(triangles), _GROUP):
+                columns = np.ascontiguousarray(triangles[begin : begin + _GROUP].T)
+                writer.write_table(arrow.table([*columns], schema=schema))
+        return stream.digest
+
+
+def _read_parquet(path: Path) -> Array:
+    arrow, parquet = load("pyarrow", extra="dask"), load("pyarrow.parquet", extra="dask")
+    try:
+        with parquet.ParquetFile(path) as file:
+            found = np.empty((file.metadata.num_rows, 3), dtype=np.int64)
+            at = 0
+            for group in file.iter_batches(_GROUP, columns=[*_COLUMNS], use_threads=False):
+                for k, column in enumerate(group.columns):
+                    found[at : at + len(column), k] = column.to_numpy()
+                at += group.num_rows
+    except (arrow.ArrowException, ValueError, KeyError) as error:
+        raise _damaged(path, str(error).splitlines()[0]) from error
+    return found
+
+
+def _save_ply(path: Path, triangles: Integers, records: Integers) -> str:
+    rows, corners = np.unique(triangles, return_inverse=True)
+    order = np.argsort(records[:, 0])
+    of_rows = records[order[np.searchsorted(records[:, 0], rows, sorter=order)]]
+    points = np.zeros((len(rows), 3))
+    points[:, :2] = of_rows.view(np.float64)[:, 1:]
+    faces = corners.reshape(-1, 3).astype(np.int32)
+    cloud = Cloud(points, faces=faces, attributes={"row": rows.astype(np.int32)})
+    with saving(path) as stream:
+        write_ply(stream, cloud)  # type: ignore[arg-type]  # it writes, and nothing else
+        return stream.digest
+
+
+def _read_ply(path: Path) -> Array:
+    cloud = _read_cloud(path)
+    triangles: Array = cloud.attributes["row"].astype(np.int64)[cloud.faces]
+    return triangles
+
+
+def _read_cloud(path: Path) -> Cloud:
+    with path.open("rb") as stream:
+        try:
+            cloud = read_ply(stream, str(path))
+        except FormatError as error:
+            raise _damaged(path, error) from error
+    if cloud.faces is None or "row" not in cloud.attributes:
+        raise _damaged(path, "it has no faces, or no rows")
+    return cloud
+
+
+@dataclass(frozen=True)
+class _Format:
+    save: Callable[[Path, Integers, Integers], str]
+    read: Callable[[Path], Array]
+
+
+_FORMATS = {
+    ".npy": _Format(_save_npy, _read_npy),
+    ".parquet": _Format(_save_parquet, _read_parquet),
+    ".ply": _Format(_save_ply, _read_ply),
+}

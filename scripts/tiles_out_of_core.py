@@ -1,0 +1,94 @@
+"""Triangulate generated points twice, in different tiles, without keeping the triangles.
+
+    python scripts/tiles_out_of_core.py --n 100000000
+    python scripts/tiles_out_of_core.py --n 1000000000      24 GB of disk, under an hour
+
+The points are uniform, and made again whenever a chunk of them is read, so they take no disk. Each
+shard is hashed when it would be written, and an empty file written instead; so the disk holds the
+scratch folder alone, 24 bytes a point. The sum of the hashes does not depend on the tiles: it has
+to be equal for both. Shown are the seconds of the processor and of the clock, and the peak memory.
+"""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+from bench_tiles import MIXERS, mark_of, peak
+from benchmark.contest import SEED
+from distributions import Points
+
+from liftmesh.tiles.run import Options, triangulated
+from liftmesh.tiles.schedule import Serial
+from liftmesh.tiles.sources import Origin
+from liftmesh.tiles.store import save_array
+
+_CHUNK = 1_000_000
+
+
+@dataclass(frozen=True)
+class Generated:
+    """Rows that are made when they are read."""
+
+    number: int
+    rows: int
+    place: None = None
+
+    @property
+    def origin(self) -> Origin:
+        """The first row."""
+        return Origin("generated", row=self.number * _CHUNK)
+
+    def read(self) -> Points:
+        """Make the rows: the same each time, whatever chunks came before."""
+        return np.random.default_rng((SEED, self.number)).random((self.rows, 2))
+
+
+def main() -> None:
+    """Print a line for each size of tiles, and whether the hashes are equal."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    parser.add_argument("--n", type=int, default=100_000_000, metavar="ROWS")
+    sizes = (1_500_000, 1_000_000)
+    parser.add_argument("--tile-rows", type=int, nargs="+", default=sizes, metavar="ROWS")
+    parser.add_argument("--folder", metavar="FOLDER", help="where the scratch folder is made")
+    options = parser.parse_args()
+    marks = [hashed(options.n, rows, options.folder) for rows in options.tile_rows]
+    print("equal" if len(set(marks)) == 1 else "DIFFERENT")
+
+
+def hashed(n: int, tile_rows: int, folder: str | None) -> str:
+    """Triangulate, say what it took, and return the hash."""
+    sums = np.zeros(len(MIXERS), np.uint64)
+
+    def hash_shard(path: Path, triangles: Any, _: Any) -> str:
+        nonlocal sums
+        sums = sums + mark_of(triangles)
+        return save_array(path, triangles[:0])
+
+    parts = [Generated(i, min(_CHUNK, n - i * _CHUNK)) for i in range(-(-n // _CHUNK))]
+    begin, before = perf_counter(), process_time()
+    with (
+        TemporaryDirectory(dir=folder) as place,
+        patch("liftmesh.tiles.stages.save_shard", hash_shard),
+    ):
+        options = Options.checked(place, tile_rows, None, "error", True, "npy", False)
+        found = triangulated(None, options, Serial(1), cut=lambda *_: [*parts])
+    mark = "".join(f"{each:016x}" for each in sums)
+    print(
+        f"{n:,} rows in {found.manifest['merges']['tiles']:,} tiles: {found.nsimplex:,} triangles, "
+        f"{process_time() - before:.0f} s of the processor, {perf_counter() - begin:.0f} s, "
+        f"{peak() / 1e6:.0f} MB, load {os.getloadavg()[0]:.1f}, {mark}",
+        flush=True,
+    )
+    return mark
+
+
+if __name__ == "__main__":
+    main()
