@@ -6,13 +6,15 @@ more than three.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import copy
+from collections.abc import Callable, Iterator
 from math import isqrt
 from typing import Any
 
 import numpy as np
 
 import liftmesh
+from growth.cells import CELLS
 from growth.counting import Work
 from growth.families import named, random
 
@@ -52,7 +54,28 @@ def growing_in_a_row(n: int) -> Disks:
     return np.c_[along, along / 4, along / 4]
 
 
-DISKS = named(disjoint, overlapping, around_a_large_one, lattice_of_two_radii, growing_in_a_row)
+def tiny_and_far(n: int) -> Disks:
+    """Disks that are tiny beside their distances, far from the origin, and a large one apart."""
+    rng = random()
+    disks = np.c_[1e5 + rng.random((n, 2)), rng.random(n) * 1e-6]
+    disks[0] = 1e6, 1e6, 1e3
+    return disks
+
+
+def nearly_hidden(n: int) -> Disks:
+    """Disks that hardly come out of a large one: their cells are narrow, and terms cancel."""
+    rng = random()
+    angles, radii = rng.random(n) * 2 * np.pi, rng.random(n) / 2
+    out = radii * (1 + 10.0 ** -rng.integers(3, 12, n))
+    disks = np.c_[(1 - radii) * np.cos(angles), (1 - radii) * np.sin(angles), out]
+    disks[0] = 0, 0, 1
+    return disks
+
+
+DISKS = named(
+    disjoint, overlapping, around_a_large_one, lattice_of_two_radii, growing_in_a_row,
+    tiny_and_far, nearly_hidden,
+)  # fmt: skip
 
 
 def prepare(disks: Disks) -> Work:
@@ -68,15 +91,50 @@ def find_neighbors(disks: Disks) -> Work:
 
 
 def find_sides(disks: Disks) -> Work:
-    """Prepare the sides of all cells."""
+    """Prepare the sides of all cells; a unit is a disk or a point of a side."""
     graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
-    return Work(lambda: graph.cell_sides((0, 0, 1, 1), 0.01), len(disks))
+    box = boxed(disks)
+    tolerance = 1e-3 * float(np.sqrt((box[2] - box[0]) * (box[3] - box[1]) / len(disks)))
+    points = sum(len(line) for _, line in graph.cell_sides(box, tolerance))
+    return Work(lambda: graph.cell_sides(box, tolerance), len(disks) + points)
+
+
+def boxed(disks: Disks) -> tuple[float, float, float, float]:
+    """A box that most centres are in."""
+    low, high = np.quantile(disks[:, :2], (0.01, 0.99), axis=0)
+    return (*low.tolist(), *high.tolist())
+
+
+def clipped(disks: Disks) -> liftmesh.ApolloniusCells:
+    """Clip cells to such a box."""
+    return liftmesh.apollonius_diagram(disks[:, :2], disks[:, 2], domain=boxed(disks))
+
+
+def find_cells(disks: Disks) -> Work:
+    """Prepare the cells in a box; a unit is a disk or a corner."""
+    return Work(lambda: clipped(disks), len(disks) + len(clipped(disks).corners))
+
+
+def on_cells(call: Callable[[liftmesh.ApolloniusCells], object]) -> Callable[[Disks], Work]:
+    """Prepare a call on fresh cells."""
+
+    def prepared(disks: Disks) -> Work:
+        found = clipped(disks)
+        return Work(lambda: call(copy.copy(found)), len(disks) + len(found.corners))
+
+    return prepared
 
 
 def disk_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes disks."""
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",)
+    yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far")
+    for name in CELLS:
+        yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
+    kind = liftmesh.ApolloniusCells
+    for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
+        yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 
 

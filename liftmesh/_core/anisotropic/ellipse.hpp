@@ -85,7 +85,10 @@ class Ellipse {
     // Where the left side is about least in a box: along one axis after the other.
     Point about_deepest(const Box& box) const {
         const auto nearest = [](double value, double centre, double half) {
-            return std::fmin(std::fmax(value, centre - half), centre + half);
+            const double low = centre - half, high = centre + half;
+            // Unlike fmax and fmin, these are no calls; what is no number becomes `low`, as well.
+            const double above = value > low ? value : low;
+            return above < high ? above : high;
         };
         Point z = box.centre;
         for (int round = 0; round < 2; ++round) {
