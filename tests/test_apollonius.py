@@ -186,7 +186,7 @@ def test_signs_are_exact_across_many_binary_digits() -> None:
     ("radii", "error", "message"),
     [
         ([1, -2.0, 1], InputError, "row 1 has the radius -2.0: radii are not negative"),
-        ([1, 1, np.nan], NonFiniteError, "row 2 has the radius nan: remove such rows first"),
+        ([1, 1, np.nan], NonFiniteError, "row 2 has the radius nan: remove such rows, or"),
         ([1, np.inf, 1], NonFiniteError, "row 1 has the radius inf"),
         ([1, 1], InputError, "radii hold 2 numbers for 3 rows"),
         ([1, 1, 1e-90], InputError, r"rows 2 and 0, .* span \d+ binary digits .* 256 are exact"),
