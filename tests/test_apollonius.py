@@ -135,6 +135,17 @@ def test_circles_touch_their_disks_and_no_other_enters() -> None:
     assert np.abs(of_corners / (1 + np.abs(radius))[:, None]).max() < 1e-9
 
 
+@pytest.mark.parametrize("near", [2.0**-100, 2.0**-200])
+def test_circles_of_disks_that_are_far_nearer_to_each_other_than_to_others(near: float) -> None:
+    pair = np.array([[0, 0, 0], [near, 0, 0], [0, 3 * near, near], [1, 0, 0], [0, 1, 0]])
+    graph = graph_of(pair)
+    assert graph.verify().canonical
+    assert np.isfinite(graph.circles).all()
+    for corners, (x, y, radius) in zip(graph.simplices, graph.circles, strict=True):
+        distances = np.hypot(*(pair[corners, :2] - (x, y)).T) - pair[corners, 2]
+        np.testing.assert_allclose(distances, radius, rtol=1e-12)
+
+
 def test_neighbors_share_an_edge_and_the_outer_ones_are_the_hull() -> None:
     rng = np.random.default_rng(4)
     graph = graph_of(np.c_[rng.random((1000, 2)), rng.random(1000) * 0.03])

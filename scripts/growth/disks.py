@@ -73,10 +73,17 @@ def find_sides(disks: Disks) -> Work:
     return Work(lambda: graph.cell_sides((0, 0, 1, 1), 0.01), len(disks))
 
 
+def verify(disks: Disks) -> Work:
+    """Prepare the verification of a graph."""
+    graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
+    return Work(lambda: graph.verify(threads=1), len(disks))
+
+
 def disk_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes disks."""
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",)
+    yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 
 

@@ -122,6 +122,11 @@ class Reader {
     std::vector<Row> row_;  // of each site: of a vertex, the lowest of those that are equal
 };
 
+// By a power of two.
+Disk divided(const Disk& d, int exponent) {
+    return {std::ldexp(d.x, -exponent), std::ldexp(d.y, -exponent), std::ldexp(d.r, -exponent)};
+}
+
 bool insert_all(Graph& graph, std::size_t count, Interrupt& interrupt) {
     constexpr Site at_a_time = 1 << 12;
     interrupt.expect(count);
@@ -158,18 +163,26 @@ Range range_of(const std::vector<Disk>& disks) {
 
 Scaled scaled(std::vector<Disk> disks) {
     const Range range = range_of(disks);
-    for (Disk& d : disks)
-        d = {std::ldexp(d.x, -range.high), std::ldexp(d.y, -range.high),
-             std::ldexp(d.r, -range.high)};
+    for (Disk& d : disks) d = divided(d, range.high);
     return {std::move(disks), range.high, Signs(range.high - range.low <= widest_of_filters)};
 }
 
-// Relative to the smallest of the three disks, where rounding is least.
-Circle circle_of(const std::array<Disk, 3>& corners, int scale) {
+// Relative to the smaller of the two disks that are nearest to each other: from the third one, both
+// may be in one place but for rounding. The longest side becomes about 1, so that powers of the
+// others do not underflow.
+Circle circle_of(std::array<Disk, 3> corners, int scale) {
+    const auto side = [&](unsigned k) {
+        const Disk &a = corners[k], &b = corners[(k + 1) % 3];
+        return std::fabs(a.x - b.x) + std::fabs(a.y - b.y);
+    };
+    const int length = std::ilogb(std::max({side(0), side(1), side(2)}));
+    for (Disk& d : corners) d = divided(d, length);
     unsigned k = 0;
     for (unsigned i = 1; i < 3; ++i)
-        if (corners[i].r < corners[k].r) k = i;
+        if (side(i) < side(k)) k = i;
+    if (corners[(k + 1) % 3].r < corners[k].r) k = (k + 1) % 3;
     const Circle c = touching(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+    scale += length;
     return {std::ldexp(c.x, scale), std::ldexp(c.y, scale), std::ldexp(c.radius, scale)};
 }
 

@@ -36,7 +36,7 @@ struct Triangle {
 };
 
 // The circle of a triangle whose corners come in this order. Rounded, then multiplied by 2^scale.
-Circle circle_of(const std::array<Disk, 3>& corners, int scale);
+Circle circle_of(std::array<Disk, 3> corners, int scale);
 
 struct Outcome {
     Status status = Status::ok;
