@@ -257,25 +257,29 @@ def test_a_hull_that_cuts_a_corner_is_found() -> None:
     assert kinds(replace(short, duplicates=np.array([[3, 0]])).verify()) == {"wrong_duplicates"}
 
 
-def test_a_hull_that_winds_twice_is_found() -> None:
-    """Five disks around, each beside the next but one: all edges of a pentagram are right."""
-    angles = np.arange(5) * 4 * np.pi / 5
-    disks = np.c_[np.cos(angles).round(3), np.sin(angles).round(3), np.zeros(5)]
-    disks = np.vstack([disks, [0, 0, 0]])
-    around = np.arange(5)
-    graph = ApolloniusGraph(
-        centers=disks[:, :2],
-        radii=disks[:, 2],
-        simplices=np.c_[around, np.roll(around, -1), np.full(5, 5)],
-        neighbors=np.c_[np.roll(around, -1), np.roll(around, 1), np.full(5, -1)],
-        circles=np.zeros((5, 3)),
-        convex_hull=np.c_[around, np.roll(around, -1)],
-        hidden=np.empty(0, dtype=np.int32),
-        duplicates=np.empty((0, 2), dtype=np.int32),
-    )
-    found = kinds(graph.verify()) - {"other_circles"}
-    assert found & {"boundary_winding", "not_delaunay", "wrong_order"}
-    assert "wrong_neighbors" not in found
+@pytest.mark.parametrize(
+    ("kind", "disks", "others"),
+    [
+        (  # two pieces of an edge are exchanged, and no disk enters a circle
+            "wrong_order",
+            [[-2, -1, 0], [1, -1, 0.5], [-3, -8, 0.5], [0, -2, 0], [-39, 0, 38], [39, 0, 38]],
+            [[-2, -1, 0], [1, -1, 0.5], [-3, -8, 0.5], [1, 1, 0], [-39, 0, 38], [39, 0, 38]],
+        ),
+        (
+            "boundary_winding",
+            [[8, 0, 2], [8, 0, 2], [7, 0, 1], [7, 0, 2]],
+            [[6, -2, 0], [8, 0, 2], [7, 0, 1], [7, 0, 2]],
+        ),
+    ],
+)
+def test_each_check_is_needed(kind: str, disks: Any, others: Any) -> None:
+    """Graphs of other disks that one check alone tells apart."""
+    own = np.array(disks, dtype=float)
+    other = graph_of(np.array(others, dtype=float))
+    found = replace(other, centers=own[:, :2], radii=own[:, 2]).verify()
+    assert kinds(found) - {"other_circles"} == {kind}
+    (flaw,) = (flaw for flaw in found.flaws if flaw.kind == kind)
+    assert flaw.first[0].text
 
 
 @pytest.mark.parametrize("name", ["disjoint", "overlapping", "around one", "lattice", "in a row"])
