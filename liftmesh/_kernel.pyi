@@ -131,6 +131,18 @@ def apollonius(
     NDArray[np.int32],
     NDArray[np.int32],
 ]: ...
+def verify_apollonius(
+    disks: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    circles: NDArray[np.float64],
+    hull: NDArray[np.int32],
+    hidden: NDArray[np.int32],
+    duplicates: NDArray[np.int32],
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[int, Flaws]: ...
 def binary_range(disks: NDArray[np.float64]) -> tuple[int, int, int]: ...
 def anisotropic_stars(
     points: NDArray[np.float64],

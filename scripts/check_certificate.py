@@ -395,6 +395,8 @@ def read_certificate(path: str) -> dict[str, Any]:
     claimed = json.loads(Path(path).read_bytes())
     known = isinstance(claimed, dict) and not differences(claimed, FORMAT)
     version = claimed.get("format_version") if known else None
+    of_disks = known and claimed.get("member") == "apollonius"
+    require(not of_disks, "it is of a graph of disks, which no mesh file holds")
     known = type(version) is int and claimed.get("member", "delaunay") in MEMBERS.get(version, ())
     form = f"{json.dumps(FORMAT)}, version 1, or version 2 with its member"
     require(known, f"the certificate is not of the format {form}")

@@ -109,6 +109,31 @@ def test_errors_name_the_row(metric: object, error: type[Exception], message: st
         liftmesh.anisotropic_stars([[0, 0], [1, 0], [0, 1]], [EYE, metric, EYE])  # type: ignore[arg-type]
 
 
+def test_skipped_rows_are_accounted_for() -> None:
+    rng = np.random.default_rng(6)
+    points = rng.random((40, 2)).round(1)
+    metrics = np.array([[[1 + x, 0.2], [0.2, 1 + y]] for x, y in points])
+    plain = liftmesh.anisotropic_stars(points, metrics)
+    rows = np.delete(np.arange(43), [0, 7, 42])
+    wide, forms = np.full((43, 2), 0.5), np.full((43, 2, 2), np.nan)
+    wide[rows], forms[rows] = points, metrics
+    wide[7], forms[7] = (np.inf, 0), np.eye(2)
+    found = liftmesh.anisotropic_stars(wide, forms, nonfinite="skip")
+    assert found.skipped.tolist() == [0, 7, 42]
+    assert repr(found).endswith(" inconsistent rows, 3 skipped>")
+    for row in range(40):
+        assert found.star(int(rows[row])).tolist() == rows[plain.star(row)].tolist()
+    assert found.star(7).tolist() == found.star(42).tolist() == []
+    assert found.hull.tolist() == rows[plain.hull].tolist()
+    assert found.duplicates.tolist() == rows[plain.duplicates].tolist()
+    assert len(plain.duplicates) > 0
+    assert found.simplices.tolist() == rows[plain.simplices].tolist()
+    assert found.consistent[rows].tolist() == plain.consistent.tolist()
+    forms[3] = [[1, 2], [2, 1]]
+    with pytest.raises(InputError, match=r"row 3 .* not positive definite"):
+        liftmesh.anisotropic_stars(wide, forms, nonfinite="skip")
+
+
 def test_definiteness_is_decided_exactly() -> None:
     barely = np.array([[1.0, 1 - 2**-53], [1 - 2**-53, 1]])
     tiny = np.diag([1e-170, 1e-170])

@@ -135,6 +135,17 @@ def test_circles_touch_their_disks_and_no_other_enters() -> None:
     assert np.abs(of_corners / (1 + np.abs(radius))[:, None]).max() < 1e-9
 
 
+@pytest.mark.parametrize("near", [2.0**-100, 2.0**-200])
+def test_circles_of_disks_that_are_far_nearer_to_each_other_than_to_others(near: float) -> None:
+    pair = np.array([[0, 0, 0], [near, 0, 0], [0, 3 * near, near], [1, 0, 0], [0, 1, 0]])
+    graph = graph_of(pair)
+    assert graph.verify().canonical
+    assert np.isfinite(graph.circles).all()
+    for corners, (x, y, radius) in zip(graph.simplices, graph.circles, strict=True):
+        distances = np.hypot(*(pair[corners, :2] - (x, y)).T) - pair[corners, 2]
+        np.testing.assert_allclose(distances, radius, rtol=1e-12)
+
+
 def test_neighbors_share_an_edge_and_the_outer_ones_are_the_hull() -> None:
     rng = np.random.default_rng(4)
     graph = graph_of(np.c_[rng.random((1000, 2)), rng.random(1000) * 0.03])
@@ -186,7 +197,7 @@ def test_signs_are_exact_across_many_binary_digits() -> None:
     ("radii", "error", "message"),
     [
         ([1, -2.0, 1], InputError, "row 1 has the radius -2.0: radii are not negative"),
-        ([1, 1, np.nan], NonFiniteError, "row 2 has the radius nan: remove such rows first"),
+        ([1, 1, np.nan], NonFiniteError, "row 2 has the radius nan: remove such rows, or"),
         ([1, np.inf, 1], NonFiniteError, "row 1 has the radius inf"),
         ([1, 1], InputError, "radii hold 2 numbers for 3 rows"),
         ([1, 1, 1e-90], InputError, r"rows 2 and 0, .* span \d+ binary digits .* 256 are exact"),

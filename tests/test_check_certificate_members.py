@@ -120,6 +120,14 @@ def test_a_metric_belongs_to_its_member_alone(member: str) -> None:
         held(said, points, other, values)
 
 
+def test_a_graph_of_disks_is_beyond_it(tmp_path: Path) -> None:
+    graph = liftmesh.apollonius([[0, 0], [5, 0], [0, 5]], [1, 1, 1])
+    path = tmp_path / "disks.json"
+    path.write_text(graph.verify().to_json())
+    with pytest.raises(ValueError, match="it is of a graph of disks, which no mesh file holds"):
+        checker.read_certificate(str(path))
+
+
 MATRIX = "its metric is no matrix of two rows of two numbers"
 
 

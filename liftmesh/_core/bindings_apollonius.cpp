@@ -4,9 +4,13 @@
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
+#include <span>
+#include <stdexcept>
 
 #include "apollonius/apollonius.hpp"
+#include "bindings_flaws.hpp"
 #include "bindings_runs.hpp"
+#include "verify/disks.hpp"
 
 namespace bindings {
 
@@ -42,24 +46,29 @@ nb::object pairs(const auto& items) {
     });
 }
 
+nb::object first_of_each(const std::vector<std::array<Row, 2>>& pairs) {
+    return parts<std::int32_t>(pairs, 1, [](const auto& pair, std::int32_t* out) {
+        *out = static_cast<std::int32_t>(pair[0]);
+    });
+}
+
 nb::tuple as_tuple(const liftmesh::apollonius::Outcome& outcome) {
     using liftmesh::apollonius::Triangle;
     const auto& triangles = outcome.triangles;
-    return nb::make_tuple(parts<std::int32_t>(triangles, 3,
-                                              [](const Triangle& t, std::int32_t* out) {
-                                                  std::copy_n(t.corners.data(), 3, out);
-                                              }),
-                          parts<std::int32_t>(triangles, 3,
-                                              [](const Triangle& t, std::int32_t* out) {
-                                                  std::copy_n(t.neighbors.data(), 3, out);
-                                              }),
-                          parts<double>(triangles, 3,
-                                        [](const Triangle& t, double* out) {
-                                            out[0] = t.circle.x;
-                                            out[1] = t.circle.y;
-                                            out[2] = t.circle.radius;
-                                        }),
-                          pairs(outcome.hull), skipped(outcome.hidden), pairs(outcome.duplicates));
+    return nb::make_tuple(
+        parts<std::int32_t>(
+            triangles, 3,
+            [](const Triangle& t, std::int32_t* out) { std::copy_n(t.corners.data(), 3, out); }),
+        parts<std::int32_t>(
+            triangles, 3,
+            [](const Triangle& t, std::int32_t* out) { std::copy_n(t.neighbors.data(), 3, out); }),
+        parts<double>(triangles, 3,
+                      [](const Triangle& t, double* out) {
+                          out[0] = t.circle.x;
+                          out[1] = t.circle.y;
+                          out[2] = t.circle.radius;
+                      }),
+        pairs(outcome.hull), first_of_each(outcome.hidden), pairs(outcome.duplicates));
 }
 
 nb::tuple apollonius(const Disks& rows, nb::handle progress) {
@@ -75,6 +84,36 @@ nb::tuple apollonius(const Disks& rows, nb::handle progress) {
     return as_tuple(outcome);
 }
 
+using Ints = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Doubles = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+template <class Values>
+auto span_of(const Values& values) {
+    return std::span(values.data(), values.shape(0));
+}
+
+// The lists of a graph, each as one row.
+nb::tuple verify(const Disks& rows, const Ints& simplices, const Ints& neighbors,
+                 const Doubles& circles, const Ints& hull, const Ints& hidden,
+                 const Ints& duplicates, unsigned threads, bool shared, nb::handle progress) {
+    const std::size_t corners = simplices.shape(0);
+    if (corners % 3 != 0 || neighbors.shape(0) != corners || circles.shape(0) != corners ||
+        hull.shape(0) % 2 != 0 || duplicates.shape(0) % 2 != 0)
+        throw std::invalid_argument("lengths differ");
+    const std::vector<Disk> disks = read_disks(rows);
+    const liftmesh::DiskGraph graph{disks,           span_of(simplices), span_of(neighbors),
+                                    span_of(hull),   span_of(hidden),    span_of(duplicates),
+                                    span_of(circles)};
+    PythonInterrupt interrupt(progress);
+    liftmesh::DiskVerdict verdict;
+    {
+        const nb::gil_scoped_release unlocked;
+        verdict = liftmesh::verify(graph, new_secret(), {threads, shared}, interrupt);
+    }
+    if (verdict.status == liftmesh::Status::interrupted) throw nb::python_error();
+    return nb::make_tuple(verdict.vertices, as_list(verdict.flaws));
+}
+
 nb::tuple binary_range(const Disks& rows) {
     const auto range = liftmesh::apollonius::range_of(read_disks(rows));
     return nb::make_tuple(range.high - range.low, range.finest, range.largest);
@@ -85,6 +124,8 @@ nb::tuple binary_range(const Disks& rows) {
 void bind_apollonius(nb::module_& m) {
     m.attr("WIDEST_RANGE_OF_DISKS") = liftmesh::apollonius::widest_range;
     m.def("apollonius", &apollonius, "disks"_a, "progress"_a.none());
+    m.def("verify_apollonius", &verify, "disks"_a, "simplices"_a, "neighbors"_a, "circles"_a,
+          "hull"_a, "hidden"_a, "duplicates"_a, "threads"_a, "shared"_a, "progress"_a.none());
     m.def("binary_range", &binary_range, "disks"_a);
 }
 

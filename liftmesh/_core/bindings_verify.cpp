@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "bindings_flaws.hpp"
 #include "bindings_runs.hpp"
 #include "delaunay/locate.hpp"
 #include "verify/open_edges.hpp"
@@ -22,19 +23,6 @@ using liftmesh::Member;
 namespace {
 
 using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-
-// The count and the first places of each kind of flaw, in the order of the enumeration.
-nb::list as_list(const liftmesh::Flaws& flaws) {
-    nb::list kinds;
-    for (std::size_t kind = 0; kind < static_cast<std::size_t>(liftmesh::Flaw::kinds); ++kind) {
-        const liftmesh::Places& places = flaws[static_cast<liftmesh::Flaw>(kind)];
-        nb::list first;
-        for (const liftmesh::Place& place : places.first())
-            first.append(nb::make_tuple(place.at, place.other));
-        kinds.append(nb::make_tuple(places.count(), first));
-    }
-    return kinds;
-}
 
 // The values are those of the rows, or the three coefficients of a metric.
 Member member_named(std::string_view name, const Numbers& values, std::size_t rows) {

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Mask, Progress
+from liftmesh._typing import Floats, Mask, Progress, Rows
 from liftmesh.arrays import as_coordinates
-from liftmesh.choices import check_progress
+from liftmesh.choices import NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.floats import as_floats, unmasked
 from liftmesh.planar.anisotropic_stars import AnisotropicStars
@@ -27,7 +27,11 @@ _REMEDY = "give [[a, b], [b, c]] with a > 0 and a c > b^2 for each row"
 
 @of_one_array
 def anisotropic_stars(
-    points: ArrayLike, metrics: ArrayLike, *, progress: Progress | None = None
+    points: ArrayLike,
+    metrics: ArrayLike,
+    *,
+    nonfinite: NonFinite = "error",
+    progress: Progress | None = None,
 ) -> AnisotropicStars:
     """Compute the star of each point in its own metric, exact for every finite double.
 
@@ -44,6 +48,8 @@ def anisotropic_stars(
     metrics : array_like of shape (n, 2, 2)
         For each row a symmetric, positive definite matrix M: the square of the length of a vector
         v is v^T M v.
+    nonfinite : {"error", "skip"}, default "error"
+        Rows whose point or metric holds NaN or infinity raise, or are skipped and listed.
     progress : callable, optional
         As for `delaunay`; called with 0.0 to 1.0.
 
@@ -59,7 +65,7 @@ def anisotropic_stars(
         The shape or the type of the values is wrong, or a matrix is not symmetric or not positive
         definite, of which the exact determinant decides. The message names the row.
     NonFiniteError
-        A coordinate or a number of a matrix is not finite.
+        A coordinate or a number of a matrix is not finite and `nonfinite` is "error".
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
     UnsupportedTypeError
@@ -85,12 +91,21 @@ def anisotropic_stars(
     Traceback (most recent call last):
     liftmesh.errors.InputError: row 0 has the metric [[1.0, 0.0], [0.0, 0.0]], which is not ...
     """
+    check_option("nonfinite", nonfinite, NonFinite)
     check_progress(progress)
     rows = as_coordinates(points)
     if rows.shape[1] != 2:
         raise InputError(f"points need the shape (n, 2), not {rows.shape}: give x and y alone")
-    matrices = as_metrics(metrics, len(rows))
+    matrices = as_metrics(metrics, len(rows), nonfinite)
     planar = rows.astype(np.float64, order="C") + 0.0
+    finite = np.isfinite(planar).all(axis=1) & np.isfinite(matrices).all(axis=(1, 2))
+    if nonfinite == "error" or finite.all():
+        return _stars(planar, matrices, progress)
+    kept = np.flatnonzero(finite).astype(np.int32)
+    return _among_all_rows(_stars(planar[kept], matrices[kept], progress), planar, matrices, kept)
+
+
+def _stars(planar: Floats, matrices: Floats, progress: Progress | None) -> AnisotropicStars:
     tri = delaunay(planar)
     starts, neighbors = tri.vertex_neighbor_vertices
     hull = np.ascontiguousarray(tri.convex_hull)
@@ -100,7 +115,19 @@ def anisotropic_stars(
     return AnisotropicStars(planar, matrices, indptr, indices, hull[:, 0].copy(), tri.duplicates)
 
 
-def as_metrics(metrics: ArrayLike, rows: int) -> Floats:
+def _among_all_rows(
+    found: AnisotropicStars, planar: Floats, matrices: Floats, kept: Rows
+) -> AnisotropicStars:
+    """Number the rows that were kept as the caller does."""
+    lengths = np.zeros(len(planar), dtype=np.int64)
+    lengths[kept] = np.diff(found.indptr)
+    indptr = np.concatenate([[0], np.cumsum(lengths)])
+    of_rows = (kept[found.indices], kept[found.hull], kept[found.duplicates])
+    skipped = np.setdiff1d(np.arange(len(planar), dtype=np.int32), kept)
+    return AnisotropicStars(planar, matrices, indptr, *of_rows, skipped)
+
+
+def as_metrics(metrics: ArrayLike, rows: int, nonfinite: NonFinite = "error") -> Floats:
     """Convert a matrix for each row.
 
     Parameters
@@ -109,6 +136,8 @@ def as_metrics(metrics: ArrayLike, rows: int) -> Floats:
         Symmetric, positive definite matrices.
     rows : int
         How many there must be.
+    nonfinite : {"error", "skip"}, default "error"
+        As for `anisotropic_stars`: those that are not finite raise, or are not judged.
 
     Returns
     -------
@@ -135,20 +164,24 @@ def as_metrics(metrics: ArrayLike, rows: int) -> Floats:
         raise InputError(f"metrics have the shape {given.shape}, not ({rows}, 2, 2): {_REMEDY}")
     flat = as_floats(unmasked(given.reshape(rows, 4), "metrics"), "metrics")
     matrices = np.array(flat, dtype=np.float64).reshape(rows, 2, 2)
-    _check(matrices)
+    _check(matrices, nonfinite)
     return matrices
 
 
-def _check(matrices: Floats) -> None:
-    finite = np.isfinite(matrices).all((1, 2))
-    if not finite.all():
+def _check(matrices: Floats, nonfinite: NonFinite) -> None:
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    if nonfinite == "error" and not finite.all():
         row = int(finite.argmin())
-        raise NonFiniteError(f"{_named(matrices, row)}, which is not finite: {_REMEDY}", row=row)
-    symmetric = matrices[:, 0, 1] == matrices[:, 1, 0]
+        raise NonFiniteError(
+            f"{_named(matrices, row)}, which is not finite: {_REMEDY}, or skip such rows with "
+            "nonfinite='skip'",
+            row=row,
+        )
+    symmetric = ~finite | (matrices[:, 0, 1] == matrices[:, 1, 0])
     if not symmetric.all():
         row = int(symmetric.argmin())
         raise InputError(f"{_named(matrices, row)}, which is not symmetric: {_REMEDY}")
-    for row in np.flatnonzero(~_surely_definite(matrices)).tolist():
+    for row in np.flatnonzero(finite & ~_surely_definite(matrices)).tolist():
         a, b, _, c = (Fraction(value) for value in matrices[row].ravel().tolist())
         if not (a > 0 and a * c > b * b):
             raise InputError(f"{_named(matrices, row)}, which is not positive definite: {_REMEDY}")
@@ -157,7 +190,7 @@ def _check(matrices: Floats) -> None:
 def _surely_definite(matrices: Floats) -> Mask:
     """Return where rounding, and underflow, cannot have decided."""
     a, b, _, c = matrices.reshape(-1, 4).T
-    with np.errstate(over="ignore", under="ignore"):
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         product = a * c
         sure: Mask = (a > 0) & (product > b * b * (1 + 1e-15))
         sure &= (product > 1e-290) & (product < 1e300)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class AnisotropicStars:
         The rows on the convex hull, counter-clockwise. It is the same in every metric.
     duplicates : (d, 2) ndarray of int32
         Rows equal to a row before, each with that row. They have no star.
+    skipped : (i,) ndarray of int32
+        Rows skipped because they are not finite. They have no star either.
 
     Examples
     --------
@@ -51,6 +53,7 @@ class AnisotropicStars:
     indices: Rows
     hull: Rows
     duplicates: Rows
+    skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -59,9 +62,10 @@ class AnisotropicStars:
         return constructed_from(self)
 
     def __repr__(self) -> str:
+        skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""
         return (
             f"<AnisotropicStars: {len(self.simplices):,} consistent triangles over "
-            f"{len(self.points):,} points, {len(self.inconsistent):,} inconsistent rows>"
+            f"{len(self.points):,} points, {len(self.inconsistent):,} inconsistent rows{skipped}>"
         )
 
     def star(self, row: int) -> Rows:
@@ -75,7 +79,7 @@ class AnisotropicStars:
         Returns
         -------
         (k,) ndarray of int32
-            Counter-clockwise, as in `indices`; empty for a duplicate.
+            Counter-clockwise, as in `indices`; empty for a duplicate or a skipped row.
 
         Raises
         ------

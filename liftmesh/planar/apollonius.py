@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Progress
-from liftmesh.arrays import as_coordinates, check_finite
-from liftmesh.choices import check_progress
+from liftmesh._typing import Floats, Indices, Mask, Progress
+from liftmesh.arrays import as_coordinates, non_finite
+from liftmesh.choices import NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.apollonius_graph import ApolloniusGraph
 from liftmesh.planar.weights import as_weights
@@ -24,7 +24,11 @@ from liftmesh.shapes import of_one_array
 
 @of_one_array
 def apollonius(
-    centers: ArrayLike, radii: ArrayLike, *, progress: Progress | None = None
+    centers: ArrayLike,
+    radii: ArrayLike,
+    *,
+    nonfinite: NonFinite = "error",
+    progress: Progress | None = None,
 ) -> ApolloniusGraph:
     """Compute the Delaunay graph of disks, exact where all numbers span at most 256 binary digits.
 
@@ -42,6 +46,8 @@ def apollonius(
         The centre of each disk. Disks may overlap.
     radii : (n,) array_like
         The radius of each disk, not negative: 0 for a point.
+    nonfinite : {"error", "skip"}, default "error"
+        Rows whose centre or radius is NaN or infinite raise, or are skipped and listed.
     progress : callable, optional
         As for `delaunay`; called with 0.0 to 1.0.
 
@@ -59,7 +65,7 @@ def apollonius(
         of another, so that the differences of both have more digits than the exact signs have room
         for. The message names both rows.
     NonFiniteError
-        A coordinate or a radius is not finite.
+        A coordinate or a radius is not finite and `nonfinite` is "error".
     UnsupportedTypeError
         `centers` is a path, or a column for each axis was given.
 
@@ -81,14 +87,45 @@ def apollonius(
     Traceback (most recent call last):
     liftmesh.errors.InputError: row 1 has the radius -1.0: radii are not negative
     """
+    check_option("nonfinite", nonfinite, NonFinite)
     check_progress(progress)
-    disks = as_disks(centers, radii)
+    disks = as_disks(centers, radii, nonfinite)
+    rows = np.flatnonzero(are_finite(disks)).astype(np.int32)
     names = ("simplices", "neighbors", "circles", "convex_hull", "hidden", "duplicates")
-    found: dict[str, Any] = dict(zip(names, _kernel.apollonius(disks, progress), strict=True))
+    run = _kernel.apollonius(disks[rows], progress)
+    found: dict[str, Any] = dict(zip(names, run, strict=True))
+    if len(rows) < len(disks):
+        of_rows = {
+            name: rows[found[name]] for name in names if name not in ("neighbors", "circles")
+        }
+        skipped = np.flatnonzero(~are_finite(disks)).astype(np.int32)
+        found |= of_rows | {"skipped": skipped}
     return ApolloniusGraph(disks[:, :2], disks[:, 2], **found)
 
 
-def as_disks(centers: ArrayLike, radii: ArrayLike) -> Floats:
+def are_finite(disks: Floats) -> Mask:
+    """Return which rows of disks are finite.
+
+    Parameters
+    ----------
+    disks : (n, 3) ndarray of float64
+        As of `as_disks`.
+
+    Returns
+    -------
+    (n,) ndarray of bool
+        Whether all three numbers of a row are.
+
+    Examples
+    --------
+    >>> are_finite(np.array([[0, 1, 2], [0, np.inf, 2]])).tolist()
+    [True, False]
+    """
+    finite: Mask = np.asarray(np.isfinite(disks).all(axis=1))
+    return finite
+
+
+def as_disks(centers: ArrayLike, radii: ArrayLike, nonfinite: NonFinite = "error") -> Floats:
     """Convert centres and radii to rows x, y, r.
 
     Parameters
@@ -97,6 +134,8 @@ def as_disks(centers: ArrayLike, radii: ArrayLike) -> Floats:
         The centre of each disk.
     radii : (n,) array_like
         The radius of each disk.
+    nonfinite : {"error", "skip"}, default "error"
+        As for `apollonius`.
 
     Returns
     -------
@@ -121,27 +160,34 @@ def as_disks(centers: ArrayLike, radii: ArrayLike) -> Floats:
     disks = np.empty((len(rows), 3))
     disks[:, :2] = rows
     disks[:, 2] = as_weights("radii", radii, len(rows)).values
-    check_finite(rows, skippable=False)
-    _check_radii(disks[:, 2])
-    _check_range(disks)
+    finite = are_finite(disks)
+    if nonfinite == "error" and not finite.all():
+        raise _non_finite(disks, int(finite.argmin()))
+    negative = finite & (disks[:, 2] < 0)
+    if negative.any():
+        row = int(negative.argmax())
+        raise InputError(
+            f"row {row} has the radius {float(disks[row, 2])!r}: radii are not negative"
+        )
+    _check_range(disks, np.flatnonzero(finite))
     return disks
 
 
-def _check_radii(radii: Floats) -> None:
-    for is_wrong, error, remedy in (
-        (~np.isfinite(radii), NonFiniteError, "remove such rows first"),
-        (radii < 0, InputError, "radii are not negative"),
-    ):
-        if is_wrong.any():
-            row = int(is_wrong.argmax())
-            more = {"row": row} if error is NonFiniteError else {}
-            raise error(f"row {row} has the radius {float(radii[row])!r}: {remedy}", **more)
+def _non_finite(disks: Floats, row: int) -> NonFiniteError:
+    if not np.isfinite(disks[row, :2]).all():
+        return non_finite(row, disks[row, :2])
+    return NonFiniteError(
+        f"row {row} has the radius {float(disks[row, 2])!r}: remove such rows, or skip them with "
+        "nonfinite='skip'",
+        row=row,
+    )
 
 
-def _check_range(disks: Floats) -> None:
-    digits, finest, largest = _kernel.binary_range(disks)
+def _check_range(disks: Floats, rows: Indices) -> None:
+    digits, *ends = _kernel.binary_range(disks[rows])
     if digits <= _kernel.WIDEST_RANGE_OF_DISKS:
         return
+    finest, largest = rows[ends].tolist()
     (small, large) = (tuple(disks[row].tolist()) for row in (finest, largest))
     raise InputError(
         f"rows {finest} and {largest}, {small} and {large}, span {digits} binary digits from the "

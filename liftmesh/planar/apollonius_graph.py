@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.arrays import as_reals
 from liftmesh.choices import as_count, shown
 from liftmesh.errors import InputError
@@ -16,6 +16,9 @@ from liftmesh.frozen import constructed_from, freeze
 from liftmesh.planar.apollonius_cells import pieces_in, traced
 
 _FINEST = 2.0**-46  # what polylines may be off, of the coordinates: 64 times their rounding
+
+if TYPE_CHECKING:
+    from liftmesh.planar.certificate import Certificate
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -50,6 +53,8 @@ class ApolloniusGraph:
         from inside. They have no cell.
     duplicates : (j, 2) ndarray of int32
         Rows equal to a row before, each with the first such row, which stands for them.
+    skipped : (i,) ndarray of int32
+        Rows skipped because they are not finite.
 
     Examples
     --------
@@ -71,6 +76,7 @@ class ApolloniusGraph:
     convex_hull: Rows
     hidden: Rows
     duplicates: Rows
+    skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -79,9 +85,10 @@ class ApolloniusGraph:
         return constructed_from(self)
 
     def __repr__(self) -> str:
+        skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""
         return (
             f"<ApolloniusGraph: {len(self.simplices):,} triangles over {len(self.radii):,} disks, "
-            f"{len(self.hidden):,} hidden, {len(self.duplicates):,} duplicates>"
+            f"{len(self.hidden):,} hidden, {len(self.duplicates):,} duplicates{skipped}>"
         )
 
     @property
@@ -96,6 +103,60 @@ class ApolloniusGraph:
         pairs = pairs[pairs[:, 0] < pairs[:, 1]]
         return pairs[np.lexsort(pairs.T[::-1])]
 
+    def verify(
+        self, *, threads: int | None = None, progress: Progress | None = None
+    ) -> Certificate:
+        """Verify exactly that this is the Delaunay graph of its disks.
+
+        The same as ``liftmesh.verify(graph)``. Nothing is taken for granted: the arrays may come
+        from any program. The checks are: in each triangle no disk is within another, and a circle
+        touches its disks in their order; every side is the reverse of one other; what separates two
+        cells leads from the circle on one side of their edge to that on the other, forward; the
+        hull winds around once; and every other row is within another disk, or equal to a row with
+        triangles. That suffices: the cells are then star-shaped about their centres, tile the
+        plane, and are the true ones. Ties and the rounding of `circles` are checked too.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `delaunay`. The certificate is the same for any number.
+        progress : callable, optional
+            As for `delaunay`.
+
+        Returns
+        -------
+        Certificate
+            True if this is a Delaunay graph of the disks; ``canonical`` is whether it is also the
+            one that `apollonius` returns. Its member is "apollonius".
+
+        Raises
+        ------
+        InputError
+            An array has another shape or type, or the disks are none that `apollonius` takes.
+        NonFiniteError
+            A coordinate or a radius is not finite, and no row is said to be skipped.
+
+        Notes
+        -----
+        O(n) on n disks of which none is hidden, and O(n log n) on the hull. If there are hidden
+        rows, a disk that contains each is looked for as `apollonius` does it, and takes as long;
+        whether it contains the row is decided apart from that.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> import liftmesh
+        >>> graph = liftmesh.apollonius([[0, 0], [6, 0], [0, 6], [6, 6]], [2, 1, 1, 1])
+        >>> print(graph.verify())
+        valid: these 2 triangles are the canonical Delaunay graph of disks of 4 rows
+        >>> print(replace(graph, simplices=graph.simplices[:, ::-1]).verify().flaws[0].text)
+        2 triangles have no circle that touches their disks in their order
+        """
+        # Only those who ask need it.
+        from liftmesh.planar.apollonius_verification import verify_graph  # noqa: PLC0415
+
+        return verify_graph(self, threads=threads, progress=progress)
+
     def neighbors_of(self, row: int) -> Rows:
         """Return the disks whose cells meet that of a disk.
 
@@ -107,7 +168,7 @@ class ApolloniusGraph:
         Returns
         -------
         (k,) ndarray of int32
-            In ascending order, each once; empty for a hidden row or a duplicate.
+            In ascending order, each once; empty for a row that is hidden, a duplicate or skipped.
 
         Raises
         ------

@@ -61,7 +61,8 @@ class Flaw:
         "non_manifold_vertices", "boundary_loops", "boundary_winding", "not_convex",
         "missing_vertices", "not_delaunay", "no_triangles", "no_boundary", "euler" or
         "not_canonical"; of tiles also "other_hull", "other_duplicates", "other_skipped" or
-        "damaged_files".
+        "damaged_files"; of graphs of disks also "no_circle", "wrong_neighbors", "wrong_hull",
+        "wrong_order", "wrong_hidden", "wrong_duplicates", "other_circles" or "other_skipped".
     count : int
         The number of occurrences.
     text : str
@@ -86,7 +87,8 @@ class Flaw:
 class Certificate:
     """Whether some triangles are a triangulation of some points: what `verify` has found.
 
-    It is said of Delaunay triangulations, and of regular, metric or farthest-point ones: `member`.
+    It is said of Delaunay triangulations, of regular, metric or farthest-point ones, and of graphs
+    of disks: `member`.
 
     As a truth value it is `valid`.
 
@@ -120,15 +122,16 @@ class Certificate:
     version : str
         Of liftmesh.
     member : str
-        Of which triangulation this is said: "delaunay", "weights" or "radii" (regular), "metric" or
-        "farthest".
+        Of which triangulation this is said: "delaunay", "weights" or "radii" (regular), "metric",
+        "farthest", or "apollonius" for the graph of disks.
     hidden : int or None
-        Finite rows that are no vertices as their lifted points are strictly above the triangles; 0
-        where none can be, None if they were not counted. They are not among the duplicates.
+        Finite rows that are no vertices as their lifted points are strictly above the triangles, or
+        as their disks are within others; 0 where none can be, None if they were not counted. They
+        are not among the duplicates.
     metric : tuple or None
         The matrix of a metric.
     values_sha256 : str or None
-        Of the weights or radii of all rows, as little-endian float64.
+        Of the weights or radii of all rows, also of disks, as little-endian float64.
 
     Examples
     --------
@@ -179,6 +182,7 @@ class Certificate:
         """What the triangles are said to be, without an article."""
         return {
             "farthest": "farthest-point Delaunay triangulation",
+            "apollonius": "Delaunay graph of disks",
             "weights": "regular triangulation by weights",
             "radii": "regular triangulation by radii",
             "metric": f"Delaunay triangulation in the metric {_plain(self.metric)}",
@@ -190,7 +194,9 @@ class Certificate:
     def __str__(self) -> str:
         if not self.valid:
             return self._describe_flaws()
-        these = f"these {self.triangles:,} triangles are" if self.triangles > 1 else "1 triangle is"
+        these = (
+            f"these {self.triangles:,} triangles are" if self.triangles != 1 else "1 triangle is"
+        )
         kind = "the canonical" if self.canonical else "a"
         said = f"valid: {these} {kind} {self.name} of {self.rows:,} rows"
         said += f", {self.hidden:,} of them hidden" if self.hidden else ""

@@ -19,6 +19,8 @@ from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.choices import NonFinite, as_switch, check_option, check_progress
 from liftmesh.errors import InputError
+from liftmesh.planar.apollonius_graph import ApolloniusGraph
+from liftmesh.planar.apollonius_verification import verify_graph
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.planar.member import Member, as_member
 from liftmesh.planar.meshes import points_and_triangles
@@ -62,7 +64,9 @@ def verify(  # noqa: PLR0913 - options are keywords
     points : array_like of shape (n, 2) or (n, 3), or a mesh
         The points; z is ignored. Without `simplices`, a mesh: a `Surface`, which is checked in its
         own plane; a `Triangulation`, or one of SciPy or matplotlib; a mesh of trimesh or Open3D, a
-        `Cloud` with faces, or the path of a file, which are seen from above.
+        `Cloud` with faces, or the path of a file, which are seen from above. Or an
+        `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only `threads` and
+        `progress` can be given with it.
     simplices : array_like of int, of shape (m, 3), optional
         The corners of each triangle as rows of `points`. Triangles may be in any order, and any
         corner may be first.
@@ -130,6 +134,9 @@ def verify(  # noqa: PLR0913 - options are keywords
     given = (weights, radii, metric)
     lifted_by: dict[str, Any] = dict(zip(("weights", "radii", "metric"), given, strict=True))
     lifted_by |= {"furthest_site": (is_farthest := as_switch("furthest_site", furthest_site))}
+    if isinstance(points, ApolloniusGraph):
+        _refuse_more(simplices is not None, is_farthest, *(each is not None for each in given))
+        return verify_graph(points, threads=threads, progress=progress)
     if simplices is None:
         told = is_farthest or any(each is not None for each in given)
         points, simplices, is_skipping, own = points_and_triangles(points, told=told)
@@ -151,6 +158,14 @@ def verify(  # noqa: PLR0913 - options are keywords
     if progress is not None:
         progress(1.0)
     return certificate
+
+
+def _refuse_more(*are_given: bool) -> None:
+    if any(are_given):
+        raise InputError(
+            "a graph of disks has triangles and radii of its own: give it without simplices, "
+            "weights, radii, metric or furthest_site"
+        )
 
 
 def _as_triples(simplices: ArrayLike) -> Array:

@@ -125,6 +125,12 @@ def on_cells(call: Callable[[liftmesh.ApolloniusCells], object]) -> Callable[[Di
     return prepared
 
 
+def verify(disks: Disks) -> Work:
+    """Prepare the verification of a graph."""
+    graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
+    return Work(lambda: graph.verify(threads=1), len(disks))
+
+
 def disk_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes disks."""
     yield "apollonius", DISKS, prepare, tuple(DISKS)
@@ -135,6 +141,7 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     kind = liftmesh.ApolloniusCells
     for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
         yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
+    yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 
 

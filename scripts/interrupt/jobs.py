@@ -117,6 +117,35 @@ def _verify(folder: Path, threads: int | None) -> Action:
     return lambda progress: liftmesh.verify(points, faces, threads=threads, progress=progress)
 
 
+def _disks(folder: Path, ask: Callable[[np.ndarray, np.ndarray], Action]) -> Action:
+    centers = np.load(folder / "cloud.npy")[:, :2]
+    return ask(
+        centers, np.random.default_rng(SEED).random(len(centers)) * 0.5 / len(centers) ** 0.5
+    )
+
+
+def _apollonius(centers: np.ndarray, radii: np.ndarray) -> Action:
+    return lambda progress: liftmesh.apollonius(centers, radii, progress=progress)
+
+
+def _verify_disks(centers: np.ndarray, radii: np.ndarray) -> Action:
+    graph = liftmesh.apollonius(centers, radii)
+    return lambda progress: graph.verify(threads=1, progress=progress)
+
+
+def _cell_sides(centers: np.ndarray, radii: np.ndarray) -> Action:
+    few = max(3, len(centers) // 20)
+    graph = liftmesh.apollonius(centers[:few], radii[:few])
+    return lambda _: graph.cell_sides((0, 0, 1, 1), 1e-4)
+
+
+def _stars(folder: Path) -> Action:
+    points = np.load(folder / "cloud.npy")[:, :2]
+    metrics = np.zeros((len(points), 2, 2))
+    metrics[:, 0, 0], metrics[:, 1, 1] = 1, 1 + 3 * points[:, 0]
+    return lambda progress: liftmesh.anisotropic_stars(points, metrics, progress=progress)
+
+
 def _find_simplex(folder: Path) -> Action:
     points = np.ascontiguousarray(np.load(folder / "cloud.npy")[:, :2])
     few = liftmesh.delaunay(points[: len(points) // 10])
@@ -147,6 +176,10 @@ JOBS: dict[str, Callable[[Path], Action]] = {
     "triangulate": _triangulate,
     "verify, 1 thread": partial(_verify, threads=1),
     "verify": partial(_verify, threads=None),
+    "apollonius": partial(_disks, ask=_apollonius),
+    "verify disks": partial(_disks, ask=_verify_disks),
+    "cell sides of disks": partial(_disks, ask=_cell_sides),
+    "anisotropic stars": _stars,
     "find_simplex": _find_simplex,
     "raster": partial(_surface, ask=lambda surface: surface.raster(1e-3)),
     "contours": partial(_surface, ask=lambda surface: surface.contours(interval=0.05)),

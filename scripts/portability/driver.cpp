@@ -16,6 +16,7 @@
 #include "base/floating_point.hpp"
 #include "cells.hpp"
 #include "digest.hpp"
+#include "disk_graphs.hpp"
 #include "family.hpp"
 #include "meshes.hpp"
 #include "rows.hpp"
@@ -35,6 +36,7 @@ void run_sets(const char* file) {
         add_meshes(coordinates, rows, digests);
         add_cells(coordinates, rows, digests);
         add_family(coordinates, rows, digests);
+        add_disks(coordinates, rows, digests);
         add_signs(coordinates, rows, digests);
         add_printed(coordinates, rows, digests);
         at += 1 + 2 * rows;

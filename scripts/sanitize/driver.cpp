@@ -21,6 +21,7 @@
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
+#include "disk_graphs.hpp"
 #include "family.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
@@ -178,6 +179,7 @@ void check(const Cloud& cloud) {
     check_family(cloud);
     check_tiles(cloud, alone.result.triangle_count);
     check_changes(cloud);
+    check_disks(cloud);
     std::printf("%s: %zu rows, %zu triangles\n", cloud.name.c_str(), cloud.points.size(),
                 alone.result.triangle_count);
     std::fflush(stdout);

@@ -8,6 +8,7 @@ import pickle
 import signal
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -72,6 +73,21 @@ def _verify(rows: np.ndarray, rng: Generator) -> object:
 
 def _find_simplex(rows: np.ndarray, rng: Generator) -> object:
     return _triangulation(rows).find_simplex(rng.random((100, 2)))
+
+
+def _disks(rows: np.ndarray, rng: Generator) -> object:
+    radii = rng.random(len(rows)) * 10.0 ** rng.integers(-4, 1)
+    planar = np.where(np.abs(rows[:, :2]) < 1e-30, 0, rows[:, :2])
+    graph = liftmesh.apollonius(planar, radii.round(6))
+    if rng.random() < 0.5:
+        graph = replace(graph, hidden=rng.integers(-1, len(rows) + 1, 3))
+    return graph.verify().to_json(), graph.cell_sides((0, 0, 1, 1), 0.01)
+
+
+def _stars(rows: np.ndarray, rng: Generator) -> object:
+    metrics = np.zeros((len(rows), 2, 2))
+    metrics[:, 0, 0], metrics[:, 1, 1] = 1, 1 + rng.random(len(rows))
+    return liftmesh.anisotropic_stars(rows[:, :2], metrics).consistent
 
 
 def _sample(rows: np.ndarray, rng: Generator) -> object:
@@ -162,7 +178,8 @@ def _stop(*_: Any) -> None:
 # as long as the rest.
 SMALL: tuple[Call, ...] = (
     _delaunay, _regular, _triangulate, _verify, _find_simplex, _sample, _lower_hull, _predicates,
-    _copies, _wrong, _with_progress, _broken_file, _files("ply", "obj", "npz"), _signalled,
+    _copies, _wrong, _with_progress, _broken_file, _files("ply", "obj", "npz"), _disks, _stars,
+    _signalled,
 )  # fmt: skip
 RARE: tuple[Call, ...] = (_of_two_threads, _files("off", "stl", "glb"))
 RARELY = 0.01

@@ -28,7 +28,7 @@ class Reader {
         for (Site s = 0; s < order_.size(); ++s) {
             const Site of = is_duplicate(s) ? graph_.state(s) : s;
             if (graph_.state(of) == Graph::is_hidden) {
-                outcome.hidden.push_back(order_[s]);
+                outcome.hidden.push_back({order_[s], order_[graph_.container(of)]});
             } else if (order_[s] != row_[of]) {
                 outcome.duplicates.push_back({order_[s], row_[of]});
             }
@@ -110,14 +110,9 @@ class Reader {
         return faces;
     }
 
-    // Relative to the smallest of the three disks, where rounding is least.
     Circle circle(Face f) const {
-        const unsigned first = first_corner(f);
-        unsigned k = first;
-        for (unsigned i = first + 1; i < first + 3; ++i)
-            if (disk(f, i).r < disk(f, k).r) k = i;
-        const Circle c = touching(disk(f, k), disk(f, k + 1), disk(f, k + 2));
-        return {std::ldexp(c.x, scale_), std::ldexp(c.y, scale_), std::ldexp(c.radius, scale_)};
+        const unsigned k = first_corner(f);
+        return circle_of({disk(f, k), disk(f, k + 1), disk(f, k + 2)}, scale_);
     }
     const Disk& disk(Face f, unsigned k) const { return graph_.disk(graph_.corners(f)[k % 3]); }
 
@@ -126,6 +121,11 @@ class Reader {
     int scale_;
     std::vector<Row> row_;  // of each site: of a vertex, the lowest of those that are equal
 };
+
+// By a power of two.
+Disk divided(const Disk& d, int exponent) {
+    return {std::ldexp(d.x, -exponent), std::ldexp(d.y, -exponent), std::ldexp(d.r, -exponent)};
+}
 
 bool insert_all(Graph& graph, std::size_t count, Interrupt& interrupt) {
     constexpr Site at_a_time = 1 << 12;
@@ -139,12 +139,10 @@ bool insert_all(Graph& graph, std::size_t count, Interrupt& interrupt) {
     return true;
 }
 
-std::vector<Disk> scaled(const std::vector<Disk>& disks, const std::vector<Row>& order, int scale) {
+std::vector<Disk> in_order(const std::vector<Disk>& disks, const std::vector<Row>& order) {
     std::vector<Disk> result;
     result.reserve(disks.size());
-    for (const Row i : order)
-        result.push_back({std::ldexp(disks[i].x, -scale), std::ldexp(disks[i].y, -scale),
-                          std::ldexp(disks[i].r, -scale)});
+    for (const Row i : order) result.push_back(disks[i]);
     return result;
 }
 
@@ -163,17 +161,41 @@ Range range_of(const std::vector<Disk>& disks) {
     return range.high < range.low ? Range{} : range;
 }
 
-Outcome apollonius(std::vector<Disk> disks, std::uint64_t secret, Interrupt& interrupt) {
+Scaled scaled(std::vector<Disk> disks) {
     const Range range = range_of(disks);
+    for (Disk& d : disks) d = divided(d, range.high);
+    return {std::move(disks), range.high, Signs(range.high - range.low <= widest_of_filters)};
+}
+
+// Relative to the smaller of the two disks that are nearest to each other: from the third one, both
+// may be in one place but for rounding. The longest side becomes about 1, so that powers of the
+// others do not underflow.
+Circle circle_of(std::array<Disk, 3> corners, int scale) {
+    const auto side = [&](unsigned k) {
+        const Disk &a = corners[k], &b = corners[(k + 1) % 3];
+        return std::fabs(a.x - b.x) + std::fabs(a.y - b.y);
+    };
+    const int length = std::ilogb(std::max({side(0), side(1), side(2)}));
+    for (Disk& d : corners) d = divided(d, length);
+    unsigned k = 0;
+    for (unsigned i = 1; i < 3; ++i)
+        if (side(i) < side(k)) k = i;
+    if (corners[(k + 1) % 3].r < corners[k].r) k = (k + 1) % 3;
+    const Circle c = touching(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+    scale += length;
+    return {std::ldexp(c.x, scale), std::ldexp(c.y, scale), std::ldexp(c.radius, scale)};
+}
+
+Outcome apollonius(std::vector<Disk> disks, std::uint64_t secret, Interrupt& interrupt) {
     const std::vector<Row> order = insertion_order(disks, secret);
-    disks = scaled(disks, order, range.high);
-    Graph graph(disks, Signs(range.high - range.low <= widest_of_filters));
+    const Scaled given = scaled(in_order(disks, order));
+    Graph graph(given.disks, given.signs);
     Outcome outcome;
     if (!insert_all(graph, disks.size(), interrupt)) {
         outcome.status = Status::interrupted;
         return outcome;
     }
-    const Reader reader(graph, order, range.high);
+    const Reader reader(graph, order, given.scale);
     reader.write_rows(outcome);
     reader.write_triangles(outcome);
     reader.write_hull(outcome);

@@ -21,17 +21,28 @@ struct Range {
 };
 Range range_of(const std::vector<Disk>& disks);
 
+// Disks as `disk.hpp` wants them: divided by a power of two.
+struct Scaled {
+    std::vector<Disk> disks;
+    int scale;
+    Signs signs;
+};
+Scaled scaled(std::vector<Disk> disks);
+
 // Rows, counter-clockwise from the lowest. The order is that of the rows.
 struct Triangle {
     std::array<std::int32_t, 3> corners, neighbors;  // -1 is infinity
     Circle circle;
 };
 
+// The circle of a triangle whose corners come in this order. Rounded, then multiplied by 2^scale.
+Circle circle_of(std::array<Disk, 3> corners, int scale);
+
 struct Outcome {
     Status status = Status::ok;
     std::vector<Triangle> triangles;
     std::vector<std::array<std::int32_t, 2>> hull;  // counter-clockwise, from the least pair on
-    std::vector<Row> hidden;                        // ascending
+    std::vector<std::array<Row, 2>> hidden;         // ascending, each with one that contains it
     std::vector<std::array<Row, 2>> duplicates;     // each row, and the lowest that is equal
 };
 

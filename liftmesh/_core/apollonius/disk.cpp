@@ -86,6 +86,39 @@ bool Signs::within_edge(const Disk& p, const Disk& q, const Disk& r, const Disk&
     return in_order(p, q, s, t, r);
 }
 
+int Signs::distance_from(const Disk& p, const Disk& q, const Disk& r, const Disk& t) const {
+    if (p.is_infinity) return distance_from(q, r, p, t);
+    if (q.is_infinity) return distance_from(r, p, q, t);
+    const Verdict verdict = judged(p, q, r, t);
+    return verdict == Verdict::tie ? 0 : verdict == Verdict::conflict ? -1 : 1;
+}
+
+bool Signs::touches_between(const Disk& p, const Disk& q, const Disk& r, const Disk& t) const {
+    if (p.is_infinity) return &opposite(q, r, p, t) == &r;
+    if (q.is_infinity) return &opposite(r, p, q, t) == &r;
+    return &opposite(p, q, r, t) == &r;
+}
+
+bool Signs::reaches_beyond(const Disk& p, const Disk& d) const {
+    const OnLattice<2> on_lattice({&p, &d});
+    return on_lattice.visit([](auto row) {
+        const auto to_d = row(1);
+        const int sign = sign_of(to_d.x + to_d.r);
+        return (sign != 0 ? sign : sign_of(to_d.y)) > 0;
+    });
+}
+
+bool Signs::is_between(const Disk& p, const Disk& s, const Disk& r) const {
+    const OnLattice<4> on_lattice({&p, &s, &r, &infinity});
+    return on_lattice.visit([](auto row) {
+        const auto at_infinity = row(3);
+        const auto one = at_infinity.power, none = at_infinity.x;
+        const Middle first(Mixed(row(1), at_infinity)), last(Mixed(row(2), at_infinity));
+        const Middle right(none - one, none, one);  // the negative, as the others are
+        return sign_of(orientation(first, right, last)) > 0;
+    });
+}
+
 bool Signs::in_order(const Disk& p, const Disk& q, const Disk& s, const Disk& t,
                      const Disk& r) const {
     const OnLattice<5> on_lattice({&p, &q, &s, &t, &r}, false);

@@ -40,10 +40,23 @@ class Signs {
     bool within_edge(const Disk& p, const Disk& q, const Disk& r, const Disk& s,
                      const Disk& t) const;
 
- private:
+    // The same questions without the rule for ties. How far t is from the circle of p, q and r: -1
+    // where it conflicts, 0 if it touches it.
+    int distance_from(const Disk& p, const Disk& q, const Disk& r, const Disk& t) const;
+    // Whether t, which touches the circle of p, q and r, does so between p and q.
+    bool touches_between(const Disk& p, const Disk& q, const Disk& r, const Disk& t) const;
     // Whether the circles that touch p and q and conflict with s, t and r, which are disjoint sets
     // of them, have this counter-clockwise order.
     bool in_order(const Disk& p, const Disk& q, const Disk& s, const Disk& t, const Disk& r) const;
+
+    // Of the direction right after that of the x-axis, counter-clockwise: whether d reaches beyond
+    // the tangent of p that has it as its outer normal.
+    bool reaches_beyond(const Disk& p, const Disk& d) const;
+    // If neither s nor r does, and no direction has both beyond it: whether the counter-clockwise
+    // order is those of s, this one, those of r.
+    bool is_between(const Disk& p, const Disk& s, const Disk& r) const;
+
+ private:
     bool breaks_tie(const Disk& p, const Disk& q, const Disk& r, const Disk& t) const;
 
     bool filters_;

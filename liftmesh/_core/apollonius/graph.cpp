@@ -23,6 +23,7 @@ Graph::Graph(std::span<const Disk> disks, Signs signs)
       signs_(signs),
       spoke_(disks.size(), 0),
       state_(disks.size(), is_vertex),
+      container_(disks.size(), at_infinity),
       on_rim_(disks.size(), at_infinity) {
     faces_.reserve(2 * disks.size());
     seen_.reserve(2 * disks.size());
@@ -33,6 +34,7 @@ void Graph::insert(Site t) {
     const Found found = find(t, locate(disks_[t], last_));
     if (found.container != at_infinity) {
         state_[t] = disks_[found.container] == disks_[t] ? found.container : is_hidden;
+        container_[t] = found.container;
         last_ = spoke_[found.container];
         return;
     }
@@ -51,6 +53,7 @@ void Graph::insert(Site t) {
 void Graph::begin(Site t) {
     if (signs_.contains(disks_[0], disks_[t])) {
         state_[t] = disks_[0] == disks_[t] ? 0 : is_hidden;
+        container_[t] = 0;
         return;
     }
     const Face front = made(0, t, at_infinity), back = made(t, 0, at_infinity);
@@ -223,7 +226,7 @@ void Graph::hide_enclosed(Site t) {
         if (each.tail != at_infinity) on_rim_[each.tail] = t;
     for (const Face f : cavity_)
         for (const Site s : faces_[f].corner)
-            if (s != at_infinity && on_rim_[s] != t) state_[s] = is_hidden;
+            if (s != at_infinity && on_rim_[s] != t) state_[s] = is_hidden, container_[s] = t;
 }
 
 void Graph::fill(Site t) {

@@ -47,6 +47,8 @@ class Graph {
 
     // `is_vertex`, `is_hidden`, or the equal disk that was inserted before.
     Site state(Site t) const { return state_[t]; }
+    // Of a hidden disk: one that contains it.
+    Site container(Site t) const { return container_[t]; }
 
     Face room() const { return static_cast<Face>(faces_.size()); }
     bool is_live(Face f) const { return faces_[f].corner[0] != faces_[f].corner[1]; }
@@ -116,7 +118,7 @@ class Graph {
     std::vector<Corners> faces_;
     std::vector<std::uint64_t> seen_;  // of a face: 4 t + 2 if visited + 1 if in conflict, for t
     std::vector<Edge> spoke_;          // of a vertex: an edge that starts there
-    std::vector<Site> state_;
+    std::vector<Site> state_, container_;
     std::vector<Site> on_rim_;  // of a vertex: the last disk around which it was
     std::vector<Face> free_, cavity_;
     std::vector<std::pair<Face, Edge>> waiting_;  // faces to visit, and the edges they come over

@@ -91,6 +91,8 @@ struct Middle {
 
     explicit Middle(const Mixed<Number>& m)
         : x(m.rp * m.xp), y(m.rp * m.yp), w(m.xp * m.xp + m.yp * m.yp) {}
+    Middle(const Number& own_x, const Number& own_y, const Number& own_w)
+        : x(own_x), y(own_y), w(own_w) {}
 };
 
 // The determinant of three middles: the negative of each is (x, y) / w, which changes no sign.

@@ -60,22 +60,25 @@ class Places {
     std::vector<Place> first_;  // ascending
 };
 
-class Flaws {
+template <class Kind>
+class FlawsOf {
  public:
-    void add(Flaw flaw, Place place) { places_[static_cast<std::size_t>(flaw)].add(place); }
-    void add(const Flaws& other) {
+    void add(Kind flaw, Place place) { places_[static_cast<std::size_t>(flaw)].add(place); }
+    void add(const FlawsOf& other) {
         for (std::size_t i = 0; i < places_.size(); ++i) places_[i].add(other.places_[i]);
     }
-    const Places& operator[](Flaw flaw) const { return places_[static_cast<std::size_t>(flaw)]; }
+    const Places& operator[](Kind flaw) const { return places_[static_cast<std::size_t>(flaw)]; }
 
-    bool any(Flaw flaw) const { return (*this)[flaw].count() > 0; }
+    bool any(Kind flaw) const { return (*this)[flaw].count() > 0; }
     bool any() const {
         return std::any_of(places_.begin(), places_.end(),
                            [](const Places& places) { return places.count() > 0; });
     }
 
  private:
-    std::array<Places, static_cast<std::size_t>(Flaw::kinds)> places_;
+    std::array<Places, static_cast<std::size_t>(Kind::kinds)> places_;
 };
+
+using Flaws = FlawsOf<Flaw>;
 
 }  // namespace liftmesh

@@ -40,6 +40,12 @@ void check_family(Case& c, const Expectation& expected);
 // Points that are inserted and removed leave the triangles of a fresh run.
 void check_changes(Case& c, const Rows& rows);
 
+// The verifier accepts the graph of disks around the rows, and no other; filters are exact.
+void check_disks(Case& c, const Rows& rows);
+
+// The star of a row in its own metric is that of the triangulation in this metric.
+void check_stars(Case& c, const Rows& rows);
+
 // An interrupted run says so, unless it finished before.
 void check_interruption(Case& c, const liftmesh::Delaunay& found);
 

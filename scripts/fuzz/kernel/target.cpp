@@ -67,6 +67,9 @@ void check(Case c) {
     check_more(c, expected, found);
     const bool changes = !c.is_large() && !expected.kept.empty() && c.dice.below(3) == 0;
     if (changes) check_changes(c, expected.kept);
+    if (expected.kept.empty()) return;
+    if (c.dice.below(4) == 0) check_disks(c, expected.kept);
+    if (c.dice.below(8) == 0) check_stars(c, expected.kept);
 }
 
 }  // namespace
