@@ -1,9 +1,13 @@
 // The removal of vertices, the least significant first. What a removal would cost is computed from
 // the samples of the star alone; it is computed again for the neighbours of a vertex that went.
+#include <algorithm>
 #include <limits>
 #include <queue>
+#include <utility>
 
 #include "base/floating_point.hpp"
+#include "simplification/grid.hpp"
+#include "simplification/lists.hpp"
 #include "simplification/simplify.hpp"
 
 namespace liftmesh::simplification {
@@ -54,10 +58,10 @@ struct Offer {
     }
 };
 
-template <class Measure>
+template <class Samples, class Measure>
 class Removal {
  public:
-    Removal(Cover& cover, std::size_t least, Interrupt& interrupt)
+    Removal(Cover<Samples>& cover, std::size_t least, Interrupt& interrupt)
         : cover_(cover),
           least_(least),
           interrupt_(interrupt),
@@ -67,12 +71,11 @@ class Removal {
 
  private:
     bool plan(Vertex v);
-    std::size_t find(std::uint32_t s) const;
     double cost(Vertex v);
     void offer(Vertex v);
     void remove(Vertex v);
 
-    Cover& cover_;
+    Cover<Samples>& cover_;
     std::size_t least_;
     Interrupt& interrupt_;
     std::vector<std::uint32_t> version_;
@@ -83,8 +86,8 @@ class Removal {
 };
 
 // The star and the patch of a vertex that may go.
-template <class Measure>
-bool Removal<Measure>::plan(Vertex v) {
+template <class Samples, class Measure>
+bool Removal<Samples, Measure>::plan(Vertex v) {
     if (cover_.is_corner(v)) return false;
     cover_.mesh().find_star(v, star_);
     if (star_.link.size() > most_neighbors) return false;
@@ -98,53 +101,37 @@ bool Removal<Measure>::plan(Vertex v) {
     return true;
 }
 
-// The first triangle of the patch in which a sample is.
-template <class Measure>
-std::size_t Removal<Measure>::find(std::uint32_t s) const {
-    const Point p = cover_.sample(s).point;
-    for (std::size_t i = 0;; ++i) {
-        const Vertex* corners = &patch_.vertices[3 * i];
-        if (corners[0] == ghost || corners[1] == ghost || corners[2] == ghost) continue;
-        bool is_inside = true;
-        for (int k = 0; k < 3 && is_inside; ++k)
-            is_inside = cover_.turn(cover_.mesh().point(corners[k]),
-                                    cover_.mesh().point(corners[(k + 1) % 3]), p) >= 0;
-        if (is_inside) return i;
-    }
-}
-
-template <class Measure>
-double Removal<Measure>::cost(Vertex v) {
+template <class Samples, class Measure>
+double Removal<Samples, Measure>::cost(Vertex v) {
     if (!plan(v)) return infinity;
     Measure measure;
-    bool is_allowed = true;
-    const auto add = [&](std::uint32_t s) {
-        is_allowed = is_allowed && measure.add_after(facets_[find(s)], cover_.sample(s));
-    };
-    add(cover_.sample_of(v));
+    const bool is_allowed = cover_.each_after(
+        v, star_, patch_,
+        [&](std::size_t i, const Sample& s) { return measure.add_after(facets_[i], s); });
+    if (!is_allowed) return infinity;
+    if (!Measure::needs_before) return measure.cost;
     for (const TriangleId t : star_.triangles) {
-        if (!is_allowed) break;
         if (cover_.mesh().slots().is_ghost(t)) continue;
-        const Facet before = Measure::needs_before ? cover_.facet(t) : Facet();
-        cover_.each_of(t, [&](std::uint32_t s) {
-            measure.add_before(before, cover_.sample(s));
-            add(s);
+        const Facet before = cover_.facet(t);
+        cover_.each_of(t, [&](std::uint32_t, const Sample& s) {
+            measure.add_before(before, s);
+            return true;
         });
     }
-    return is_allowed ? measure.cost : infinity;
+    return measure.cost;
 }
 
-template <class Measure>
-void Removal<Measure>::offer(Vertex v) {
+template <class Samples, class Measure>
+void Removal<Samples, Measure>::offer(Vertex v) {
     const double found = cost(v);
     if (found < infinity) heap_.push({found, cover_.mesh().point(v), v, version_[v]});
 }
 
-template <class Measure>
-void Removal<Measure>::remove(Vertex v) {
+template <class Samples, class Measure>
+void Removal<Samples, Measure>::remove(Vertex v) {
     plan(v);
     const std::vector<Vertex> neighbors = star_.link;
-    cover_.remove(v, star_, patch_, [&](std::uint32_t s) { return find(s); });
+    cover_.remove(v, star_, patch_);
     ++version_[v];
     for (const Vertex each : neighbors) {
         if (each == ghost) continue;
@@ -153,8 +140,8 @@ void Removal<Measure>::remove(Vertex v) {
     }
 }
 
-template <class Measure>
-Status Removal<Measure>::run() {
+template <class Samples, class Measure>
+Status Removal<Samples, Measure>::run() {
     Patience patience(interrupt_);
     for (Vertex v = 0; v < cover_.mesh().vertex_end(); ++v) {
         if (patience.ends(64)) return Status::interrupted;
@@ -173,19 +160,25 @@ Status Removal<Measure>::run() {
 
 }  // namespace
 
-Status prune(Cover& cover, Interrupt& interrupt) {
-    return Removal<ByTolerance>(cover, 0, interrupt).run();
+template <class Samples>
+Status prune(Cover<Samples>& cover, Interrupt& interrupt) {
+    return Removal<Samples, ByTolerance>(cover, 0, interrupt).run();
 }
+template Status prune(Cover<Grid>&, Interrupt&);
+template Status prune(Cover<Lists>&, Interrupt&);
 
 Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    Cover cover(terrain, 0);
     Simplified found;
     found.inserted = terrain.count;
     interrupt.expect(terrain.count > most ? terrain.count - most : 1);
+    Lists lists(terrain);
+    if (!lists.fill(terrain, interrupt)) return {Status::interrupted};
+    const Tolerance limit(terrain, lists.turns(), 0);
+    Cover cover(std::move(lists), corners_of(terrain), limit);
     found.status = cover.begin_with_all(interrupt);
     if (found.status != Status::ok) return found;
-    found.status = Removal<BySquares>(cover, most, interrupt).run();
+    found.status = Removal<Lists, BySquares>(cover, most, interrupt).run();
     found.rows = cover.rows();
     return found;
 }

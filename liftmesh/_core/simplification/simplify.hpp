@@ -6,6 +6,7 @@
 
 #include "base/status.hpp"
 #include "simplification/cover.hpp"
+#include "simplification/samples.hpp"
 
 namespace liftmesh::simplification {
 
@@ -29,6 +30,7 @@ Simplified simplify(const Terrain& terrain, double tolerance, std::size_t most, 
 Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt);
 
 // The last step of simplify.
-Status prune(Cover& cover, Interrupt& interrupt);
+template <class Samples>
+Status prune(Cover<Samples>& cover, Interrupt& interrupt);
 
 }  // namespace liftmesh::simplification
