@@ -26,6 +26,8 @@ class Cover {
     const dynamic::Triangulation& mesh() const { return mesh_; }
     std::size_t vertices() const { return mesh_.size(); }
     bool is_corner(Vertex v) const { return vertices_[v].is_corner; }
+    Sample sample(std::uint32_t s) const { return samples_.at(s); }
+    std::uint32_t number(Vertex v) const { return vertices_[v].sample; }
     Sample sample_at(Vertex v) const { return {mesh_.point(v), vertices_[v].height}; }
     Facet facet(const Vertex* corners) const {
         return {sample_at(corners[0]), sample_at(corners[1]), sample_at(corners[2]), tolerance_};
@@ -46,13 +48,13 @@ class Cover {
     bool each_of(TriangleId t, Visit visit) const {
         return samples_.each_of(t, numbers(corners_of(t).vertices).samples, visit);
     }
-    // Calls visit(i, sample) for those that the i-th triangle of the patch would have in place of
-    // the star of a vertex.
+    // Calls visit(i, s, sample) for those that the i-th triangle of the patch would have in place
+    // of the star of a vertex.
     template <class Visit>
     bool each_after(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch,
                     Visit visit) const {
-        const auto number = [this](Vertex each) { return vertices_[each].sample; };
-        return samples_.each_after(mesh_, star, number(v), patch, number, visit);
+        const auto number_of = [this](Vertex each) { return number(each); };
+        return samples_.each_after(mesh_, star, number(v), patch, number_of, visit);
     }
 
     // Brings what an insertion will read: first what is there by number, then what that names.
@@ -66,6 +68,9 @@ class Cover {
     void insert(std::uint32_t s, TriangleId t);
     // A vertex becomes a sample, and the patch takes the place of its star.
     void remove(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch);
+
+    // The triangles of the patch.
+    const std::vector<TriangleId>& filled() const { return filled_; }
 
     std::vector<Row> rows() const;
 

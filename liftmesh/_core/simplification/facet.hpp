@@ -33,10 +33,12 @@ class Facet {
     bool exceeds(const Sample& sample, double distance) const {
         if (distance <= surely_within_) return false;
         if (distance > surely_beyond_) return true;
-        for (const Sample& corner : corners_)
-            if (corner.point == sample.point) return false;
+        if (is_corner(sample.point)) return false;
         if (is_exact_) return exceeds_in_doubles(sample);
         return exceeds_exactly(corners_, sample, tolerance_);
+    }
+    bool is_corner(Point p) const {
+        return p == corners_[0].point || p == corners_[1].point || p == corners_[2].point;
     }
     double surely_within() const { return surely_within_; }
 

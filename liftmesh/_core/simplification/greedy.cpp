@@ -24,21 +24,20 @@ struct Candidate {
 template <class Samples>
 class Greedy {
  public:
-    Greedy(Cover<Samples>& cover, double tolerance, std::size_t most, Interrupt& interrupt)
-        : cover_(cover), tolerance_(tolerance), most_(most), interrupt_(interrupt) {}
+    Greedy(Cover<Samples>& cover, double tolerance, std::size_t most, Told& told,
+           Interrupt& interrupt)
+        : cover_(cover), tolerance_(tolerance), most_(most), told_(told), interrupt_(interrupt) {}
 
     Status run();
     bool is_done() const { return heap_.empty(); }
 
  private:
-    static constexpr std::size_t whole = 1000;
-
     // Whether the other one comes first: by distance, then by coordinates.
     bool is_less(const Candidate& one, const Candidate& other) const {
         if (one.distance != other.distance) return one.distance < other.distance;
         return cover_.is_before(other.sample, one.sample);
     }
-    Candidate worst_of(TriangleId t) const;
+    Candidate worst_of(TriangleId t);
     Candidate pop();
     void offer(const Candidate& worst);
     void look_ahead() const;
@@ -48,21 +47,24 @@ class Greedy {
     Cover<Samples>& cover_;
     double tolerance_;
     std::size_t most_;
+    Told& told_;
     Interrupt& interrupt_;
     std::vector<Candidate> heap_;
     std::vector<std::uint32_t> worst_;  // of a slot
     double first_ = 0;
-    std::size_t told_ = 0;
+    std::size_t seen_ = 0;  // samples, since the interrupt was thought of
 };
 
 // Nearly all samples are nearer than the worst one so far, so little is done for these.
 template <class Samples>
-Candidate Greedy<Samples>::worst_of(TriangleId t) const {
+Candidate Greedy<Samples>::worst_of(TriangleId t) {
     if (!cover_.may_have_samples(t)) return {-1, none, t};
     const Facet facet = cover_.facet(t);
     Candidate worst{facet.surely_within(), none, t};
+    std::size_t seen = 0;
     cover_.each_of(t, [&](std::uint32_t s, const Sample& sample) {
         double distance = facet.distance(sample);
+        ++seen;
         if (distance < worst.distance) return true;
         if (std::isnan(distance)) distance = std::numeric_limits<double>::infinity();
         const Candidate found{distance, s, t};
@@ -71,6 +73,7 @@ Candidate Greedy<Samples>::worst_of(TriangleId t) const {
         if (is_worse && facet.exceeds(sample, distance)) worst = found;
         return true;
     });
+    seen_ += seen;
     return worst;
 }
 
@@ -122,15 +125,11 @@ void Greedy<Samples>::tell(double distance) {
         const double part = static_cast<double>(cover_.vertices()) / static_cast<double>(most_);
         done = std::max(done, part);
     }
-    if (!(done > 0)) return;
-    const auto now = static_cast<std::size_t>(std::min(done, 1.0) * static_cast<double>(whole - 1));
-    if (now > told_) interrupt_.advance(now - told_);
-    told_ = std::max(told_, now);
+    if (done > 0) told_.reach(std::min(done, 0.999));
 }
 
 template <class Samples>
 Status Greedy<Samples>::run() {
-    interrupt_.expect(whole);
     const Status begun = cover_.begin_with_corners(interrupt_);
     if (begun != Status::ok) return begun;
     const dynamic::Slots& slots = cover_.mesh().slots();
@@ -146,7 +145,7 @@ Status Greedy<Samples>::run() {
         if (worst_[slot_of(next.triangle)] != next.sample) continue;
         look_ahead();
         insert(next);
-        if (patience.ends(16)) return Status::interrupted;
+        if (patience.ends(16 + std::exchange(seen_, 0) / 8)) return Status::interrupted;
         if (cover_.vertices() % 64 == 0) tell(next.distance);
     }
     while (!heap_.empty() && worst_[slot_of(heap_.front().triangle)] != heap_.front().sample) pop();
@@ -158,13 +157,17 @@ Simplified simplify(Samples samples, const Terrain& terrain, double tolerance, s
                     bool prunes, Interrupt& interrupt) {
     const Tolerance limit(terrain, samples.turns(), tolerance);
     Cover cover(std::move(samples), corners_of(terrain), limit);
-    Greedy greedy(cover, tolerance, most, interrupt);
+    Told told(prunes ? 3 : 1, interrupt);
+    Greedy greedy(cover, tolerance, most, told, interrupt);
     Simplified found;
     found.status = greedy.run();
     if (found.status != Status::ok) return found;
     found.is_within = greedy.is_done();
     found.inserted = cover.vertices();
-    if (found.is_within && prunes) found.status = prune(cover, interrupt);
+    if (found.is_within && prunes) {
+        told.begin();
+        found.status = prune(cover, told, interrupt);
+    }
     found.rows = cover.rows();
     return found;
 }

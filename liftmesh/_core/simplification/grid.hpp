@@ -61,7 +61,7 @@ class Grid {
     template <class Visit>
     bool each_of(TriangleId, const std::uint32_t* corners, Visit visit) const;
 
-    // Calls visit(i, sample) for those in the i-th triangle of a patch; number(v) is the sample
+    // Calls visit(i, s, sample) for those in the i-th triangle of a patch; number(v) is the sample
     // that a vertex is. One on an edge is visited for either side.
     template <class Number, class Visit>
     bool each_after(const dynamic::Triangulation&, const dynamic::Star&, std::uint32_t,
@@ -70,7 +70,9 @@ class Grid {
             const Vertex* v = &patch.vertices[3 * i];
             if (v[0] == ghost || v[1] == ghost || v[2] == ghost) continue;
             const std::uint32_t corners[3] = {number(v[0]), number(v[1]), number(v[2])};
-            const auto pass = [&](std::uint32_t, const Sample& each) { return visit(i, each); };
+            const auto pass = [&](std::uint32_t s, const Sample& each) {
+                return visit(i, s, each);
+            };
             if (!each_of(dynamic::nothing, corners, pass)) return false;
         }
         return true;

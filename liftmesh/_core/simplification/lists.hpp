@@ -57,13 +57,13 @@ class Lists {
         return true;
     }
 
-    // Calls visit(i, sample) for the vertex of a star and the samples in it, with the number of the
-    // triangle of the patch in which each would be.
+    // Calls visit(i, s, sample) for the vertex of a star and the samples in it, with the number of
+    // the triangle of the patch in which each would be.
     template <class Number, class Visit>
     bool each_after(const dynamic::Triangulation& mesh, const dynamic::Star& star,
                     std::uint32_t apex, const dynamic::Patch& patch, Number, Visit visit) const {
-        const auto pass = [&](std::uint32_t, const Sample& sample) {
-            return visit(find(mesh, patch, sample.point), sample);
+        const auto pass = [&](std::uint32_t s, const Sample& sample) {
+            return visit(find(mesh, patch, sample.point), s, sample);
         };
         if (!pass(apex, at(apex))) return false;
         for (const TriangleId t : star.triangles)
