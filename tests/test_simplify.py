@@ -94,6 +94,63 @@ def test_fewer_points_and_a_surface() -> None:
     assert len(both.vertices) < 20
 
 
+def lattice(columns: Floats, rows: Floats, z: Floats) -> Floats:
+    x, y = (each.ravel() for each in np.meshgrid(columns, rows))
+    return np.column_stack([x, y, z])
+
+
+@pytest.mark.parametrize(
+    ("start", "step"),
+    [(0.0, 1.0), (5200000.25, 30.1), (45.3, 1 / 3600), (0.0, 5e-324), (1e3, -1e-9)],
+)
+@pytest.mark.parametrize("missing", [0, 40, 150])
+@pytest.mark.parametrize("narrow", [False, True])
+def test_grids_exact_or_rounded_full_or_not(
+    start: float, step: float, missing: int, narrow: bool
+) -> None:
+    rng = np.random.default_rng(12)
+    size = (12, 20) if not narrow else (3, 80)
+    columns, rows = (start + step * np.arange(count) for count in size)
+    z = np.rint(4 * np.sin(np.arange(240) / 9)) + rng.integers(0, 2, 240)
+    points = np.delete(lattice(columns, rows, z), rng.permutation(240)[:missing], axis=0)
+    for prune in (False, True):
+        found = liftmesh.simplify(points, max_error=1.5, prune=prune)
+        assert max(distances(found, points[::12])) <= 1.5
+        assert found.metadata["simplification"]["within"]  # of all, by the check of simplify
+        again = liftmesh.simplify(rng.permutation(points), max_error=1.5, prune=prune)
+        assert {*map(tuple, again.vertices)} == {*map(tuple, found.vertices)}
+        assert len(found.vertices) < 0.9 * len(points)
+
+
+def test_a_grid_of_uneven_lines_and_its_even_twin() -> None:
+    rng = np.random.default_rng(13)
+    z = np.rint(5 * np.sin(np.arange(400) / 17)) + rng.integers(0, 2, 400)
+    uneven = np.sort(rng.random(20)) * 20
+    for columns in (uneven, np.arange(20.0), np.arange(20.0) + 1e-5 * rng.random(20)):
+        found = liftmesh.simplify(lattice(columns, np.arange(20.0), z), max_error=2)
+        assert found.metadata["simplification"]["error"] <= 2
+        assert len(found.vertices) < 200
+
+
+def test_the_last_pass_exchanges_vertices() -> None:
+    """A cone of many more vertices than a pass needs that only removes."""
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(60.0), np.arange(60.0)))
+    points = np.column_stack([x, y, np.hypot(x - 31, y - 27)])
+    whole, pruned = (liftmesh.simplify(points, max_error=0.2, prune=p) for p in (False, True))
+    assert len(pruned.vertices) < 0.7 * len(whole.vertices)
+    assert pruned.metadata["simplification"]["error"] <= 0.2
+    cloud = rotated(points)
+    whole, pruned = (liftmesh.simplify(cloud, max_error=0.2, prune=p) for p in (False, True))
+    assert len(pruned.vertices) < 0.65 * len(whole.vertices)
+    assert pruned.metadata["simplification"]["error"] <= 0.2
+
+
+def rotated(points: Floats) -> Floats:
+    cos, sin = np.cos(0.4), np.sin(0.4)
+    x, y, z = points.T
+    return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
+
+
 def test_vertices_that_are_not_needed_go_again() -> None:
     points = grid(np.random.default_rng(2))
     whole, pruned = (liftmesh.simplify(points, max_error=1, prune=p) for p in (False, True))

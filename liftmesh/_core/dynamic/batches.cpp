@@ -2,12 +2,14 @@
 // each is short. Where an eighth of the points changes, divide and conquer makes everything anew in
 // less time, and the same triangles.
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <utility>
 
 #include "delaunay/delaunay.hpp"
 #include "dynamic/triangulation.hpp"
 #include "sorting/hilbert.hpp"
+#include "sorting/patient_sort.hpp"
 
 namespace liftmesh::dynamic {
 
@@ -21,15 +23,15 @@ std::vector<Row> as_given(std::size_t count) {
     return rows;
 }
 
-// The rows in the order of a Hilbert curve.
-std::vector<Row> ordered(const Input& input) {
+// The rows in the order of a Hilbert curve; none if interrupted.
+std::vector<Row> ordered(const Input& input, Interrupt& interrupt) {
     Bounds box = Bounds::nothing();
     for (std::size_t row = 0; row < input.rows; ++row) box.add(pair(input[row]));
     const HilbertCurve curve(box);
     std::vector<std::pair<std::uint32_t, Row>> places(input.rows);
     for (std::size_t row = 0; row < input.rows; ++row)
         places[row] = {curve(input[row]), static_cast<Row>(row)};
-    std::sort(places.begin(), places.end());
+    if (!patient_sort(places, std::less<>(), interrupt)) return {};
     std::vector<Row> rows(input.rows);
     std::transform(places.begin(), places.end(), rows.begin(),
                    [](auto each) { return each.second; });
@@ -47,7 +49,10 @@ Status Triangulation::insert(const Input& input, Vertex* found, Interrupt& inter
     if (input.rows >= few && 8 * input.rows >= size_) return insert_anew(input, found, interrupt);
     Patience patience(interrupt);
     Vertex last = ghost;
-    for (const Row row : input.rows < few ? as_given(input.rows) : ordered(input)) {
+    const std::vector<Row> rows =
+        input.rows < few ? as_given(input.rows) : ordered(input, interrupt);
+    if (rows.size() < input.rows) return Status::interrupted;
+    for (const Row row : rows) {
         if (patience.ends(few)) return Status::interrupted;
         found[row] = last = insert(input[row], last);
     }

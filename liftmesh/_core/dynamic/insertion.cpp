@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/prefetch.hpp"
 #include "dynamic/triangulation.hpp"
 #include "predicates/orient2d.hpp"
 
@@ -25,6 +26,15 @@ void Triangulation::dig(Point p, TriangleId conflict) {
         cavity_.push_back(triangle_of(beyond));
         stack_.push_back(previous(beyond));
         stack_.push_back(next(beyond));
+    }
+}
+
+void Triangulation::prefetch_around(TriangleId t) const {
+    if (slots_.is_free(t)) return;
+    for (unsigned k = 0; k < 3; ++k) {
+        const Vertex v = slots_.vertex(t, k);
+        if (v != ghost) liftmesh::prefetch(points_.data() + v);
+        slots_.prefetch(triangle_of(slots_.twin(edge(t, k))));
     }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/point.hpp"
+#include "base/prefetch.hpp"
 #include "delaunay/mesh.hpp"
 
 namespace liftmesh::dynamic {
@@ -74,6 +75,11 @@ class Slots {
     void join(Edge e, Edge f) {
         twins_[e] = f;
         twins_[f] = e;
+    }
+
+    void prefetch(TriangleId t) const {
+        liftmesh::prefetch(vertices_.data() + t);
+        liftmesh::prefetch(twins_.data() + t);
     }
 
     // The edge opposite a corner.

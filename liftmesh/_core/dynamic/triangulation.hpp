@@ -106,6 +106,11 @@ class Triangulation {
     // Room for so many further points.
     void reserve(std::size_t count);
 
+    // Brings what an insertion into a triangle will read: the triangle itself, or, once that is
+    // there, its corners and neighbours.
+    void prefetch(TriangleId t) const { slots_.prefetch(t); }
+    void prefetch_around(TriangleId t) const;
+
     // The parts of an insertion, for callers that keep something by triangles: the place of a new
     // point, the cavity of triangles that conflict with it, and its star in their stead.
     Place locate(Point p, Vertex hint) const;

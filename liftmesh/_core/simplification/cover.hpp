@@ -1,8 +1,9 @@
-// An approximation under construction: a triangulation of some of the points, and the samples of
-// each of its triangles. A sample on an edge is in the list of either side.
+// An approximation under construction: a triangulation of some of the points, the others being
+// samples of its triangles, which `Samples` (grid.hpp, lists.hpp) finds.
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "base/status.hpp"
@@ -12,117 +13,148 @@
 
 namespace liftmesh::simplification {
 
+template <class Samples>
 class Cover {
  public:
-    Cover(const Terrain& terrain, double tolerance);
+    Cover(Samples samples, std::vector<Row> corners, Tolerance tolerance)
+        : samples_(std::move(samples)), corners_(std::move(corners)), tolerance_(tolerance) {}
 
-    // Begins with the corners of the hull, or with all points; false if interrupted.
-    bool begin_with_corners(Interrupt& interrupt);
+    // Begins with the corners of the hull, or with all points.
+    Status begin_with_corners(Interrupt& interrupt);
     Status begin_with_all(Interrupt& interrupt);
 
     const dynamic::Triangulation& mesh() const { return mesh_; }
     std::size_t vertices() const { return mesh_.size(); }
-    const Sample& sample(std::uint32_t s) const { return samples_[s]; }
-    std::uint32_t sample_of(Vertex v) const { return sample_of_[v]; }
-    bool is_corner(Vertex v) const { return is_corner_[v]; }
-    Facet facet(TriangleId t) const;
-    Facet facet(const Vertex* corners) const;
-    int turn(Point a, Point b, Point c) const { return turns_(a, b, c); }
+    bool is_corner(Vertex v) const { return vertices_[v].is_corner; }
+    Sample sample(std::uint32_t s) const { return samples_.at(s); }
+    std::uint32_t number(Vertex v) const { return vertices_[v].sample; }
+    Sample sample_at(Vertex v) const { return {mesh_.point(v), vertices_[v].height}; }
+    Facet facet(const Vertex* corners) const {
+        return {sample_at(corners[0]), sample_at(corners[1]), sample_at(corners[2]), tolerance_};
+    }
+    Facet facet(TriangleId t) const { return facet(corners_of(t).vertices); }
 
-    // Calls visit(sample) for those of a triangle.
-    template <class Visit>
-    void each_of(TriangleId t, Visit visit) const {
-        for (std::uint32_t s = first_[slot_of(t)]; s != none; s = samples_[s].next) visit(s);
+    // Whether a sample is lexicographically less than another one.
+    bool is_before(std::uint32_t s, std::uint32_t other) const {
+        return samples_.is_before(s, other);
     }
 
-    // A sample becomes a vertex; `place(sample, k)` is called for those around it, which are in
-    // the k-th wedge.
-    template <class Place>
-    void insert(std::uint32_t s, TriangleId t, Place place);
-    const std::vector<TriangleId>& made() const { return mesh_.star(); }
-    // The real ones of these around the vertex.
-    TriangleId wedge(std::size_t k) const { return wedges_[k]; }
+    // False only if a triangle has none but its corners.
+    bool may_have_samples(TriangleId t) const {
+        return samples_.may_be_in(t, numbers(corners_of(t).vertices).samples);
+    }
+    // Calls visit(s, sample) for those of a triangle until it returns false; whether it never did.
+    template <class Visit>
+    bool each_of(TriangleId t, Visit visit) const {
+        return samples_.each_of(t, numbers(corners_of(t).vertices).samples, visit);
+    }
+    // Calls visit(i, s, sample) for those that the i-th triangle of the patch would have in place
+    // of the star of a vertex.
+    template <class Visit>
+    bool each_after(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch,
+                    Visit visit) const {
+        const auto number_of = [this](Vertex each) { return number(each); };
+        return samples_.each_after(mesh_, star, number(v), patch, number_of, visit);
+    }
 
-    // A vertex becomes a sample; `find(sample)` says in which triangle of the patch each is.
-    template <class Find>
-    void remove(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch, Find find);
+    // Brings what an insertion will read: first what is there by number, then what that names.
+    void foresee(std::uint32_t s, TriangleId t) const {
+        mesh_.prefetch(t);
+        samples_.prefetch(s);
+    }
+    void approach(TriangleId t) const { mesh_.prefetch_around(t); }
+
+    // A sample, in a triangle, becomes a vertex, with the star of the mesh.
+    void insert(std::uint32_t s, TriangleId t);
+    // A vertex becomes a sample, and the patch takes the place of its star.
+    void remove(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch);
+
+    // The triangles of the patch.
+    const std::vector<TriangleId>& filled() const { return filled_; }
 
     std::vector<Row> rows() const;
 
  private:
-    Corner corner(Vertex v) const;
-    void add_to(TriangleId t, std::uint32_t s) {
-        samples_[s].next = first_[slot_of(t)];
-        first_[slot_of(t)] = s;
-    }
-    void collect(const std::vector<TriangleId>& triangles);
-    void take_lists(const std::vector<TriangleId>& triangles);
-    void find_wedges();
-    std::size_t wedge_of(Point apex, Point p, std::size_t k) const;
-    void note_vertex(Vertex v, std::uint32_t s);
+    struct Kept {
+        double height;
+        std::uint32_t sample;
+        bool is_corner;
+    };
+    struct Corners {
+        Vertex vertices[3];
+    };
+    struct Numbers {
+        std::uint32_t samples[3];
+    };
 
-    double tolerance_;
-    Turns turns_;
-    std::vector<Sample> samples_;
+    Corners corners_of(TriangleId t) const {
+        const dynamic::Slots& slots = mesh_.slots();
+        return {{slots.vertex(t, 0), slots.vertex(t, 1), slots.vertex(t, 2)}};
+    }
+    Numbers numbers(const Vertex* corners) const {
+        return {{vertices_[corners[0]].sample, vertices_[corners[1]].sample,
+                 vertices_[corners[2]].sample}};
+    }
+    void note(Vertex v, std::uint32_t s, bool is_corner) {
+        if (v >= vertices_.size()) vertices_.resize(v + std::size_t{1});
+        vertices_[v] = {samples_.at(s).height, s, is_corner};
+    }
+
+    Samples samples_;
     std::vector<Row> corners_;
+    Tolerance tolerance_;
     dynamic::Triangulation mesh_;
-    std::vector<std::uint32_t> first_;      // of a slot
-    std::vector<std::uint32_t> sample_of_;  // of a vertex
-    std::vector<bool> is_corner_;
-    std::vector<std::uint32_t> moved_;
-    std::vector<std::uint32_t> lists_;
+    std::vector<Kept> vertices_;
     std::vector<TriangleId> filled_;
-    std::vector<Point> ends_;
-    std::vector<TriangleId> wedges_;
 };
 
-template <class Place>
-void Cover::insert(std::uint32_t s, TriangleId t, Place place) {
-    const Point p = samples_[s].point;
+template <class Samples>
+Status Cover<Samples>::begin_with_corners(Interrupt& interrupt) {
+    Patience patience(interrupt);
+    Vertex last = ghost;
+    for (const std::uint32_t s : samples_.of_rows(corners_)) {
+        if (patience.ends(64)) return Status::interrupted;
+        last = mesh_.insert(samples_.at(s).point, last);
+        note(last, s, true);
+    }
+    return samples_.deal(mesh_, interrupt) ? Status::ok : Status::interrupted;
+}
+
+template <class Samples>
+Status Cover<Samples>::begin_with_all(Interrupt& interrupt) {
+    std::vector<Point> points(samples_.count());
+    for (std::uint32_t s = 0; s < points.size(); ++s) points[s] = samples_.at(s).point;
+    std::vector<Vertex> found(points.size());
+    const Status status = mesh_.insert(dynamic::input_of(points), found.data(), interrupt);
+    if (status != Status::ok) return status;
+    for (std::uint32_t s = 0; s < points.size(); ++s) note(found[s], s, false);
+    for (const std::uint32_t s : samples_.of_rows(corners_)) note(found[s], s, true);
+    samples_.clear(mesh_);
+    return Status::ok;
+}
+
+template <class Samples>
+void Cover<Samples>::insert(std::uint32_t s, TriangleId t) {
+    const Point p = samples_.at(s).point;
     mesh_.dig(p, t);
-    take_lists(mesh_.cavity());
-    note_vertex(mesh_.fill(p), s);
-    first_.resize(slot_of(mesh_.slots().end()), none);
-    find_wedges();
-    std::size_t k = 0;
-    for (std::uint32_t q : lists_) {
-        while (q != none) {
-            const std::uint32_t following = samples_[q].next;
-            if (following != none) __builtin_prefetch(&samples_[following]);
-            if (q != s) {
-                k = wedge_of(p, samples_[q].point, k);
-                add_to(wedges_[k], q);
-                place(q, k);
-            }
-            q = following;
-        }
-    }
+    samples_.release(mesh_);
+    note(mesh_.fill(p), s, false);
+    samples_.settle(mesh_, s);
 }
 
-// From the k-th wedge on, counter-clockwise if the point is not to the right of its first end.
-inline std::size_t Cover::wedge_of(Point apex, Point p, std::size_t k) const {
-    const std::size_t count = wedges_.size();
-    const auto is_left = [&](std::size_t i) { return turns_(apex, ends_[i], p) >= 0; };
-    if (!is_left(k)) {
-        do k = k == 0 ? count - 1 : k - 1;
-        while (!is_left(k));
-        return k;
-    }
-    const bool is_closed = ends_.size() == count;
-    for (;;) {
-        if (k + 1 == count && !is_closed) return k;
-        const std::size_t following = k + 1 == count ? 0 : k + 1;
-        if (!is_left(following)) return k;
-        k = following;
-    }
-}
-
-template <class Find>
-void Cover::remove(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch, Find find) {
-    collect(star.triangles);
-    moved_.push_back(sample_of_[v]);
+template <class Samples>
+void Cover<Samples>::remove(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch) {
+    samples_.release(star, vertices_[v].sample);
     mesh_.replace(v, star, patch, filled_);
-    for (const std::uint32_t s : moved_) add_to(filled_[find(s)], s);
+    samples_.settle(mesh_, patch, filled_);
+}
+
+template <class Samples>
+std::vector<Row> Cover<Samples>::rows() const {
+    std::vector<Row> found;
+    for (Vertex v = 0; v < mesh_.vertex_end(); ++v)
+        if (mesh_.is_present(v)) found.push_back(samples_.row(vertices_[v].sample));
+    return found;
 }
 
 }  // namespace liftmesh::simplification

@@ -16,7 +16,8 @@ namespace liftmesh::simplification {
 // and D are those sums, and a distance by that times the extent of the triangle along both axes,
 // and by few roundings of its terms. Factors of 2 cover what is of higher order; 1e-300 covers
 // underflow. Overflow leaves no bound: then every sample is decided exactly.
-Facet::Facet(Corner a, Corner b, Corner c, double tolerance) : tolerance_(tolerance) {
+Facet::Facet(Sample a, Sample b, Sample c, const Tolerance& tolerance)
+    : is_exact_(tolerance.is_exact), tolerance_(tolerance.value) {
     if (before_xy(b.point, a.point) && before_xy(b.point, c.point))
         std::tie(a, b, c) = std::tuple(b, c, a);
     else if (before_xy(c.point, a.point))
@@ -28,8 +29,11 @@ Facet::Facet(Corner a, Corner b, Corner c, double tolerance) : tolerance_(tolera
     const double bx = b.point.x - a.point.x, by = b.point.y - a.point.y, bz = b.height - a.height;
     const double cx = c.point.x - a.point.x, cy = c.point.y - a.point.y, cz = c.height - a.height;
     const double det = bx * cy - by * cx;
-    slope_x_ = (bz * cy - cz * by) / det;
-    slope_y_ = (bx * cz - cx * bz) / det;
+    det_ = det;
+    rise_x_ = bz * cy - cz * by;
+    rise_y_ = bx * cz - cx * bz;
+    slope_x_ = rise_x_ / det;
+    slope_y_ = rise_y_ / det;
     const double of_det = 4 * e * (std::fabs(bx * cy) + std::fabs(by * cx)) + 1e-300;
     const double of_x = 4 * e * (std::fabs(bz * cy) + std::fabs(cz * by)) + 1e-300;
     const double of_y = 4 * e * (std::fabs(bx * cz) + std::fabs(cx * bz)) + 1e-300;
@@ -40,10 +44,10 @@ Facet::Facet(Corner a, Corner b, Corner c, double tolerance) : tolerance_(tolera
     const double of_slopes = width * ((of_x + sx * of_det) / sure + 8 * e * sx) +
                              length * ((of_y + sy * of_det) / sure + 8 * e * sy);
     // A distance near the tolerance: one far from it need not be exact.
-    const double error = 2 * of_slopes + 8 * e * tolerance + 1e-300;
+    const double error = 2 * of_slopes + 8 * e * tolerance_ + 1e-300;
     const bool is_bounded = sure > of_det && error < infinity;
-    surely_within_ = is_bounded ? tolerance - error : -1;
-    surely_beyond_ = is_bounded ? tolerance + error : infinity;
+    surely_within_ = is_bounded ? tolerance_ - error : -1;
+    surely_beyond_ = is_bounded ? tolerance_ + error : infinity;
 }
 
 namespace {
@@ -79,7 +83,7 @@ class Expansion {
 
 // Times the turn of the triangle, the distance is z_q turn(a, b, c) - z_a turn(q, b, c) -
 // z_b turn(a, q, c) - z_c turn(a, b, q): compared with the tolerance times it, on either side.
-bool exceeds_exactly(const Corner (&corners)[3], const Corner& sample, double tolerance) {
+bool exceeds_exactly(const Sample (&corners)[3], const Sample& sample, double tolerance) {
     const PlanarLattice<4> planar(
         {corners[0].point, corners[1].point, corners[2].point, sample.point});
     const Lattice<5> heights(

@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <queue>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/floating_point.hpp"
+#include "simplification/grid.hpp"
+#include "simplification/lists.hpp"
 #include "simplification/simplify.hpp"
 
 namespace liftmesh::simplification {
@@ -13,116 +17,159 @@ namespace {
 // The worst sample of a triangle.
 struct Candidate {
     double distance = -1;
-    Point point{};
     std::uint32_t sample = none;
     TriangleId triangle = 0;
-
-    // Whether the other one comes first: by distance, then by coordinates.
-    bool operator<(const Candidate& other) const {
-        if (distance != other.distance) return distance < other.distance;
-        return before_xy(other.point, point);
-    }
 };
 
+template <class Samples>
 class Greedy {
  public:
-    Greedy(Cover& cover, double tolerance, std::size_t most, Interrupt& interrupt)
-        : cover_(cover), tolerance_(tolerance), most_(most), interrupt_(interrupt) {}
+    Greedy(Cover<Samples>& cover, double tolerance, std::size_t most, Told& told,
+           Interrupt& interrupt)
+        : cover_(cover), tolerance_(tolerance), most_(most), told_(told), interrupt_(interrupt) {}
 
     Status run();
     bool is_done() const { return heap_.empty(); }
 
  private:
-    static constexpr std::size_t whole = 1000;
-
-    void consider(Candidate& worst, const Facet& facet, std::uint32_t s) const;
+    // Whether the other one comes first: by distance, then by coordinates.
+    bool is_less(const Candidate& one, const Candidate& other) const {
+        if (one.distance != other.distance) return one.distance < other.distance;
+        return cover_.is_before(other.sample, one.sample);
+    }
+    Candidate worst_of(TriangleId t);
+    Candidate pop();
     void offer(const Candidate& worst);
+    void look_ahead() const;
     void insert(const Candidate& next);
     void tell(double distance);
 
-    Cover& cover_;
+    Cover<Samples>& cover_;
     double tolerance_;
     std::size_t most_;
+    Told& told_;
     Interrupt& interrupt_;
-    std::priority_queue<Candidate> heap_;
+    std::vector<Candidate> heap_;
     std::vector<std::uint32_t> worst_;  // of a slot
-    std::vector<Facet> facets_;
-    std::vector<Candidate> found_;
     double first_ = 0;
-    std::size_t told_ = 0;
+    std::size_t seen_ = 0;  // samples, since the interrupt was thought of
 };
 
-void Greedy::consider(Candidate& worst, const Facet& facet, std::uint32_t s) const {
-    const Sample& sample = cover_.sample(s);
-    double distance = facet.distance(sample);
-    if (distance <= facet.surely_within()) return;
-    if (std::isnan(distance)) distance = std::numeric_limits<double>::infinity();
-    const Candidate found{distance, sample.point, s, worst.triangle};
-    if (worst < found && facet.exceeds(sample, distance)) worst = found;
+// Nearly all samples are nearer than the worst one so far, so little is done for these.
+template <class Samples>
+Candidate Greedy<Samples>::worst_of(TriangleId t) {
+    if (!cover_.may_have_samples(t)) return {-1, none, t};
+    const Facet facet = cover_.facet(t);
+    Candidate worst{facet.surely_within(), none, t};
+    std::size_t seen = 0;
+    cover_.each_of(t, [&](std::uint32_t s, const Sample& sample) {
+        double distance = facet.distance(sample);
+        ++seen;
+        if (distance < worst.distance) return true;
+        if (std::isnan(distance)) distance = std::numeric_limits<double>::infinity();
+        const Candidate found{distance, s, t};
+        const bool is_worse =
+            distance > worst.distance || (worst.sample != none && is_less(worst, found));
+        if (is_worse && facet.exceeds(sample, distance)) worst = found;
+        return true;
+    });
+    seen_ += seen;
+    return worst;
 }
 
-void Greedy::offer(const Candidate& worst) {
+template <class Samples>
+void Greedy<Samples>::offer(const Candidate& worst) {
     const std::size_t slot = slot_of(worst.triangle);
     if (slot >= worst_.size()) worst_.resize(slot + 1, none);
     worst_[slot] = worst.sample;
-    if (worst.sample != none) heap_.push(worst);
+    if (worst.sample == none) return;
+    heap_.push_back(worst);
+    std::push_heap(heap_.begin(), heap_.end(),
+                   [this](const auto& a, const auto& b) { return is_less(a, b); });
 }
 
-void Greedy::insert(const Candidate& next) {
-    facets_.clear();
-    found_.clear();
-    // The facets of the star are known once it is there: at the first sample, or afterwards.
-    cover_.insert(next.sample, next.triangle, [&](std::uint32_t s, std::size_t k) {
-        while (facets_.size() <= k) {
-            const TriangleId t = cover_.wedge(facets_.size());
-            facets_.push_back(cover_.facet(t));
-            found_.push_back({-1, {}, none, t});
-        }
-        consider(found_[k], facets_[k], s);
-    });
-    worst_.resize(slot_of(cover_.mesh().slots().end()), none);
-    for (const TriangleId t : cover_.made()) worst_[slot_of(t)] = none;
-    for (const Candidate& each : found_) offer(each);
+template <class Samples>
+Candidate Greedy<Samples>::pop() {
+    std::pop_heap(heap_.begin(), heap_.end(),
+                  [this](const auto& a, const auto& b) { return is_less(a, b); });
+    const Candidate first = heap_.back();
+    heap_.pop_back();
+    return first;
+}
+
+// The first of the heap is nearly always the next one, and one of the following two comes after it.
+template <class Samples>
+void Greedy<Samples>::look_ahead() const {
+    if (heap_.size() < 3) return;
+    cover_.approach(heap_[0].triangle);
+    for (const std::size_t i : {1, 2}) cover_.foresee(heap_[i].sample, heap_[i].triangle);
+}
+
+template <class Samples>
+void Greedy<Samples>::insert(const Candidate& next) {
+    cover_.insert(next.sample, next.triangle);
+    const dynamic::Slots& slots = cover_.mesh().slots();
+    worst_.resize(slot_of(slots.end()), none);
+    for (const TriangleId t : cover_.mesh().star()) {
+        worst_[slot_of(t)] = none;
+        if (!slots.is_ghost(t)) offer(worst_of(t));
+    }
 }
 
 // What is left of the logarithm of the distance, or of the vertices: whichever is further.
-void Greedy::tell(double distance) {
+template <class Samples>
+void Greedy<Samples>::tell(double distance) {
     const double least = std::max(tolerance_, first_ * 1e-6);
     double done = std::log(first_ / distance) / std::log(first_ / least);
     if (most_ != 0) {
         const double part = static_cast<double>(cover_.vertices()) / static_cast<double>(most_);
         done = std::max(done, part);
     }
-    if (!(done > 0)) return;
-    const auto now = static_cast<std::size_t>(std::min(done, 1.0) * static_cast<double>(whole - 1));
-    if (now > told_) interrupt_.advance(now - told_);
-    told_ = std::max(told_, now);
+    if (done > 0) told_.reach(std::min(done, 0.999));
 }
 
-Status Greedy::run() {
-    interrupt_.expect(whole);
-    if (!cover_.begin_with_corners(interrupt_)) return Status::interrupted;
+template <class Samples>
+Status Greedy<Samples>::run() {
+    const Status begun = cover_.begin_with_corners(interrupt_);
+    if (begun != Status::ok) return begun;
     const dynamic::Slots& slots = cover_.mesh().slots();
     Patience patience(interrupt_);
     for (TriangleId t = 0; t < slots.end(); t += words_per_triangle) {
         if (slots.is_free(t) || slots.is_ghost(t)) continue;
-        const Facet facet = cover_.facet(t);
-        Candidate worst{-1, {}, none, t};
-        cover_.each_of(t, [&](std::uint32_t s) { consider(worst, facet, s); });
+        const Candidate worst = worst_of(t);
         offer(worst);
-        first_ = std::max(first_, worst.distance);
+        if (worst.sample != none) first_ = std::max(first_, worst.distance);
     }
     while (!heap_.empty() && (most_ == 0 || cover_.vertices() < most_)) {
-        const Candidate next = heap_.top();
-        heap_.pop();
+        const Candidate next = pop();
         if (worst_[slot_of(next.triangle)] != next.sample) continue;
+        look_ahead();
         insert(next);
-        if (patience.ends(16)) return Status::interrupted;
+        if (patience.ends(16 + std::exchange(seen_, 0) / 8)) return Status::interrupted;
         if (cover_.vertices() % 64 == 0) tell(next.distance);
     }
-    while (!heap_.empty() && worst_[slot_of(heap_.top().triangle)] != heap_.top().sample)
-        heap_.pop();
+    while (!heap_.empty() && worst_[slot_of(heap_.front().triangle)] != heap_.front().sample) pop();
     return Status::ok;
+}
+
+template <class Samples>
+Simplified simplify(Samples samples, const Terrain& terrain, double tolerance, std::size_t most,
+                    bool prunes, Interrupt& interrupt) {
+    const Tolerance limit(terrain, samples.turns(), tolerance);
+    Cover cover(std::move(samples), corners_of(terrain), limit);
+    Told told(prunes ? 3 : 1, interrupt);
+    Greedy greedy(cover, tolerance, most, told, interrupt);
+    Simplified found;
+    found.status = greedy.run();
+    if (found.status != Status::ok) return found;
+    found.is_within = greedy.is_done();
+    found.inserted = cover.vertices();
+    if (found.is_within && prunes) {
+        told.begin();
+        found.status = prune(cover, told, interrupt);
+    }
+    found.rows = cover.rows();
+    return found;
 }
 
 }  // namespace
@@ -130,16 +177,11 @@ Status Greedy::run() {
 Simplified simplify(const Terrain& terrain, double tolerance, std::size_t most, bool prunes,
                     Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    Cover cover(terrain, tolerance);
-    Greedy greedy(cover, tolerance, most, interrupt);
-    Simplified found;
-    found.status = greedy.run();
-    if (found.status != Status::ok) return found;
-    found.is_within = greedy.is_done();
-    found.inserted = cover.vertices();
-    if (found.is_within && prunes) found.status = prune(cover, interrupt);
-    found.rows = cover.rows();
-    return found;
+    if (std::optional<Grid> grid = Grid::of(terrain))
+        return simplify(std::move(*grid), terrain, tolerance, most, prunes, interrupt);
+    Lists lists(terrain);
+    if (!lists.fill(terrain, interrupt)) return {Status::interrupted};
+    return simplify(std::move(lists), terrain, tolerance, most, prunes, interrupt);
 }
 
 }  // namespace liftmesh::simplification

@@ -1,17 +1,20 @@
-// The removal of vertices, the least significant first. What a removal would cost is computed from
-// the samples of the star alone; it is computed again for the neighbours of a vertex that went.
-#include <limits>
-#include <queue>
+// The last step of simplify: vertices go that the tolerance does not need. First those without
+// which distances grow least, until each is needed. Then each is exchanged, if the tolerance
+// permits, for the worst of the other samples that its removal leaves; after that a neighbour may
+// be one that is not needed. This is repeated as long as a round finds enough of them.
+#include <algorithm>
+#include <vector>
 
-#include "base/floating_point.hpp"
+#include "simplification/grid.hpp"
+#include "simplification/lists.hpp"
+#include "simplification/removal.hpp"
 #include "simplification/simplify.hpp"
 
 namespace liftmesh::simplification {
 
 namespace {
 
-constexpr std::size_t most_neighbors = 64;  // of a vertex that is considered: others stay
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t enough = 50;  // another round follows if one vertex in so many went
 
 // The largest distance after the removal; none, if it exceeds the tolerance.
 struct ByTolerance {
@@ -26,168 +29,145 @@ struct ByTolerance {
     double cost = 0;
 };
 
-// By how much the sum of the squares grows.
-struct BySquares {
-    void add_before(const Facet& facet, const Sample& sample) {
-        const double distance = facet.distance(sample);
-        cost -= distance * distance;
-    }
-    bool add_after(const Facet& facet, const Sample& sample) {
-        const double distance = facet.distance(sample);
-        cost += distance * distance;
-        return true;
-    }
-    static constexpr bool needs_before = true;
-    double cost = 0;
-};
-
-struct Offer {
-    double cost;
-    Point point;
-    Vertex vertex;
-    std::uint32_t version;
-
-    // The cheapest comes first, then the lexicographically least.
-    bool operator<(const Offer& other) const {
-        if (cost != other.cost) return cost > other.cost;
-        return before_xy(other.point, point);
-    }
-};
-
-template <class Measure>
-class Removal {
+template <class Samples>
+class Prune {
  public:
-    Removal(Cover& cover, std::size_t least, Interrupt& interrupt)
-        : cover_(cover),
-          least_(least),
-          interrupt_(interrupt),
-          version_(cover.mesh().vertex_end()) {}
+    Prune(Cover<Samples>& cover, Told& told, Interrupt& interrupt)
+        : cover_(cover), told_(told), interrupt_(interrupt), removal_(cover, 0, 0, interrupt) {}
 
     Status run();
 
  private:
-    bool plan(Vertex v);
-    std::size_t find(std::uint32_t s) const;
-    double cost(Vertex v);
-    void offer(Vertex v);
-    void remove(Vertex v);
+    // What a vertex may be exchanged for, and the triangle of the patch in which it is.
+    struct Substitute {
+        double distance = 0;
+        std::uint32_t sample = none;
+        std::size_t place = 0;
+    };
 
-    Cover& cover_;
-    std::size_t least_;
+    template <class Step>
+    Status each_vertex(Step step);
+    Substitute substitute(Vertex v) const;
+    void exchange(Vertex v);
+    bool is_within(TriangleId t) const;
+    bool is_within_around() const;
+    void offer_around(const std::vector<Vertex>& link);
+    void put_back(std::uint32_t inserted, std::uint32_t removed, Vertex near);
+
+    Cover<Samples>& cover_;
+    Told& told_;
     Interrupt& interrupt_;
-    std::vector<std::uint32_t> version_;
-    std::priority_queue<Offer> heap_;
-    dynamic::Star star_;
-    dynamic::Patch patch_;
-    std::vector<Facet> facets_;
+    Removal<Samples, ByTolerance> removal_;
+    std::vector<TriangleId> filled_;
 };
 
-// The star and the patch of a vertex that may go.
-template <class Measure>
-bool Removal<Measure>::plan(Vertex v) {
-    if (cover_.is_corner(v)) return false;
-    cover_.mesh().find_star(v, star_);
-    if (star_.link.size() > most_neighbors) return false;
-    cover_.mesh().plan(star_, patch_);
-    facets_.resize(patch_.count());
-    for (std::size_t i = 0; i < patch_.count(); ++i) {
-        const Vertex* corners = &patch_.vertices[3 * i];
-        if (corners[0] != ghost && corners[1] != ghost && corners[2] != ghost)
-            facets_[i] = cover_.facet(corners);
-    }
-    return true;
-}
-
-// The first triangle of the patch in which a sample is.
-template <class Measure>
-std::size_t Removal<Measure>::find(std::uint32_t s) const {
-    const Point p = cover_.sample(s).point;
-    for (std::size_t i = 0;; ++i) {
-        const Vertex* corners = &patch_.vertices[3 * i];
-        if (corners[0] == ghost || corners[1] == ghost || corners[2] == ghost) continue;
-        bool is_inside = true;
-        for (int k = 0; k < 3 && is_inside; ++k)
-            is_inside = cover_.turn(cover_.mesh().point(corners[k]),
-                                    cover_.mesh().point(corners[(k + 1) % 3]), p) >= 0;
-        if (is_inside) return i;
-    }
-}
-
-template <class Measure>
-double Removal<Measure>::cost(Vertex v) {
-    if (!plan(v)) return infinity;
-    Measure measure;
-    bool is_allowed = true;
-    const auto add = [&](std::uint32_t s) {
-        is_allowed = is_allowed && measure.add_after(facets_[find(s)], cover_.sample(s));
-    };
-    add(cover_.sample_of(v));
-    for (const TriangleId t : star_.triangles) {
-        if (!is_allowed) break;
-        if (cover_.mesh().slots().is_ghost(t)) continue;
-        const Facet before = Measure::needs_before ? cover_.facet(t) : Facet();
-        cover_.each_of(t, [&](std::uint32_t s) {
-            measure.add_before(before, cover_.sample(s));
-            add(s);
-        });
-    }
-    return is_allowed ? measure.cost : infinity;
-}
-
-template <class Measure>
-void Removal<Measure>::offer(Vertex v) {
-    const double found = cost(v);
-    if (found < infinity) heap_.push({found, cover_.mesh().point(v), v, version_[v]});
-}
-
-template <class Measure>
-void Removal<Measure>::remove(Vertex v) {
-    plan(v);
-    const std::vector<Vertex> neighbors = star_.link;
-    cover_.remove(v, star_, patch_, [&](std::uint32_t s) { return find(s); });
-    ++version_[v];
-    for (const Vertex each : neighbors) {
-        if (each == ghost) continue;
-        ++version_[each];
-        offer(each);
-    }
-}
-
-template <class Measure>
-Status Removal<Measure>::run() {
+// In the order of their numbers, which is that of their insertion; then removes those that may go.
+template <class Samples>
+template <class Step>
+Status Prune<Samples>::each_vertex(Step step) {
     Patience patience(interrupt_);
-    for (Vertex v = 0; v < cover_.mesh().vertex_end(); ++v) {
-        if (patience.ends(64)) return Status::interrupted;
-        if (cover_.mesh().is_present(v)) offer(v);
-    }
-    while (!heap_.empty() && cover_.vertices() > least_) {
-        const Offer next = heap_.top();
-        heap_.pop();
-        if (next.version != version_[next.vertex]) continue;
+    const Vertex end = cover_.mesh().vertex_end();
+    for (Vertex v = 0; v < end; ++v) {
         if (patience.ends(256)) return Status::interrupted;
-        remove(next.vertex);
-        interrupt_.advance(1);
+        if (v % 64 == 0) told_.reach(static_cast<double>(v) / end);
+        if (cover_.mesh().is_present(v)) step(v);
     }
-    return Status::ok;
+    return removal_.run();
+}
+
+template <class Samples>
+Status Prune<Samples>::run() {
+    Status status = each_vertex([&](Vertex v) { removal_.offer(v); });
+    for (bool goes_on = true; goes_on && status == Status::ok;) {
+        const std::size_t before = cover_.vertices();
+        told_.begin();
+        status = each_vertex([&](Vertex v) { exchange(v); });
+        goes_on = (before - cover_.vertices()) * enough >= before;
+    }
+    return status;
+}
+
+// The worst sample of the patch, of several the lexicographically least. There is none if all
+// others are on its planes.
+template <class Samples>
+auto Prune<Samples>::substitute(Vertex v) const -> Substitute {
+    Substitute worst;
+    const auto consider = [&](std::size_t i, std::uint32_t s, const Sample& sample) {
+        const Facet& facet = removal_.facet(i);
+        const double distance = facet.distance(sample);
+        if (distance < worst.distance || s == cover_.number(v)) return true;
+        if (facet.is_corner(sample.point)) return true;
+        const bool is_tie = distance == worst.distance && worst.sample != none;
+        if (distance > worst.distance || (is_tie && cover_.is_before(s, worst.sample)))
+            worst = {distance, s, i};
+        return true;
+    };
+    cover_.each_after(v, removal_.star(), removal_.patch(), consider);
+    return worst;
+}
+
+template <class Samples>
+void Prune<Samples>::exchange(Vertex v) {
+    if (!removal_.plan(v)) return;
+    const Substitute other = substitute(v);
+    if (other.sample == none) return;
+    const std::vector<Vertex> link = removal_.star().link;
+    const std::uint32_t removed = cover_.number(v);
+    cover_.remove(v, removal_.star(), removal_.patch());
+    filled_ = cover_.filled();
+    cover_.insert(other.sample, filled_[other.place]);
+    if (is_within_around()) return offer_around(link);
+    put_back(other.sample, removed, link[link[0] == ghost ? 1 : 0]);
+}
+
+template <class Samples>
+bool Prune<Samples>::is_within(TriangleId t) const {
+    const dynamic::Slots& slots = cover_.mesh().slots();
+    if (slots.is_free(t) || slots.is_ghost(t) || !cover_.may_have_samples(t)) return true;
+    const Facet facet = cover_.facet(t);
+    return cover_.each_of(t, [&](std::uint32_t, const Sample& sample) {
+        return !facet.exceeds(sample, facet.distance(sample));
+    });
+}
+
+// What an exchange has made: the star of the vertex that came, and what is left of the patch.
+template <class Samples>
+bool Prune<Samples>::is_within_around() const {
+    const auto holds = [this](TriangleId t) { return is_within(t); };
+    const std::vector<TriangleId>& star = cover_.mesh().star();
+    return std::all_of(star.begin(), star.end(), holds) &&
+           std::all_of(filled_.begin(), filled_.end(), holds);
+}
+
+// The neighbours of the vertex that went and of the one that came.
+template <class Samples>
+void Prune<Samples>::offer_around(const std::vector<Vertex>& link) {
+    for (const Vertex v : link)
+        if (v != ghost) removal_.offer(v);
+    for (const dynamic::BorderEdge& each : cover_.mesh().border()) {
+        const bool is_new = std::find(link.begin(), link.end(), each.tail) == link.end();
+        if (is_new && each.tail != ghost) removal_.offer(each.tail);
+    }
+    removal_.run();
+}
+
+// The triangulation is again what it was, as it depends on the vertices alone.
+template <class Samples>
+void Prune<Samples>::put_back(std::uint32_t inserted, std::uint32_t removed, Vertex near) {
+    const Vertex v = cover_.mesh().find(cover_.sample(inserted).point, near);
+    removal_.plan(v);
+    cover_.remove(v, removal_.star(), removal_.patch());
+    const Point p = cover_.sample(removed).point;
+    cover_.insert(removed, cover_.mesh().locate(p, near).triangle);
 }
 
 }  // namespace
 
-Status prune(Cover& cover, Interrupt& interrupt) {
-    return Removal<ByTolerance>(cover, 0, interrupt).run();
+template <class Samples>
+Status prune(Cover<Samples>& cover, Told& told, Interrupt& interrupt) {
+    return Prune<Samples>(cover, told, interrupt).run();
 }
-
-Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt) {
-    const IeeeArithmetic ieee;
-    Cover cover(terrain, 0);
-    Simplified found;
-    found.inserted = terrain.count;
-    interrupt.expect(terrain.count > most ? terrain.count - most : 1);
-    found.status = cover.begin_with_all(interrupt);
-    if (found.status != Status::ok) return found;
-    found.status = Removal<BySquares>(cover, most, interrupt).run();
-    found.rows = cover.rows();
-    return found;
-}
+template Status prune(Cover<Grid>&, Told&, Interrupt&);
+template Status prune(Cover<Lists>&, Told&, Interrupt&);
 
 }  // namespace liftmesh::simplification

@@ -1,30 +1,13 @@
 #include "simplification/samples.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <tuple>
+#include <cmath>
 
 #include "predicates/lattice.hpp"
 #include "predicates/orient2d.hpp"
-#include "sorting/hilbert.hpp"
+#include "sorting/bounds.hpp"
 
 namespace liftmesh::simplification {
-
-std::vector<Sample> samples_of(const Terrain& terrain) {
-    Bounds box = Bounds::nothing();
-    for (std::size_t i = 0; i < terrain.count; ++i) box.add(pair(terrain.points[i]));
-    const HilbertCurve curve(box);
-    std::vector<Sample> samples(terrain.count);
-    for (std::size_t i = 0; i < terrain.count; ++i) {
-        const Point p = terrain.points[i];
-        samples[i] = {p, terrain.heights[i], static_cast<Row>(i), curve(p)};
-    }
-    std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
-        return std::tie(a.next, a.point.x, a.point.y) < std::tie(b.next, b.point.x, b.point.y);
-    });
-    for (Sample& each : samples) each.next = none;
-    return samples;
-}
 
 std::vector<Row> corners_of(const Terrain& terrain) {
     const auto at = [&](std::size_t i) {
@@ -44,18 +27,58 @@ std::vector<Row> corners_of(const Terrain& terrain) {
     return corners;
 }
 
+void Steps::refine(double value) {
+    if (value != 0) exponent_ = std::min(exponent_, dyadic(value).exponent);
+}
+
+void Steps::add(double value) {
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+    refine(value);
+}
+
+void Steps::add_size(double value) {
+    size_ = std::max(size_, value);
+    refine(value);
+}
+
+// Ranges that overflow or underflow have too many.
+int Steps::bits() const {
+    constexpr int too_many = 4096;
+    const double range = std::max(high_ - low_, size_);
+    if (range == 0) return 0;
+    if (exponent_ < -900 || !(range < 0x1p900)) return too_many;
+    return std::ilogb(range) + 1 - exponent_;
+}
+
 Turns::Turns(const Terrain& terrain) {
-    int lowest = std::numeric_limits<int>::max();
-    Bounds box = Bounds::nothing();
+    Steps x, y;
     for (std::size_t i = 0; i < terrain.count; ++i) {
-        const Point p = terrain.points[i];
-        box.add(pair(p));
-        for (const double each : {p.x, p.y})
-            if (each != 0) lowest = std::min(lowest, dyadic(each).exponent);
+        x.add(terrain.points[i].x);
+        y.add(terrain.points[i].y);
     }
-    const Pair size = box.high - box.low;
-    const double range = std::max(size[0], size[1]);
-    is_exact_ = lowest > -900 && lowest < 900 && range < std::ldexp(1.0, lowest + 26);
+    bits_ = std::max(x.bits(), y.bits());
+}
+
+Turns::Turns(const std::vector<double>& xs, const std::vector<double>& ys) {
+    Steps x, y;
+    for (const double each : xs) x.add(each);
+    for (const double each : ys) y.add(each);
+    bits_ = std::max(x.bits(), y.bits());
+}
+
+// Products of two coordinates and a height, and their sums in facet.hpp, are exact.
+Tolerance::Tolerance(const Terrain& terrain, const Turns& turns, double tolerance)
+    : value(tolerance) {
+    constexpr std::size_t asking_every = 1024;
+    Steps heights;
+    heights.add_size(tolerance);
+    is_exact = true;
+    for (std::size_t i = 0; i < terrain.count && is_exact; ++i) {
+        heights.add(terrain.heights[i]);
+        if (i % asking_every == 0 || i + 1 == terrain.count)
+            is_exact = 2 * turns.bits() + heights.bits() + 3 <= 53;
+    }
 }
 
 }  // namespace liftmesh::simplification

@@ -1,9 +1,11 @@
 // The points of a surface, each of which is a vertex of its approximation or a sample that the
-// approximation must not miss. Those of a triangle are a list.
+// approximation must not miss. Those of a grid are found by scanning a triangle (grid.hpp); others
+// are in lists, one for each triangle (lists.hpp).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "base/point.hpp"
@@ -16,8 +18,6 @@ inline constexpr std::uint32_t none = ~std::uint32_t{0};
 struct Sample {
     Point point;
     double height;
-    Row row;             // of the caller
-    std::uint32_t next;  // in the list of its triangle
 };
 
 // What to approximate: distinct points with their heights, and those on their hull,
@@ -30,25 +30,47 @@ struct Terrain {
     std::size_t hull_count;
 };
 
-// In the order of a Hilbert curve and, within its cells, of their coordinates.
-std::vector<Sample> samples_of(const Terrain& terrain);
-
 // The corners of the hull, from the lexicographically least one, without points between two.
 std::vector<Row> corners_of(const Terrain& terrain);
 
-// Signs of turns. Where all coordinates are multiples of one power of two, and their range is below
-// 2^26 of it, as in rasters, the determinant of doubles is exact.
+// Numbers as multiples of a power of two.
+class Steps {
+ public:
+    void add(double value);
+    void add_size(double value);
+    // Sizes, and differences of any two numbers, are less than 2 to this power, in such steps.
+    int bits() const;
+
+ private:
+    void refine(double value);
+
+    int exponent_ = std::numeric_limits<int>::max();
+    double low_ = std::numeric_limits<double>::infinity(), high_ = -low_, size_ = 0;
+};
+
+// Signs of turns. Where coordinates are so few steps apart, as in rasters, the determinant of
+// doubles is exact.
 class Turns {
  public:
     explicit Turns(const Terrain& terrain);
+    Turns(const std::vector<double>& xs, const std::vector<double>& ys);
+    int bits() const { return bits_; }
     int operator()(Point a, Point b, Point c) const {
-        if (!is_exact_) return orient2d(a, b, c);
+        if (bits_ > most_bits) return orient2d(a, b, c);
         const double det = (a.x - c.x) * (b.y - c.y) - (a.y - c.y) * (b.x - c.x);
         return (det > 0) - (det < 0);
     }
 
  private:
-    bool is_exact_ = false;
+    static constexpr int most_bits = 26;
+    int bits_;
+};
+
+// What no distance should exceed.
+struct Tolerance {
+    Tolerance(const Terrain& terrain, const Turns& turns, double tolerance);
+    double value;
+    bool is_exact;  // doubles suffice to compare distances with it
 };
 
 }  // namespace liftmesh::simplification

@@ -1,11 +1,13 @@
 // Few triangles within a bound, and the vertices that matter most.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 #include "base/status.hpp"
 #include "simplification/cover.hpp"
+#include "simplification/samples.hpp"
 
 namespace liftmesh::simplification {
 
@@ -28,7 +30,32 @@ Simplified simplify(const Terrain& terrain, double tolerance, std::size_t most, 
 // which the sum of the squares of all distances grows least, until so many are left.
 Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt);
 
+// How far a run is, in stages of the same length.
+class Told {
+ public:
+    Told(std::size_t stages, Interrupt& interrupt) : interrupt_(interrupt) {
+        interrupt.expect(stages * whole);
+    }
+    // Begins the next stage.
+    void begin() {
+        reach(1);
+        told_ = 0;
+    }
+    // A part of a stage is done.
+    void reach(double part) {
+        const auto now = static_cast<std::size_t>(part * static_cast<double>(whole));
+        if (now > told_) interrupt_.advance(now - told_);
+        told_ = std::max(told_, now);
+    }
+
+ private:
+    static constexpr std::size_t whole = 1000;
+    Interrupt& interrupt_;
+    std::size_t told_ = 0;
+};
+
 // The last step of simplify.
-Status prune(Cover& cover, Interrupt& interrupt);
+template <class Samples>
+Status prune(Cover<Samples>& cover, Told& told, Interrupt& interrupt);
 
 }  // namespace liftmesh::simplification
