@@ -1,4 +1,6 @@
+from .cells.apollonius_cells import ApolloniusCells as ApolloniusCells
 from .cells.cells import Cells as Cells
+from .cells.disks import apollonius_diagram as apollonius_diagram
 from .cells.lloyd import Relaxed as Relaxed, lloyd as lloyd
 from .cells.natural import (
     NaturalNeighbors as NaturalNeighbors,

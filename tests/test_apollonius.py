@@ -270,12 +270,20 @@ def test_sides_part_the_box_into_cells(kind: str) -> None:
     np.testing.assert_allclose(sorted(crossings), changes, atol=1e-3)
 
 
+def test_a_box_may_have_no_side_in_it() -> None:
+    graph = liftmesh.apollonius([[0, 0], [4, 0]], [1, 1.5])
+    assert graph.cell_sides((-2, -2, -1, -1), 0.1) == []
+    assert liftmesh.apollonius([[0, 0]], [1]).cell_sides((0, 0, 1, 1), 0.1) == []
+    assert liftmesh.apollonius(np.empty((0, 2)), []).cell_sides((0, 0, 1, 1), 0.1) == []
+
+
 def test_errors_of_boxes_and_tolerances() -> None:
     graph = liftmesh.apollonius([[0, 0], [4, 0]], [1, 1])
     for box, tolerance, message in (
         ((0, 0, 1), 0.1, "four finite numbers"),
         ((0, 0, 0, 1), 0.1, "the least x and y, then the greatest"),
         ((0, 0, 1, 1), 0.0, "give a positive number"),
+        ((0, 0, 1e9, 1), 1e-9, "near the rounding of coordinates of the box: give 1.4e-05"),
     ):
         with pytest.raises(InputError, match=message):
             graph.cell_sides(box, tolerance)  # type: ignore[arg-type]

@@ -171,3 +171,36 @@ def test_errors_are_one_line(table: Path, words: list[str], code: int, said: str
     assert done.returncode == code
     assert said in " ".join(done.stderr.split())
     assert not (table.parent / words[0]).exists()
+
+
+def test_cells_of_disks(table: Path) -> None:
+    box = (0, 0, 10, 10)
+    words = ("--domain", "0,0,10,10", "--disks", "size")
+    done = command("voronoi", table, "out.gpkg", *words, "--tolerance", "0.05", cwd=table.parent)
+    assert done.returncode == 0, done.stderr
+    assert "arcs are polylines within 0.05" in " ".join(done.stdout.split())
+    expected = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box, tolerance=0.05)
+    frame = geopandas.read_file(table.parent / "out.gpkg")
+    assert frame["area"].tolist() == expected.areas.tolist()
+    full = expected.areas > 0
+    np.testing.assert_allclose(frame.geometry.area[full], expected.areas[full], rtol=1e-9)
+    told = command("voronoi", table, "out.ply", *words, "--json", cwd=table.parent)
+    default = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box)
+    assert json.loads(told.stdout)["tolerance"] == default.tolerance
+    assert json.loads(told.stdout)["hidden"] == len(default.hidden)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--disks", "size", "--radii", "size"), "other cells than --weights and --radii"),
+        (("--tolerance", "0.1"), "give --disks COLUMN, too"),
+        (("--disks", "reach"), "no values of that name: there are 'size', 'pupils'"),
+        (("--disks", "size", "--tolerance", "-1"), "tolerance is -1.0: give a positive number"),
+    ],
+)
+def test_wrong_options_of_disks(table: Path, words: tuple[str, ...], message: str) -> None:
+    done = command("voronoi", table, "out.geojson", *words, cwd=table.parent)
+    assert done.returncode != 0
+    assert message in " ".join(done.stderr.split())
+    assert not (table.parent / "out.geojson").exists()

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Rows
 from liftmesh.cells.exact import ExactCorners
 from liftmesh.cells.rings import Rings
 from liftmesh.cells.untying import untied
@@ -52,15 +51,9 @@ def clip(dual: Dual, domain: Domain) -> tuple[Rings, ExactCorners]:
     is_vertex = np.flatnonzero(sources[:k, 0] < 0)
     points[is_vertex] = dual.vertices[vertex_of[sources[is_vertex, 1]]]
     rings = Rings(sources, points, starts, cells, cut)
-    exact = ExactCorners(dual, domain, _next_corners(domain))
+    exact = ExactCorners(domain, dual)
     for i in np.flatnonzero(~certain).tolist():
         ring = int(np.searchsorted(starts, i, side="right")) - 1
         x, y = exact.at(int(cells[ring]), *sources[i, :2].tolist())
         points[i] = float(x), float(y)
     return untied(rings, exact, ties), exact
-
-
-def _next_corners(domain: Domain) -> Rows:
-    following = np.arange(1, len(domain.corners) + 1, dtype=np.int32)
-    following[domain.starts[1:] - 1] = domain.starts[:-1]
-    return following

@@ -61,6 +61,13 @@ class Domain:
     touches: Rows = field(default_factory=lambda: np.empty((0, 2), dtype=np.int32))
     crs: str | None = None
 
+    @property
+    def following(self) -> Rows:
+        """The corner after each, in its ring."""
+        following = np.arange(1, len(self.corners) + 1, dtype=np.int32)
+        following[self.starts[1:] - 1] = self.starts[:-1]
+        return following
+
 
 def as_domain(given: Any, points: Floats, crs: str | None = None) -> Domain:
     """Convert the option ``domain``.

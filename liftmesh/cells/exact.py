@@ -6,12 +6,13 @@ and for rings in which corners seem to coincide, or sides to overlap.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from liftmesh._typing import Rows
+import numpy as np
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
@@ -52,22 +53,65 @@ def is_within(point: Exact, a: Exact, b: Exact) -> bool:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ExactCorners:
-    """Corners of clipped cells.
+class DomainCorners(ABC):
+    """Corners of clipped cells: those of the domain are the same whatever the cells.
 
     Parameters
     ----------
-    dual : Dual
-        The sites.
+    domain : Domain
+        What the cells are clipped to.
+    """
+
+    domain: Domain
+
+    @abstractmethod
+    def at(self, cell: int, edge: int, other: int) -> Exact:
+        """Compute a corner.
+
+        Parameters
+        ----------
+        cell, edge, other : int
+            The cell, and where the corner comes from: see `Rings`.
+
+        Returns
+        -------
+        tuple of Fraction
+            Its coordinates.
+        """
+
+    def ends(self, edge: int) -> tuple[Exact, Exact]:
+        """Return the ends of an edge of the domain.
+
+        Parameters
+        ----------
+        edge : int
+            Its number.
+
+        Returns
+        -------
+        tuple
+            The corner of that number, and the next one of its ring.
+        """
+        corners, starts = self.domain.corners, self.domain.starts
+        after, ring = edge + 1, int(np.searchsorted(starts, edge + 1))
+        if starts[ring] == after:
+            after = int(starts[ring - 1])
+        return as_exact(corners[edge]), as_exact(corners[after])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExactCorners(DomainCorners):
+    """Corners of clipped Voronoi or power cells.
+
+    Parameters
+    ----------
     domain : Domain
         What they are clipped to.
-    next_corner : (k,) ndarray of int32
-        The corner of the domain that follows each.
+    dual : Dual
+        The sites.
     """
 
     dual: Dual
-    domain: Domain
-    next_corner: Rows
 
     def at(self, cell: int, edge: int, other: int) -> Exact:
         """Compute a corner.
@@ -87,22 +131,6 @@ class ExactCorners:
         start, end = self.ends(edge)
         return start if other < 0 else self._crossing(start, end, cell, other)
 
-    def ends(self, edge: int) -> tuple[Exact, Exact]:
-        """Return the ends of an edge of the domain.
-
-        Parameters
-        ----------
-        edge : int
-            Its number.
-
-        Returns
-        -------
-        tuple
-            The corner of that number, and the next one of its ring.
-        """
-        corners = self.domain.corners
-        return _exact(corners[edge]), _exact(corners[self.next_corner[edge]])
-
     def _crossing(self, start: Exact, end: Exact, cell: int, other: int) -> Exact:
         a, b, c = self._axis(cell, other)
         first, last = a * start[0] + b * start[1] - c, a * end[0] + b * end[1] - c
@@ -117,7 +145,7 @@ class ExactCorners:
 
     def _axis(self, row: int, other: int) -> tuple[Fraction, Fraction, Fraction]:
         """Coefficients a, b, c of the line a x + b y = c of equal power to two rows."""
-        (x, y), (u, v) = _exact(self.dual.points[row]), _exact(self.dual.points[other])
+        (x, y), (u, v) = as_exact(self.dual.points[row]), as_exact(self.dual.points[other])
         height = u * u + v * v - x * x - y * y - self._lowering(other) + self._lowering(row)
         return 2 * (u - x), 2 * (v - y), height
 
@@ -128,5 +156,10 @@ class ExactCorners:
         return value * value if self.dual.kind == "radii" else value
 
 
-def _exact(point: Sequence[float]) -> Exact:
+def as_exact(point: Sequence[float]) -> Exact:
+    """The coordinates of a point as rationals.
+
+    >>> as_exact((0.5, 2)) == (Fraction(1, 2), Fraction(2))
+    True
+    """
     return Fraction(float(point[0])), Fraction(float(point[1]))

@@ -21,7 +21,7 @@ from liftmesh.cells.svg import write_svg
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
+    from liftmesh.cells.clipped import ClippedCells
 
 SUFFIXES = {
     ".geojson": "geojson", ".json": "geojson", ".gpkg": "gpkg", ".ply": "ply", ".svg": "svg",
@@ -112,7 +112,7 @@ def own_names(columns: Mapping[str, Array]) -> tuple[str, str]:
 
 def write_cells(
     stream: BinaryIO,
-    cells: Cells,
+    cells: ClippedCells,
     kind: str,
     columns: Mapping[str, Array],
     crs: str | None = None,
@@ -123,7 +123,7 @@ def write_cells(
     ----------
     stream : binary stream
         Where to.
-    cells : Cells
+    cells : ClippedCells
         The cells.
     kind : {"geojson", "gpkg", "ply", "svg"}
         The format.

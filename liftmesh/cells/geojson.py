@@ -18,13 +18,13 @@ from liftmesh.io.geojson_writer import crs_member
 from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
+    from liftmesh.cells.clipped import ClippedCells
 
 _ROWS = 1 << 13  # of a block
 
 
 def write_geojson(
-    stream: BinaryIO, cells: Cells, columns: Mapping[str, Array], crs: str | None = None
+    stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
     """Write cells as a collection of features: a writer of `files.write_cells`.
 
@@ -56,7 +56,9 @@ def _infinite(values: Array) -> int:
     return int(np.isinf(values).sum()) if values.dtype.kind == "f" else 0
 
 
-def _features(cells: Cells, columns: Mapping[str, Array], first: int, last: int) -> Iterator[str]:
+def _features(
+    cells: ClippedCells, columns: Mapping[str, Array], first: int, last: int
+) -> Iterator[str]:
     texts = [
         [f"{json.dumps(name)}: {text}" for text in _texts(values[first:last])]
         for name, values in columns.items()
@@ -78,7 +80,7 @@ def _texts(values: Array) -> Sequence[str]:
     ]
 
 
-def _shapes(cells: Cells, first: int, last: int) -> Iterator[str]:
+def _shapes(cells: ClippedCells, first: int, last: int) -> Iterator[str]:
     """The geometries of a block of rows."""
     parts = cells.parts[first : last + 1]
     rings = cells.rings[parts[0] : parts[-1] + 1]

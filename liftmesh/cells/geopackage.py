@@ -15,13 +15,13 @@ from liftmesh.io.geopackage_writer import write_shapes
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
+    from liftmesh.cells.clipped import ClippedCells
 
 _MOST = np.iinfo(np.int64).max
 
 
 def write_geopackage(
-    stream: BinaryIO, cells: Cells, columns: Mapping[str, Array], crs: str | None = None
+    stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
     """Write cells as one layer: a writer of `files.write_cells`.
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Mask
-from liftmesh.cells.exact import Exact, ExactCorners, doubled_area, turn
+from liftmesh.cells.exact import DomainCorners, Exact, doubled_area, turn
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -43,14 +43,14 @@ def binary_scale(values: Floats) -> int:
     return int(np.frexp(np.abs(values).max(initial=0.0))[1])
 
 
-def parts_of(rings: Rings, exact: ExactCorners) -> tuple[NDArray[np.int64], Mask]:
+def parts_of(rings: Rings, exact: DomainCorners) -> tuple[NDArray[np.int64], Mask]:
     """Find the part that each ring bounds, and which rings are holes.
 
     Parameters
     ----------
     rings : Rings
         All rings.
-    exact : ExactCorners
+    exact : DomainCorners
         Their corners.
 
     Returns
@@ -72,7 +72,7 @@ def parts_of(rings: Rings, exact: ExactCorners) -> tuple[NDArray[np.int64], Mask
     return part, is_hole
 
 
-def _turn_clockwise(rings: Rings, exact: ExactCorners) -> Mask:
+def _turn_clockwise(rings: Rings, exact: DomainCorners) -> Mask:
     if not len(rings.cells):
         return np.zeros(0, dtype=np.bool_)
     of_ring, first = rings.ring_of, rings.starts[:-1]
@@ -94,7 +94,7 @@ def _turn_clockwise(rings: Rings, exact: ExactCorners) -> Mask:
 
 
 def _around(
-    holes: NDArray[np.int64], outer: NDArray[np.int64], rings: Rings, exact: ExactCorners
+    holes: NDArray[np.int64], outer: NDArray[np.int64], rings: Rings, exact: DomainCorners
 ) -> list[int]:
     """Return for each hole the innermost ring of its cell around it."""
     shapely = load("shapely", extra="shapes")
@@ -121,7 +121,7 @@ def _boxes(rings: Rings) -> Floats:
     return np.concatenate([low, high], axis=1)
 
 
-def _innermost(hole: int, among: Sequence[int], rings: Rings, exact: ExactCorners) -> int:
+def _innermost(hole: int, among: Sequence[int], rings: Rings, exact: DomainCorners) -> int:
     """Return the first of some rings, in the order of their size, that is around a hole."""
     for ring in among[:-1]:
         first, last = rings.starts[hole : hole + 2].tolist()
@@ -131,16 +131,16 @@ def _innermost(hole: int, among: Sequence[int], rings: Rings, exact: ExactCorner
     return among[-1]
 
 
-def _corners(ring: int, rings: Rings, exact: ExactCorners) -> list[Exact]:
+def _corners(ring: int, rings: Rings, exact: DomainCorners) -> list[Exact]:
     return _at(range(*rings.starts[ring : ring + 2].tolist()), ring, rings, exact)
 
 
-def _at(corners: Iterable[int], ring: int, rings: Rings, exact: ExactCorners) -> list[Exact]:
+def _at(corners: Iterable[int], ring: int, rings: Rings, exact: DomainCorners) -> list[Exact]:
     cell = int(rings.cells[ring])
     return [exact.at(cell, *rings.sources[corner, :2].tolist()) for corner in corners]
 
 
-def _side(corner: int, own: int, ring: int, rings: Rings, exact: ExactCorners) -> int:
+def _side(corner: int, own: int, ring: int, rings: Rings, exact: DomainCorners) -> int:
     """Say where a corner of one ring is: 1 inside another, -1 outside, 0 on it."""
     (point,) = _at([corner], own, rings, exact)
     starts, ends = _level_sides(rings.points[corner], ring, rings)

@@ -27,14 +27,14 @@ from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
+    from liftmesh.cells.clipped import ClippedCells
 
 _FACES = 1 << 14  # of a block
 _CORNERS = "vertex_indices"
 
 
 def write_ply(
-    stream: BinaryIO, cells: Cells, columns: Mapping[str, Array], crs: str | None = None
+    stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
     """Write cells as faces in the plane z = 0: a writer of `files.write_cells`.
 
@@ -91,7 +91,7 @@ def _lines(index: NDArray[np.intp], sizes: NDArray[np.int64], values: Sequence[A
     ).encode()
 
 
-def _faces(cells: Cells) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
+def _faces(cells: ClippedCells) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
     """The corners of all faces, how many each has, and its row."""
     is_whole = _are_convex(cells)
     row = np.repeat(np.arange(len(cells.points)), np.diff(cells.parts))
@@ -108,7 +108,7 @@ def _faces(cells: Cells) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64]]:
     return corners[places(starts[order], sizes[order])], sizes[order], row[part[order]]
 
 
-def _are_convex(cells: Cells) -> Mask:
+def _are_convex(cells: ClippedCells) -> Mask:
     """Which parts have no holes, and turn left or go straight on at every corner."""
     following = np.arange(1, len(cells.corners) + 1)
     following[cells.ring_corners[1:] - 1] = cells.ring_corners[:-1]
@@ -122,7 +122,7 @@ def _are_convex(cells: Cells) -> Mask:
     return convex
 
 
-def _cut(cells: Cells, parts: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
+def _cut(cells: ClippedCells, parts: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
     """Cut parts into triangles; return these, counter-clockwise, and the part of each."""
     shapely = load("shapely", extra="shapes")
     shapes = np.array([_polygon(cells, part, shapely) for part in parts.tolist()], dtype=object)
@@ -132,7 +132,7 @@ def _cut(cells: Cells, parts: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp
     return rings[:, :3], parts[of]
 
 
-def _polygon(cells: Cells, part: int, shapely: object) -> object:
+def _polygon(cells: ClippedCells, part: int, shapely: object) -> object:
     first, last = cells.rings[part : part + 2].tolist()
     rings = [
         cells.corners[slice(*cells.ring_corners[ring : ring + 2].tolist())]

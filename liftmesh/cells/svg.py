@@ -10,13 +10,13 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
+    from liftmesh.cells.clipped import ClippedCells
 
 _WIDTH = 1000  # of the longer side
 
 
 def write_svg(
-    stream: BinaryIO, cells: Cells, columns: Mapping[str, Array], crs: str | None = None
+    stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
     """Draw the outlines of cells: a writer of `files.write_cells`.
 
@@ -36,7 +36,7 @@ def write_svg(
     return (*columns, *(["crs"] if crs else []))
 
 
-def _lines(cells: Cells) -> Iterator[str]:
+def _lines(cells: ClippedCells) -> Iterator[str]:
     low, high = cells.domain.corners.min(axis=0), cells.domain.corners.max(axis=0)
     scale = _WIDTH / float((high - low).max())
     width, height = ((high - low) * scale).tolist()

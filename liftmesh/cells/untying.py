@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Rows
-from liftmesh.cells.exact import Exact, ExactCorners, doubled_area, is_within, turn
+from liftmesh.cells.exact import DomainCorners, Exact, doubled_area, is_within, turn
 from liftmesh.cells.rings import Rings
 
 
@@ -40,14 +40,14 @@ class _Corner(NamedTuple):
 _Ring = list[_Corner]
 
 
-def untied(rings: Rings, exact: ExactCorners, ties: Rows) -> Rings:
+def untied(rings: Rings, exact: DomainCorners, ties: Rows) -> Rings:
     """Return rings without what only the perturbation made.
 
     Parameters
     ----------
     rings : Rings
         What the kernel wrote.
-    exact : ExactCorners
+    exact : DomainCorners
         Their corners.
     ties : (t, 4) ndarray of int32
         A corner or an edge of the domain, the other being -1, and the two rows to which it is
@@ -75,7 +75,7 @@ def untied(rings: Rings, exact: ExactCorners, ties: Rows) -> Rings:
     )
 
 
-def _suspects(rings: Rings, exact: ExactCorners, ties: Rows) -> Rows:
+def _suspects(rings: Rings, exact: DomainCorners, ties: Rows) -> Rows:
     """Cells with a tie, or with two corners that coincide once rounded, or where rings touch."""
     of_domain = rings.of_the_domain()
     cells = of_domain.cells[of_domain.ring_of]
@@ -114,7 +114,7 @@ def _rings_of(repaired: Sequence[tuple[int, _Ring]]) -> Rings:
 class _Untying:
     """What is known of ties, by pairs of rows, and of places where the domain touches itself."""
 
-    def __init__(self, exact: ExactCorners, ties: Rows) -> None:
+    def __init__(self, exact: DomainCorners, ties: Rows) -> None:
         self._exact = exact
         self._corners: dict[tuple[int, int], set[int]] = defaultdict(set)
         self._edges: dict[tuple[int, int], set[int]] = defaultdict(set)
@@ -163,7 +163,9 @@ class _Untying:
     def _is_boundary(self, pair: tuple[int, int], p: Exact, q: Exact) -> bool:
         middle = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
         ends = (self._exact.ends(edge) for edge in self._edges.get(pair, ()))
-        return any(is_within(middle, *each) for each in ends)
+        return any(
+            turn(*each, p) == turn(*each, q) == 0 and is_within(middle, *each) for each in ends
+        )
 
 
 def _sides(ring: _Ring) -> Iterable[tuple[_Corner, _Corner]]:

@@ -1,4 +1,4 @@
-"""``liftmesh voronoi``: Voronoi or power cells of a cloud, as polygons in a file."""
+"""``liftmesh voronoi``: Voronoi or power cells of a cloud, or cells of disks, as polygons."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ import typer
 from liftmesh.cli import files, options, standard_streams, tables, terminal
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
+    from liftmesh.cells.clipped import ClippedCells
     from liftmesh.cloud import Cloud
 
-SHORT_HELP = "Write the Voronoi or power cells of a cloud as polygons."
+SHORT_HELP = "Write the Voronoi or power cells of a cloud, or cells of disks, as polygons."
 HELP = (
     "Cells of x and y are clipped to a domain, exactly, and carry the values of their rows. "
     "OUT is GeoJSON, a GeoPackage (.gpkg), a mesh (.ply) or a picture (.svg)."
@@ -26,6 +26,7 @@ EXAMPLES = [
     "liftmesh voronoi schools.csv districts.geojson --domain city.geojson",
     "liftmesh voronoi wells.csv cells.gpkg --domain 0,0,1000,800",
     "liftmesh voronoi trees.csv crowns.gpkg --radii crown_radius",
+    "liftmesh voronoi masts.csv coverage.gpkg --disks reach --tolerance 5",
 ]
 
 
@@ -51,6 +52,22 @@ def run(
         typer.Option(metavar="COLUMN", help="Values of IN that are weights: makes power cells."),
     ] = None,
     radii: options.Radii = None,
+    disks: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COLUMN",
+            help="Values of IN that are radii of disks: makes cells of what is nearest to their "
+            "boundaries, with arcs as sides.",
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="What the sides of cells of disks may be off the arcs; by default a thousandth of "
+            "the side of a square as large as a cell.",
+        ),
+    ] = None,
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
@@ -70,6 +87,10 @@ def run(
         A file or a box.
     weights, radii : str, optional
         Names of values of the rows, as in `liftmesh.regular`.
+    disks : str, optional
+        Name of values of the rows, as the radii of `liftmesh.apollonius_diagram`.
+    tolerance : float, optional
+        As of `liftmesh.apollonius_diagram`.
     source_format, target_format : str, optional
         Formats, instead of the suffixes.
     table : dict
@@ -82,19 +103,32 @@ def run(
     if json:
         standard_streams.check_stdout()
     limit = options.parse_size(max_bytes)
+    _check_one(weights, radii, disks, tolerance)
     kind = _kind(target, target_format)
     files.check_place(target)
     files.check_apart(source, target)
     cloud = files.read(source, source_format, limit, _planar(source, source_format, table))
     area, crs = _domain(domain, cloud)
     with files.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
-        cells = _cells(cloud, area, weights, radii)
+        if disks is None:
+            cells = _cells(cloud, area, weights, radii)
+        else:
+            cells = _cells_of_disks(cloud, area, disks, tolerance)
     _note_rows_elsewhere(cells)
     size, dropped = _write(target, cells, kind, cloud, crs)
     is_stdout = files.is_stream(target)
     place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
     with place, standard_streams.after_writing(target):
         _report(target, kind, size, cells, dropped, as_json=json)
+
+
+def _check_one(
+    weights: str | None, radii: str | None, disks: str | None, tolerance: float | None
+) -> None:
+    if disks is not None and (weights is not None or radii is not None):
+        raise typer.BadParameter("--disks makes other cells than --weights and --radii: give one")
+    if disks is None and tolerance is not None:
+        raise typer.BadParameter("--tolerance is of cells of disks: give --disks COLUMN, too")
 
 
 def _kind(target: Path, name: str | None) -> str:
@@ -134,7 +168,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     return shape, common_system(cloud.crs, crs)
 
 
-def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> Cells:
+def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
     from liftmesh.planar.weights import chosen, named_values  # noqa: PLC0415 - as above
 
@@ -145,7 +179,15 @@ def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> C
     return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
 
 
-def _note_rows_elsewhere(cells: Cells) -> None:
+def _cells_of_disks(cloud: Cloud, area: Any, disks: str, tolerance: float | None) -> ClippedCells:
+    import liftmesh  # noqa: PLC0415 - as above
+    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
+
+    radii = named_values(cloud, "disks", disks)
+    return liftmesh.apollonius_diagram(cloud.points[:, :2], radii, domain=area, tolerance=tolerance)
+
+
+def _note_rows_elsewhere(cells: ClippedCells) -> None:
     """Say so if no row is near the domain: most often it is in another coordinate system."""
     low, high = cells.domain.corners.min(axis=0), cells.domain.corners.max(axis=0)
     if not ((cells.points >= low) & (cells.points <= high)).all(axis=1).any():
@@ -162,7 +204,7 @@ def _columns(cloud: Cloud) -> dict[str, Any]:
 
 
 def _write(
-    target: Path, cells: Cells, kind: str, cloud: Cloud, crs: str | None
+    target: Path, cells: ClippedCells, kind: str, cloud: Cloud, crs: str | None
 ) -> tuple[int, list[str]]:
     """Write the cells; return the number of bytes, and what the file does not keep."""
     from liftmesh.cells.files import own_names, write_cells  # noqa: PLC0415 - as above
@@ -204,7 +246,7 @@ class _Counting:
 
 
 def _report(
-    target: Path, kind: str, size: int, cells: Cells, dropped: list[str], *, as_json: bool
+    target: Path, kind: str, size: int, cells: ClippedCells, dropped: list[str], *, as_json: bool
 ) -> None:
     counts = {
         "rows": len(cells.points),
@@ -215,10 +257,14 @@ def _report(
     }
     if as_json:
         told = {"path": str(target), "format": kind, "bytes": size, "domain": cells.domain.text}
+        if cells.tolerance is not None:
+            told["tolerance"] = cells.tolerance
         terminal.as_json({**told, **counts, "dropped": dropped})
         return
     bytes_text = terminal.bytes_text(size)
     line = f"{target}: {counts['cells']:,} cells in {cells.domain.text}, {bytes_text}"
+    if cells.tolerance is not None:
+        line += f"; arcs are polylines within {cells.tolerance:.3g}"
     if dropped:
         line += f"; {kind} does not keep {', '.join(dropped)}"
     terminal.sentence(line, "good")

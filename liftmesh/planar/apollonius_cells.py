@@ -1,31 +1,44 @@
-"""The sides of the cells of disks: arcs of hyperbolas, as polylines to a tolerance.
+"""The sides of the cells of disks: between which disks each one runs, and from where to where.
 
-Seen from the centre of the smaller disk p, a side that it shares with q is the curve
-
-    R = P / (2 (x cos t + y sin t + r)),   P = x^2 + y^2 - r^2,
-
-with t the direction, R the distance, and (x, y, r) what q has more than p: the polar form of a
-hyperbola about its focus. It is convex, so between two points it stays in the triangle of the chord
-and the tangents there, whose height bounds what the chord is off.
+A side is an arc of a hyperbola (`apollonius_arcs.py`). It ends where three cells meet, in the
+centre of the circle that touches their disks, or not at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise
-from math import acos, atan2, cos, hypot, inf, pi, sin
-from typing import TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Floats, Indices, Integers, Rows
+from liftmesh.planar.apollonius_arcs import Arcs, Box
+from liftmesh.planar.apollonius_vertices import vertices_of
+from liftmesh.planar.disk_powers import more_of
 
-Place: TypeAlias = tuple[float, float]
-Ends: TypeAlias = tuple[int, int, int, int]  # two disks, the triangles on their left and right
+if TYPE_CHECKING:
+    from liftmesh.planar.apollonius_graph import ApolloniusGraph
+
+_COINCIDENT = 2.0**-44  # of the numbers involved: what rounding may put between equal vertices
 
 
-def sides(simplices: Rows, neighbors: Rows, hull: Rows) -> Iterator[Ends]:
+class Sides(NamedTuple):
+    """The sides of all cells.
+
+    Parameters
+    ----------
+    pairs : (s, 2) ndarray of int32
+        The two disks of each.
+    ends : (s, 2) ndarray of int32
+        The triangles to the left and to the right of the edge from one disk to the other, whose
+        circles have their centres at the ends; -1 where the side has no end.
+    """
+
+    pairs: Rows
+    ends: Rows
+
+
+def sides(simplices: Rows, neighbors: Rows, hull: Rows) -> Sides:
     """List the sides of all cells.
 
     Parameters
@@ -33,265 +46,270 @@ def sides(simplices: Rows, neighbors: Rows, hull: Rows) -> Iterator[Ends]:
     simplices, neighbors, hull : ndarray
         As of an `ApolloniusGraph`.
 
-    Yields
-    ------
-    tuple of int
-        Two disks, and the triangles to the left and right of the edge from one to the other; -1
-        where the side has no end.
+    Returns
+    -------
+    Sides
+        Those with an end first, by the triangle to the left.
 
     Examples
     --------
-    >>> list(sides(np.zeros((0, 3), int), np.zeros((0, 3), int), np.array([[0, 1], [1, 0]])))
-    [(0, 1, -1, -1)]
+    >>> sides(np.zeros((0, 3), int), np.zeros((0, 3), int), np.array([[0, 1], [1, 0]])).pairs
+    array([[0, 1]], dtype=int32)
     """
-    outer = {(a, b) for a, b in hull.tolist()}
-    for left, (corners, beside) in enumerate(
-        zip(simplices.tolist(), neighbors.tolist(), strict=True)
-    ):
-        for k, right in enumerate(beside):
-            a, b = corners[k - 2], corners[k - 1]
-            if right < 0:
-                outer.discard((a, b))
-            if right < left:
-                yield a, b, left, right
-    yield from ((a, b, -1, -1) for a, b in sorted(outer) if a < b)
+    left = np.repeat(np.arange(len(simplices)), 3)
+    right = neighbors.reshape(-1)
+    edges = simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
+    once = right < left
+    bare = _named(hull)[~np.isin(_named(hull), _named(edges[right < 0]))]
+    lines = np.stack([bare >> 32, bare & 0xFFFFFFFF], axis=1)
+    lines = lines[lines[:, 0] < lines[:, 1]]
+    ends = np.stack([left, right], axis=1)[once]
+    return Sides(
+        np.concatenate([edges[once], lines]).astype(np.int32),
+        np.concatenate([ends, np.full((len(lines), 2), -1)]).astype(np.int32),
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Branch:
-    """The points that are as far from a disk as from another, which is not smaller.
+def _named(pairs: Rows) -> Integers:
+    named: Integers = pairs[:, 0].astype(np.int64) << 32 | pairs[:, 1].astype(np.int64)
+    return named
+
+
+def arcs_of(found: Sides, disks: Floats, vertices: Floats) -> Arcs:
+    """Describe sides as arcs.
 
     Parameters
     ----------
-    x, y : float
-        The centre of the smaller disk, p.
-    dx, dy, dr : float
-        What the other has more.
-
-    Examples
-    --------
-    >>> Branch(0.0, 0.0, 2.0, 0.0, 0.0).at(0.0)
-    (1.0, 0.0)
-    """
-
-    x: float
-    y: float
-    dx: float
-    dy: float
-    dr: float
-
-    @property
-    def power(self) -> float:
-        """P."""
-        return self.dx**2 + self.dy**2 - self.dr**2
-
-    def at(self, turn: float) -> Place:
-        """Return the point in a direction, counted from that of the other centre.
-
-        Parameters
-        ----------
-        turn : float
-            In radians.
-
-        Returns
-        -------
-        tuple of float
-            x and y.
-
-        Examples
-        --------
-        >>> Branch(0.0, 0.0, 2.0, 0.0, 0.0).at(np.pi / 3)[0]
-        1.0
-        """
-        reach = self.power / (2 * (hypot(self.dx, self.dy) * cos(turn) + self.dr))
-        angle = atan2(self.dy, self.dx) + turn
-        return self.x + reach * cos(angle), self.y + reach * sin(angle)
-
-    def turn_of(self, place: Floats) -> float:
-        """Return the direction of a point of the curve.
-
-        Parameters
-        ----------
-        place : (2,) ndarray of float64
-            The point.
-
-        Returns
-        -------
-        float
-            In radians from that of the other centre, between -pi and pi.
-
-        Examples
-        --------
-        >>> Branch(0.0, 0.0, 2.0, 0.0, 0.0).turn_of(np.array([1.0, 1.0]))
-        0.7853981633974483
-        """
-        turn = atan2(place[1] - self.y, place[0] - self.x) - atan2(self.dy, self.dx)
-        return (turn + pi) % (2 * pi) - pi
-
-    def widest(self, reach: float) -> float:
-        """Return up to which direction, on either side, the curve is no farther than a distance.
-
-        Parameters
-        ----------
-        reach : float
-            The distance from the centre of the smaller disk.
-
-        Returns
-        -------
-        float
-            In radians; 0 if all of it is farther.
-
-        Examples
-        --------
-        >>> round(Branch(0.0, 0.0, 2.0, 0.0, 0.0).widest(2.0), 6)
-        1.047198
-        """
-        cosine = (self.power / (2 * reach) - self.dr) / hypot(self.dx, self.dy)
-        return acos(min(max(cosine, -1.0), 1.0))
-
-    def polyline(self, first: float, last: float, tolerance: float) -> list[Place]:
-        """Return points of the curve whose chords are at most a tolerance off.
-
-        Parameters
-        ----------
-        first, last : float
-            The directions of its ends.
-        tolerance : float
-            As long as coordinates.
-
-        Returns
-        -------
-        list of tuple of float
-            The points, with both ends.
-
-        Examples
-        --------
-        >>> len(Branch(0.0, 0.0, 2.0, 0.0, 0.0).polyline(-1.0, 1.0, 0.1))
-        2
-        """
-        found, waiting = [self.at(first)], [(first, last)]
-        while waiting:
-            low, high = waiting.pop()
-            if self.deviation(low, high) <= tolerance or high - low < 1e-9:
-                found.append(self.at(high))
-                continue
-            middle = (low + high) / 2
-            waiting += [(middle, high), (low, middle)]
-        return found
-
-    def deviation(self, low: float, high: float) -> float:
-        """Bound how far the curve between two directions is from its chord.
-
-        Parameters
-        ----------
-        low, high : float
-            The directions.
-
-        Returns
-        -------
-        float
-            The height of the triangle of the chord and both tangents.
-
-        Examples
-        --------
-        >>> Branch(0.0, 0.0, 2.0, 0.0, 0.0).deviation(-1.0, 1.0) < 1e-12
-        True
-        """
-        (ax, ay), (bx, by) = self.at(low), self.at(high)
-        chord = (bx - ax, by - ay)
-        slopes = [self._slope(place, chord) for place in ((ax, ay), (bx, by))]
-        if min(slopes) == 0:
-            return 0.0
-        return hypot(*chord) / sum(1 / slope for slope in slopes)
-
-    def _slope(self, place: Place, chord: Place) -> float:
-        """Return the tangent of the angle between the tangent at a point and a chord."""
-        u, v = place[0] - self.x, place[1] - self.y
-        near, far = hypot(u, v), hypot(u - self.dx, v - self.dy)
-        normal = (u / near - (u - self.dx) / far, v / near - (v - self.dy) / far)
-        along = abs(normal[0] * chord[1] - normal[1] * chord[0])
-        across = abs(normal[0] * chord[0] + normal[1] * chord[1])
-        return across / along if along > 0 else inf
-
-
-def branch_between(centers: Floats, radii: Floats, a: int, b: int) -> tuple[Branch, bool]:
-    """Make the branch of two disks, and say whether the second is the smaller one.
-
-    Parameters
-    ----------
-    centers, radii : ndarray of float64
-        All disks.
-    a, b : int
-        Two of them.
+    found : Sides
+        The sides.
+    disks : (n, 3) ndarray of float64
+        All disks, as rows x, y, r.
+    vertices : (m, 2) ndarray of float64
+        The centre of the circle of each triangle.
 
     Returns
     -------
-    branch : Branch
-        Seen from the smaller one.
-    is_turned : bool
-        Whether that is b.
+    Arcs
+        Seen from the smaller disk, or from the first of equal ones. Without an end the direction is
+        the opposite one, for `Arcs.near` to cut off.
 
     Examples
     --------
-    >>> branch_between(np.array([[0.0, 0], [2, 0]]), np.array([0.5, 0.0]), 0, 1)[1]
-    True
+    >>> two = Sides(np.array([[0, 1]]), np.array([[-1, -1]]))
+    >>> arcs_of(two, np.array([[0, 0, 0.5], [2, 0, 0]]), np.zeros((0, 2))).rows
+    array([[1, 0]])
     """
-    is_turned = bool(radii[b] < radii[a])
-    p, q = (b, a) if is_turned else (a, b)
-    (x, y), (dx, dy) = centers[p].tolist(), (centers[q] - centers[p]).tolist()
-    return Branch(x, y, dx, dy, float(radii[q] - radii[p])), is_turned
+    is_turned = disks[found.pairs[:, 1], 2] < disks[found.pairs[:, 0], 2]
+    rows = np.where(is_turned[:, None], found.pairs[:, ::-1], found.pairs)
+    # Counter-clockwise about the first disk, a side starts at the triangle on its right.
+    ends = np.where(is_turned[:, None], found.ends, found.ends[:, ::-1])
+    near, far = rows.T
+    relative, power = more_of(disks, far, near)
+    focus, axis, more = disks[near, :2], relative[:, :2], relative[:, 2]
+    turns = np.full((len(near), 2), (-np.pi, np.pi))
+    for k in range(2):
+        has_end = ends[:, k] >= 0
+        step = vertices[ends[has_end, k]] - focus[has_end]
+        along = axis[has_end]
+        cross, dot = along[:, 0] * step[:, 1] - along[:, 1] * step[:, 0], (along * step).sum(1)
+        turns[has_end, k] = np.arctan2(cross, dot)
+    return Arcs(rows, ends, focus, axis, more, power, turns)
 
 
-def clipped(places: list[Place], box: tuple[float, float, float, float]) -> list[Floats]:
-    """Cut off what of a polyline is outside a box.
+def coinciding(found: Sides, centers: Floats, vertices: Floats) -> Floats:
+    """Give one position to vertices that only rounding keeps apart.
+
+    Where more than three disks touch one circle, several triangles have its centre.
 
     Parameters
     ----------
-    places : list of tuple of float
-        The polyline.
+    found : Sides
+        The sides, of which those without a length count.
+    centers : (n, 2) ndarray of float64
+        The centres of all disks.
+    vertices : (m, 2) ndarray of float64
+        Where the cells meet.
+
+    Returns
+    -------
+    (m, 2) ndarray of float64
+        Of vertices between which sides are no longer than their rounding, that of the first.
+
+    Examples
+    --------
+    >>> side = Sides(np.array([[0, 1]]), np.array([[1, 0]]))
+    >>> coinciding(side, np.zeros((2, 2)), np.array([[1.0, 0], [1 + 2**-52, 0]])).tolist()
+    [[1.0, 0.0], [1.0, 0.0]]
+    """
+    bounded = (found.ends >= 0).all(axis=1)
+    one, other = found.ends[bounded].T
+    near = centers[found.pairs[bounded, 0]]
+    size = np.abs(near).max(axis=1) + np.abs(vertices[one] - near).max(axis=1)
+    apart = np.abs(vertices[one] - vertices[other]).max(axis=1)
+    equal = apart <= _COINCIDENT * size
+    place = _first_of(len(vertices), one[equal], other[equal])
+    merged: Floats = vertices[place]
+    return merged
+
+
+def _first_of(count: int, one: Rows, other: Rows) -> Indices:
+    """Name each of so many things after the first of those that pairs connect it with."""
+    first = np.arange(count)
+    while True:
+        least = np.minimum(first[one], first[other])
+        named = first.copy()
+        np.minimum.at(named, one, least)
+        np.minimum.at(named, other, least)
+        named = named[named]
+        if np.array_equal(named, first):
+            return first
+        first = named
+
+
+class Traced(NamedTuple):
+    """The sides of all cells that come near a box, as polylines.
+
+    Parameters
+    ----------
+    rows : (s, 2) ndarray of int32
+        The disks on the left and on the right of each.
+    ends : (s, 2) ndarray of int32
+        The vertices where it starts and ends; -1 where it has no end, or is cut off outside of the
+        box.
+    starts : (s + 1,) ndarray of int64
+        Side i has the points from ``starts[i]`` to ``starts[i + 1]``.
+    points : (k, 2) ndarray of float64
+        Where they are.
+    box : tuple of float
+        The box. Outside of it sides are coarse, and some are left out.
+    """
+
+    rows: Rows
+    ends: Rows
+    starts: Integers
+    points: Floats
+    box: Box
+
+    @property
+    def segments(self) -> Indices:
+        """The points from which a segment leads to the next one, (s,) intp."""
+        is_start = np.ones(len(self.points), dtype=np.bool_)
+        is_start[self.starts[1:] - 1] = False
+        return np.flatnonzero(is_start)
+
+
+def traced(graph: ApolloniusGraph, box: Box, tolerance: float) -> Traced:
+    """Follow the sides of all cells as far as a box sees them.
+
+    Parameters
+    ----------
+    graph : ApolloniusGraph
+        The disks and their triangles.
+    box : tuple of float
+        The least x and y, and the greatest.
+    tolerance : float
+        What chords may be off, as long as coordinates.
+
+    Returns
+    -------
+    Traced
+        Sides that meet have a point in common, bit for bit.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> traced(liftmesh.apollonius([[0, 0], [4, 0]], [1, 1]), (0, -1, 4, 1), 0.1).points.round(3)
+    array([[ 2.   , -3.653],
+           [ 2.   ,  3.653]])
+    """
+    largest = max(np.abs(graph.centers).max(initial=0), graph.radii.max(initial=0), *map(abs, box))
+    scale = int(np.frexp(largest)[1])  # no square overflows, and no product of such underflows
+
+    def scaled(values: Floats) -> Floats:
+        return np.ldexp(values, -scale)
+
+    disks = scaled(np.column_stack([graph.centers, graph.radii]))
+    found = sides(graph.simplices, graph.neighbors, graph.convex_hull)
+    vertices = vertices_of(disks, graph.simplices, scaled(graph.circles))
+    vertices = coinciding(found, disks[:, :2], vertices)
+    left, low, right, high = scaled(np.array(box)).tolist()
+    limits = left, low, right, high
+    arcs = arcs_of(found, disks, vertices).near(limits)
+    starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
+    return Traced(arcs.rows, arcs.ends, starts, np.ldexp(points, scale), box)
+
+
+def pieces_in(found: Traced) -> Iterator[tuple[tuple[int, int], Floats]]:
+    """Cut off what of polylines is outside of their box.
+
+    Parameters
+    ----------
+    found : Traced
+        The polylines.
+
+    Yields
+    ------
+    tuple
+        The two disks of each piece, the lower row first, and its points, (k, 2) float64.
+
+    Examples
+    --------
+    >>> line = np.array([[-1.0, 0.5], [3.0, 0.5]])
+    >>> box = (0, 0, 1, 1)
+    >>> side = Traced(np.array([[1, 0]]), np.array([[-1, -1]]), np.array([0, 2]), line, box)
+    >>> [(pair, piece.tolist()) for pair, piece in pieces_in(side)]
+    [((0, 1), [[0.0, 0.5], [1.0, 0.5]])]
+    """
+    first = found.segments
+    start, end = found.points[first], found.points[first + 1]
+    low, high = shares_in(start, end, found.box)
+    left = np.flatnonzero(low < high)
+    if not len(left):
+        return
+    first, low, high = first[left], low[left], high[left]
+    start, end = start[left], end[left]
+    step = end - start
+    start, end = (
+        np.where(share[:, None] == whole, at, start + share[:, None] * step)
+        for share, whole, at in ((low, 0.0, start), (high, 1.0, end))
+    )
+    side = (np.searchsorted(found.starts, first, side="right") - 1).tolist()
+    goes_on = (np.diff(first) == 1) & (np.diff(side) == 0) & (high[:-1] == 1) & (low[1:] == 0)
+    bounds = np.flatnonzero(np.concatenate([[True], ~goes_on, [True]]))
+    pairs = np.sort(found.rows, axis=1).tolist()
+    for one, next_one in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        a, b = pairs[side[one]]
+        yield (a, b), np.concatenate([start[one:next_one], end[next_one - 1 : next_one]])
+
+
+def shares_in(start: Floats, end: Floats, box: Box) -> tuple[Floats, Floats]:
+    """Return from which to which share of each segment it is in a box (Liang and Barsky).
+
+    Parameters
+    ----------
+    start, end : (k, 2) ndarray of float64
+        The segments.
     box : tuple of float
         The least x and y, and the greatest.
 
     Returns
     -------
-    list of (k, 2) ndarray of float64
-        The pieces inside.
+    first, last : (k,) ndarray of float64
+        Not ascending where nothing is inside.
 
     Examples
     --------
-    >>> clipped([(-1.0, 0.5), (3.0, 0.5)], (0, 0, 1, 1))[0].tolist()
-    [[0.0, 0.5], [1.0, 0.5]]
+    >>> shares_in(np.array([[-1.0, 0.5]]), np.array([[3.0, 0.5]]), (0, 0, 1, 1))
+    (array([0.25]), array([0.5]))
     """
-    pieces: list[list[Place]] = []
-    for start, end in pairwise(places):
-        inside = _inside(start, end, box)
-        if inside is None:
-            continue
-        if not pieces or pieces[-1][-1] != inside[0]:
-            pieces.append([inside[0]])
-        pieces[-1].append(inside[1])
-    return [np.array(piece) for piece in pieces]
-
-
-def _inside(start: Place, end: Place, box: tuple[float, ...]) -> tuple[Place, Place] | None:
-    """Return the part of a segment in a box (Liang and Barsky)."""
-    first, last = 0.0, 1.0
+    first, last = np.zeros(len(start)), np.ones(len(start))
+    step = end - start
     for axis in range(2):
-        step = end[axis] - start[axis]
-        low, high = box[axis] - start[axis], box[axis + 2] - start[axis]
-        if step == 0:
-            if low > 0 or high < 0:
-                return None
-            continue
-        enter, leave = sorted((low / step, high / step))
-        first, last = max(first, enter), min(last, leave)
-    if first >= last:
-        return None
-    return _on(start, end, first), _on(start, end, last)
-
-
-def _on(start: Place, end: Place, share: float) -> Place:
-    if share in (0.0, 1.0):
-        return end if share else start
-    x, y = (a + share * (b - a) for a, b in zip(start, end, strict=True))
-    return x, y
+        low, high = box[axis] - start[:, axis], box[axis + 2] - start[:, axis]
+        with np.errstate(all="ignore"):
+            enter, leave = np.sort([low / step[:, axis], high / step[:, axis]], axis=0)
+        is_level = step[:, axis] == 0
+        is_apart = is_level & ((low > 0) | (high < 0))
+        first = np.where(is_level, first, np.maximum(first, enter))
+        last = np.where(is_level, np.where(is_apart, -1, last), np.minimum(last, leave))
+    return first, last

@@ -13,7 +13,9 @@ from liftmesh.arrays import as_reals
 from liftmesh.choices import as_count, shown
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
-from liftmesh.planar.apollonius_cells import Place, branch_between, clipped, sides
+from liftmesh.planar.apollonius_cells import pieces_in, traced
+
+_FINEST = 2.0**-46  # what polylines may be off, of the coordinates: 64 times their rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -134,7 +136,7 @@ class ApolloniusGraph:
         box : (4,) array_like
             The least x and y, and the greatest. Sides are cut off there.
         tolerance : float
-            Positive, as long as coordinates.
+            Positive, as long as coordinates; 2^-46 of those of the box at least.
 
         Returns
         -------
@@ -146,7 +148,7 @@ class ApolloniusGraph:
         ------
         InputError
             They are no numbers, the box is not finite or has no area, or the tolerance is not
-            positive.
+            positive, or near the rounding of coordinates.
 
         Examples
         --------
@@ -156,26 +158,8 @@ class ApolloniusGraph:
         >>> disks, line.round(9).tolist()
         ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
         """
-        limits, length = _as_limits(box), _as_length(tolerance)
-        found = []
-        for a, b, left, right in sides(self.simplices, self.neighbors, self.convex_hull):
-            line = self._side(a, b, left, right, limits, length)
-            found += [((min(a, b), max(a, b)), piece) for piece in clipped(line, limits)]
-        return found
-
-    def _side(
-        self, a: int, b: int, left: int, right: int, box: tuple[float, ...], tolerance: float
-    ) -> list[Place]:
-        """Return a side within the distance at which nothing of the box is left."""
-        branch, is_turned = branch_between(self.centers, self.radii, a, b)
-        corners = ((box[i], box[j]) for i in (0, 2) for j in (1, 3))
-        farthest = max(np.hypot(x - branch.x, y - branch.y) for x, y in corners)
-        widest = branch.widest(1.01 * float(farthest))
-        first, last = (left, right) if is_turned else (right, left)
-        start = -widest if first < 0 else branch.turn_of(self.circles[first, :2])
-        end = widest if last < 0 else branch.turn_of(self.circles[last, :2])
-        start, end = max(start, -widest), min(end, widest)
-        return branch.polyline(start, end, tolerance) if start < end else []
+        limits, length = _as_limits(box), as_tolerance(tolerance, box)
+        return list(pieces_in(traced(self, limits, length)))
 
 
 def _numbers(name: str, value: ArrayLike) -> Floats:
@@ -195,8 +179,38 @@ def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
     return x, y, right, upper
 
 
-def _as_length(tolerance: float) -> float:
+def as_tolerance(tolerance: float, box: ArrayLike) -> float:
+    """Convert what polylines may be off their arcs.
+
+    Parameters
+    ----------
+    tolerance : float
+        Positive, as long as coordinates.
+    box : (4,) array_like
+        Where the arcs are.
+
+    Returns
+    -------
+    float
+        The same.
+
+    Raises
+    ------
+    InputError
+        It is no positive number, or less than the rounding of coordinates of the box.
+
+    Examples
+    --------
+    >>> as_tolerance(0.5, (0, 0, 1, 1))
+    0.5
+    """
     value = _numbers("tolerance", tolerance)
     if value.shape != () or not value > 0:
         raise InputError(f"tolerance is {shown(tolerance)}: give a positive number")
+    least = float(np.abs(box).max()) * _FINEST
+    if value < least:
+        raise InputError(
+            f"tolerance is {shown(tolerance)}, near the rounding of coordinates of the box: give "
+            f"{least:.2g} at least"
+        )
     return float(value)

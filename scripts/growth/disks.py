@@ -6,7 +6,8 @@ more than three.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import copy
+from collections.abc import Callable, Iterator
 from math import isqrt
 from typing import Any
 
@@ -52,7 +53,28 @@ def growing_in_a_row(n: int) -> Disks:
     return np.c_[along, along / 4, along / 4]
 
 
-DISKS = named(disjoint, overlapping, around_a_large_one, lattice_of_two_radii, growing_in_a_row)
+def tiny_and_far(n: int) -> Disks:
+    """Disks that are tiny beside their distances, far from the origin, and a large one apart."""
+    rng = random()
+    disks = np.c_[1e5 + rng.random((n, 2)), rng.random(n) * 1e-6]
+    disks[0] = 1e6, 1e6, 1e3
+    return disks
+
+
+def nearly_hidden(n: int) -> Disks:
+    """Disks that hardly come out of a large one: their cells are narrow, and terms cancel."""
+    rng = random()
+    angles, radii = rng.random(n) * 2 * np.pi, rng.random(n) / 2
+    out = radii * (1 + 10.0 ** -rng.integers(3, 12, n))
+    disks = np.c_[(1 - radii) * np.cos(angles), (1 - radii) * np.sin(angles), out]
+    disks[0] = 0, 0, 1
+    return disks
+
+
+DISKS = named(
+    disjoint, overlapping, around_a_large_one, lattice_of_two_radii, growing_in_a_row,
+    tiny_and_far, nearly_hidden,
+)  # fmt: skip
 
 
 def prepare(disks: Disks) -> Work:
@@ -70,13 +92,40 @@ def find_neighbors(disks: Disks) -> Work:
 def find_sides(disks: Disks) -> Work:
     """Prepare the sides of all cells."""
     graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
-    return Work(lambda: graph.cell_sides((0, 0, 1, 1), 0.01), len(disks))
+    low, high = np.quantile(disks[:, :2], (0.01, 0.99), axis=0)
+    box, tolerance = (*low.tolist(), *high.tolist()), 0.03 / np.sqrt(len(disks))
+    return Work(lambda: graph.cell_sides(box, tolerance), len(disks))
+
+
+def clipped(disks: Disks) -> liftmesh.ApolloniusCells:
+    """Clip cells to a box that most centres are in."""
+    low, high = np.quantile(disks[:, :2], (0.01, 0.99), axis=0)
+    box = (*low.tolist(), *high.tolist())
+    return liftmesh.apollonius_diagram(disks[:, :2], disks[:, 2], domain=box)
+
+
+def find_cells(disks: Disks) -> Work:
+    """Prepare the cells in a box."""
+    return Work(lambda: clipped(disks), len(disks))
+
+
+def on_cells(name: str) -> Callable[[Disks], Work]:
+    """Prepare a property of fresh cells."""
+
+    def prepared(disks: Disks) -> Work:
+        found = clipped(disks)
+        return Work(lambda: getattr(copy.copy(found), name), len(disks))
+
+    return prepared
 
 
 def disk_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes disks."""
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",)
+    yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far")
+    for name in ("corner_kinds", "corner_sources"):
+        yield f"ApolloniusCells.{name}", DISKS, on_cells(name), ()
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 
 

@@ -97,6 +97,7 @@ WITHOUT_DATA = {
     "Cells": "a result, made by voronoi; its methods and properties are watched",
     "Unclipped": "a result, made by Cells.unclipped; its properties are watched",
     "AnisotropicStars": "a result, made by anisotropic_stars; its methods are watched",
+    "ApolloniusCells": "a result, made by apollonius_diagram; what it adds to Cells is watched",
     "ApolloniusGraph": "a result, made by apollonius; its methods are watched",
     "Adapter": "describes a conversion",
     "Format": "describes a format",

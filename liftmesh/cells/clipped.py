@@ -1,0 +1,279 @@
+"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.arrays import read_only
+from liftmesh.cells.columns import common_crs, frame_of, free_name
+from liftmesh.cells.parts import binary_scale, parts_of
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.cells.domain import Domain
+    from liftmesh.cells.exact import DomainCorners
+    from liftmesh.cells.rings import Rings
+
+
+class ClippedCells:
+    """Cells of rows inside a domain: what `Cells` and `ApolloniusCells` share.
+
+    Parameters
+    ----------
+    points : (n, 2) ndarray of float64
+        The sites.
+    domain : Domain
+        What the cells are clipped to.
+    rings : Rings
+        The rings of all cells.
+    exact : DomainCorners
+        Their corners.
+
+    Attributes
+    ----------
+    points, domain, parts, rings, ring_corners, corners, beyond, duplicates, hidden
+        As of `Cells`.
+    tolerance : float or None
+        What sides may be off curves; None if all are straight.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> isinstance(liftmesh.voronoi([[3, 4]], domain=(2, 3, 4, 5)), ClippedCells)
+    True
+    """
+
+    duplicates: Rows
+    hidden: Rows
+    tolerance: float | None = None
+
+    def __init__(self, points: Floats, domain: Domain, rings: Rings, exact: DomainCorners) -> None:
+        self.points, self.domain = read_only(points), domain
+        part, is_hole = parts_of(rings, exact)
+        order = np.lexsort((is_hole, part))
+        count = np.diff(rings.starts)[order]
+        starts = np.concatenate([[0], np.cumsum(count)])
+        taken = np.repeat(rings.starts[:-1][order] - starts[:-1], count) + np.arange(starts[-1])
+        cell_of_part = rings.cells[order][~is_hole[order]]
+        self.parts = _starts(cell_of_part, len(self.points))
+        self.rings = _starts(part[order], len(cell_of_part))
+        self.ring_corners = read_only(starts)
+        self.corners = read_only(rings.points[taken])
+        self._sources = rings.sources[taken]
+        self.beyond = read_only(self._sources[:, 2])
+
+    def __repr__(self) -> str:
+        full = np.count_nonzero(np.diff(self.parts))
+        rows = f"{full:,} of {len(self.points):,} rows have an area in {self.domain.text}"
+        return f"<{type(self).__name__}: {rows}>"
+
+    @property
+    def crs(self) -> str | None:
+        """The coordinate system of the points or the domain, WKT or ``EPSG:n``, if known."""
+        return self.domain.crs
+
+    @property
+    def _cell_of_part(self) -> NDArray[np.int64]:
+        return np.repeat(np.arange(len(self.points)), np.diff(self.parts))
+
+    @property
+    def _cell_of_ring(self) -> NDArray[np.int64]:
+        return np.repeat(self._cell_of_part, np.diff(self.rings))
+
+    @property
+    def _cell_of_corner(self) -> NDArray[np.int64]:
+        return np.repeat(self._cell_of_ring, np.diff(self.ring_corners))
+
+    @property
+    def _following(self) -> NDArray[np.int64]:
+        """The corner after each, in its ring."""
+        following = np.arange(1, len(self.corners) + 1)
+        following[self.ring_corners[1:] - 1] = self.ring_corners[:-1]
+        return following
+
+    @cached_property
+    def _moments(self) -> tuple[Floats, Floats, Floats, int]:
+        """Area, first moments over it and first corner of each row's cell.
+
+        The first are of cells scaled by a power of two, which is that of the last.
+        """
+        rows, cell = len(self.points), self._cell_of_corner
+        origin = np.zeros((rows, 2))
+        origin[cell[::-1]] = self.corners[::-1]
+        offset = self.corners - origin[cell]
+        scale = binary_scale(offset)
+        x, y = np.ldexp(offset, -scale).T
+        ahead_x, ahead_y = x[self._following], y[self._following]
+        cross = x * ahead_y - y * ahead_x
+        area = np.bincount(cell, cross, minlength=rows) / 2
+        moments = (np.bincount(cell, cross * (u + v), minlength=rows) / 6
+                   for u, v in ((x, ahead_x), (y, ahead_y)))  # fmt: skip
+        return area, np.stack([*moments], axis=1), origin, scale
+
+    @cached_property
+    def areas(self) -> Floats:
+        """The area of each row's cell, (n,) float64; 0 for rows without one.
+
+        Infinite if it exceeds float64.
+        """
+        area, _, _, scale = self._moments
+        with np.errstate(all="ignore"):
+            return read_only(np.ldexp(area, 2 * scale))
+
+    @cached_property
+    def centroids(self) -> Floats:
+        """The centroid of each row's cell, (n, 2) float64; NaN for rows without one."""
+        area, moments, origin, scale = self._moments
+        with np.errstate(all="ignore"):
+            centre = origin + np.ldexp(moments / area[:, None], scale)
+        return read_only(np.where(area[:, None] > 0, centre, np.nan))
+
+    def sides(self) -> tuple[Floats, Floats]:
+        """Return the start and the end of each side, seen from the row of its cell.
+
+        Returns
+        -------
+        start, end : (k, 2) ndarray of float64
+            In the order of the corners.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> start, end = liftmesh.voronoi([[3, 4]], domain=(2, 3, 4, 5)).sides()
+        >>> start[0], end[0]
+        (array([-1., -1.]), array([ 1., -1.]))
+        """
+        start = self.corners - self.points[self._cell_of_corner]
+        return start, start[self._following]
+
+    @cached_property
+    def empty(self) -> Rows:
+        """The rows without an area in the domain, (e,) int32, in ascending order.
+
+        These are the hidden, the duplicates, the degenerate, and those whose cell is elsewhere, or
+        touches the domain without an area.
+        """
+        return read_only(np.flatnonzero(np.diff(self.parts) == 0).astype(np.int32))
+
+    @cached_property
+    def _sides(self) -> tuple[Rows, Floats]:
+        start = np.flatnonzero(self.beyond >= 0)
+        pairs = np.stack([self._cell_of_corner[start], self.beyond[start]], axis=1)
+        is_first = pairs[:, 0] < pairs[:, 1]  # each is there twice, once from either cell
+        start, pairs = start[is_first], pairs[is_first]
+        length = np.hypot(*(self.corners[self._following[start]] - self.corners[start]).T)
+        named = pairs[:, 0] << 32 | pairs[:, 1]
+        names, place = np.unique(named, return_inverse=True)
+        rows = np.stack([names >> 32, names & 0xFFFFFFFF], axis=1).astype(np.int32)
+        total: Floats = np.bincount(place, length, minlength=len(rows)).astype(np.float64)
+        return rows, total
+
+    @property
+    def neighbors(self) -> Rows:
+        """Rows whose cells share a side of positive length in the domain, (k, 2) int32, sorted."""
+        return read_only(self._sides[0])
+
+    @property
+    def shared_lengths(self) -> Floats:
+        """The length of what each of the `neighbors` share, (k,) float64."""
+        return read_only(self._sides[1])
+
+    @cached_property
+    def not_simple(self) -> Rows:
+        """The rows whose cell is no valid polygon once its corners are rounded, int32.
+
+        Corners closer than the doubles there can tell apart may make sides cross, or meet. This
+        needs shapely.
+        """
+        shapely = load("shapely", extra="shapes")
+        return read_only(np.flatnonzero(~shapely.is_valid(self.to_shapely())).astype(np.int32))
+
+    def to_shapely(self) -> Array:
+        """Return the cells as polygons of shapely.
+
+        Returns
+        -------
+        (n,) ndarray of shapely.Geometry
+            For each row a Polygon, a MultiPolygon if the cell has several parts, or an empty
+            Polygon.
+
+        Raises
+        ------
+        MissingDependencyError
+            shapely is missing.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> cells = liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))
+        >>> [cell.area for cell in cells.to_shapely()]
+        [4.0, 4.0]
+        """
+        shapely = load("shapely", extra="shapes")
+        count = np.diff(self.ring_corners)
+        closed = self.ring_corners + np.arange(len(self.ring_corners))
+        taken = np.arange(closed[-1]) - np.repeat(np.arange(len(count)), count + 1)
+        taken[closed[1:] - 1] = self.ring_corners[:-1]
+        polygons = shapely.from_ragged_array(
+            shapely.GeometryType.POLYGON, self.corners[taken], (closed, self.rings)
+        )
+        parts = np.diff(self.parts)
+        shapes = np.full(len(self.points), shapely.Polygon(), dtype=object)
+        shapes[parts == 1] = polygons[self.parts[:-1][parts == 1]]
+        for row in np.flatnonzero(parts > 1).tolist():
+            shapes[row] = shapely.MultiPolygon(
+                polygons[self.parts[row] : self.parts[row + 1]].tolist()
+            )
+        return shapes
+
+    def to_geodataframe(self, data: Any = None, *, crs: Any = None) -> Any:
+        """Return the cells as a GeoDataFrame.
+
+        Parameters
+        ----------
+        data : mapping of str to (n,) array_like, DataFrame or GeoDataFrame, optional
+            Values of the rows, which become columns, and their index. The cells take the place of
+            the geometry of a GeoDataFrame.
+        crs : object, optional
+            The coordinate system, as geopandas takes it; by default that of `data`, or `crs`.
+
+        Returns
+        -------
+        geopandas.GeoDataFrame
+            One row for each point, with the columns of `data`, ``area`` and ``geometry``. If `data`
+            has a column of such a name, ours is called ``cell_area`` or ``cell_geometry``.
+
+        Raises
+        ------
+        InputError
+            A column has not one value for each row; or the systems of `data`, of the cells and
+            `crs` differ.
+        MissingDependencyError
+            geopandas is missing.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> cells = liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))
+        >>> cells.to_geodataframe({"name": ["a", "b"]}).columns.tolist()
+        ['name', 'area', 'geometry']
+        """
+        geopandas = load("geopandas", extra="shapes")
+        frame = frame_of(data, len(self.points))
+        frame[free_name("area", frame)] = self.areas
+        shapes = geopandas.GeoSeries(
+            self.to_shapely(), frame.index, crs=common_crs(data, crs, self.crs)
+        )
+        name = free_name("geometry", frame)
+        frame[name] = shapes
+        return geopandas.GeoDataFrame(frame, geometry=name)
+
+
+def _starts(names: Array, count: int) -> NDArray[np.int64]:
+    """Return where the items of each of so many names start, in order, and the end."""
+    return read_only(np.concatenate([[0], np.cumsum(np.bincount(names, minlength=count))]))

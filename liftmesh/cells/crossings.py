@@ -1,0 +1,278 @@
+"""Where polylines cross the edges of a domain, exactly.
+
+The domain counts as moved by (e, e^2), with e positive and infinitesimal. So no corner of it lies
+on a polyline, no point of a polyline on an edge, and no edge along a segment: every sign is 1 or
+-1. Where it is 0 without the move, that of the first term in e decides.
+
+At a crossing, the share of a segment, and that of an edge, is a quotient whose divisor the move
+leaves alone. So it is (q0, q1, q2), for q0 + q1 e + q2 e^2, and the order along a segment or an
+edge is that of these triples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liftmesh._typing import Floats, Indices, Mask, Rows
+from liftmesh.cells.exact import as_exact, turn
+from liftmesh.optional import load
+from liftmesh.predicates import orient2d
+
+if TYPE_CHECKING:
+    from liftmesh.cells.domain import Domain
+
+_FEW = 16  # edges of a domain that need no index
+_ROUNDING = 2.0**-49  # of a product, in what a determinant may be off
+_VAGUE = 2.0**-30  # what the share of an edge may be off before it is computed exactly
+
+Signs = NDArray[np.int8]
+Share = tuple[Fraction, Fraction, Fraction]
+
+
+class Crossings(NamedTuple):
+    """Where segments cross edges, in the order along the segments.
+
+    Parameters
+    ----------
+    segment : (c,) ndarray of intp
+        The segment.
+    edge : (c,) ndarray of int32
+        The edge of the domain.
+    enters : (c,) ndarray of bool
+        Whether the segment comes into the domain there.
+    from_left : (c,) ndarray of bool
+        Whether the edge comes from the left side of the segment.
+    points : (c, 2) ndarray of float64
+        Where it is, rounded.
+    along_edges : (c,) ndarray of intp
+        The crossings by edge, and in the order along these.
+    ties : (t, 4) ndarray of intp
+        A corner or an edge of the domain, the other being -1, and the segment twice, where nothing
+        but the move decided: see `untying.untied`.
+    """
+
+    segment: Indices
+    edge: Rows
+    enters: Mask
+    from_left: Mask
+    points: Floats
+    along_edges: Indices
+    ties: Indices
+
+
+def crossings(start: Floats, end: Floats, domain: Domain) -> Crossings:
+    """Find all crossings of segments with the edges of a domain.
+
+    Parameters
+    ----------
+    start, end : (s, 2) ndarray of float64
+        The segments, which do not cross each other.
+    domain : Domain
+        The domain.
+
+    Returns
+    -------
+    Crossings
+        Of the domain as if it was moved.
+
+    Examples
+    --------
+    >>> from liftmesh.cells.domain import as_domain
+    >>> box = as_domain((0, 0, 2, 2), np.empty((0, 2)))
+    >>> found = crossings(np.array([[1.0, 1.0]]), np.array([[5.0, 1.0]]), box)
+    >>> found.points, found.enters
+    (array([[2., 1.]]), array([False]))
+    """
+    first, last = domain.corners, domain.corners[domain.following]
+    segment, edge = _near(start, end, first, last)
+    a, b, u, v = start[segment], end[segment], first[edge], last[edge]
+    along = v - u, b - a
+    of_ends = [orient2d(u, v, each) for each in (a, b)]
+    of_edge = [orient2d(a, b, each) for each in (u, v)]
+    ties = _ties(segment, edge, of_ends, of_edge, domain)
+    of_ends = [_moved(sign, -along[0]) for sign in of_ends]
+    of_edge = [_moved(sign, along[1]) for sign in of_edge]
+    crosses = (of_ends[0] != of_ends[1]) & (of_edge[0] != of_edge[1])
+    segment, edge = segment[crosses], edge[crosses].astype(np.int32)
+    pairs = _Pairs(start[segment], end[segment], first[edge], last[edge])
+    order = _ordered(segment, pairs.share_of_segment(), pairs.exact_share_of_segment)
+    share = pairs.share_of_edge()
+    along_edges = _ordered(edge, share, pairs.exact_share_of_edge)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    points = pairs.points(share)
+    return Crossings(
+        segment[order],
+        edge[order],
+        (of_ends[0][crosses] < 0)[order],
+        (of_edge[0][crosses] > 0)[order],
+        points[order],
+        rank[along_edges],
+        ties,
+    )
+
+
+def lies_inside(points: Floats, domain: Domain) -> Mask:
+    """Tell which points are inside a domain, as if it was moved.
+
+    Parameters
+    ----------
+    points : (k, 2) ndarray of float64
+        The points.
+    domain : Domain
+        The domain.
+
+    Returns
+    -------
+    (k,) ndarray of bool
+        By the edges to the right of each: whether it is to the left of more than to the right.
+
+    Examples
+    --------
+    >>> from liftmesh.cells.domain import as_domain
+    >>> box = as_domain((0, 0, 2, 2), np.empty((0, 2)))
+    >>> lies_inside(np.array([[0.0, 1], [1, 1], [2, 1]]), box)
+    array([False,  True,  True])
+    """
+    first, last = domain.corners, domain.corners[domain.following]
+    right = np.stack([np.full(len(points), first[:, 0].max()), points[:, 1]], axis=1)
+    point, edge = _near(points, np.maximum(points, right), first, last)
+    u, v, a = first[edge], last[edge], points[point]
+    side = _moved(orient2d(u, v, a), u - v)
+    rises = (u[:, 1] < a[:, 1]) & (v[:, 1] >= a[:, 1]) & (side > 0)
+    falls = (v[:, 1] < a[:, 1]) & (u[:, 1] >= a[:, 1]) & (side < 0)
+    winding = np.bincount(point, rises.astype(np.int8) - falls, minlength=len(points))
+    inside: Mask = winding > 0
+    return inside
+
+
+def _near(start: Floats, end: Floats, first: Floats, last: Floats) -> tuple[Indices, Indices]:
+    """Return the pairs of segments and edges whose boxes meet."""
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    least, most = np.minimum(first, last), np.maximum(first, last)
+    if len(first) > _FEW:
+        seen = np.flatnonzero(
+            (high >= least.min(axis=0)).all(axis=1) & (low <= most.max(axis=0)).all(axis=1)
+        )
+        shapely = load("shapely", extra="shapes")
+        tree = shapely.STRtree(shapely.box(*least.T, *most.T))
+        segment, edge = tree.query(shapely.box(*low[seen].T, *high[seen].T))
+        return seen[segment], edge
+    found = [
+        np.flatnonzero((high >= least[k]).all(axis=1) & (low <= most[k]).all(axis=1))
+        for k in range(len(first))
+    ]
+    edges = np.repeat(np.arange(len(first)), [len(each) for each in found])
+    return np.concatenate(found), edges
+
+
+def _moved(sign: Signs, along: Floats) -> Signs:
+    """Decide the signs that are 0: those of orient(p, p + along, u) once u is moved."""
+    x, y = along.T
+    return np.where(sign != 0, sign, np.where(y != 0, -np.sign(y), np.sign(x))).astype(np.int8)
+
+
+def _ties(
+    segment: Indices, edge: Indices, of_ends: list[Signs], of_edge: list[Signs], domain: Domain
+) -> Indices:
+    """List corners on the lines of segments, and edges on whose lines segments end."""
+    on_edge = (of_ends[0] == 0) | (of_ends[1] == 0)
+    corner_on = of_edge[0] == 0, of_edge[1] == 0
+    of_segments = [segment[on] for on in (on_edge, *corner_on)]
+    edges = edge[on_edge], *(np.full(np.count_nonzero(on), -1) for on in corner_on)
+    corners = np.full(len(edges[0]), -1), edge[corner_on[0]], domain.following[edge[corner_on[1]]]
+    named = np.concatenate(of_segments)
+    found = np.stack([np.concatenate(corners), np.concatenate(edges), named, named], axis=1)
+    ties: Indices = np.unique(found, axis=0)
+    return ties
+
+
+def _ordered(
+    group: NDArray[np.integer], share: tuple[Floats, Floats], exact: Callable[[int], Share]
+) -> Indices:
+    """Order crossings by group, then by share: by exact ones where these may be equal."""
+    value, error = share
+    order = np.lexsort((value - error, group))
+    low, high, of = (value - error)[order], (value + error)[order], group[order]
+    starts = np.flatnonzero(np.concatenate([[True], of[1:] != of[:-1]])) if len(of) else of
+    bounds = [*starts.tolist(), len(order)]
+    for first, last in pairwise(bounds):
+        if last - first < 2:
+            continue
+        reached = np.maximum.accumulate(high[first : last - 1])
+        apart = np.flatnonzero(low[first + 1 : last] > reached) + 1
+        pieces = [first, *(first + apart).tolist(), last]
+        for begin, stop in pairwise(pieces):
+            if stop - begin > 1:
+                order[begin:stop] = sorted(order[begin:stop].tolist(), key=exact)
+    return order
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pairs:
+    """Segments from a to b and the edges from u to v that they cross."""
+
+    a: Floats
+    b: Floats
+    u: Floats
+    v: Floats
+
+    def share_of_segment(self) -> tuple[Floats, Floats]:
+        """Return which share of each segment is before the edge, and what that may be off."""
+        return _share(self.u, self.v, self.a, self.b)
+
+    def share_of_edge(self) -> tuple[Floats, Floats]:
+        """Return which share of each edge is before the segment, and what that may be off."""
+        return _share(self.a, self.b, self.u, self.v)
+
+    def exact_share_of_segment(self, k: int) -> Share:
+        """Return the share of one segment."""
+        return self._exact(k, self.u, self.v, self.a, self.b, -1)
+
+    def exact_share_of_edge(self, k: int) -> Share:
+        """Return the share of one edge."""
+        return self._exact(k, self.a, self.b, self.u, self.v, 1)
+
+    @staticmethod
+    def _exact(k: int, p: Floats, q: Floats, r: Floats, s: Floats, moved: int) -> Share:
+        """Return where the line of p and q crosses from r to s, if the latter moves by +1 or -1."""
+        (px, py), (qx, qy), (rx, ry), (sx, sy) = (as_exact(each[k]) for each in (p, q, r, s))
+        x, y = qx - px, qy - py
+        divisor = x * (sy - ry) - y * (sx - rx)
+        height = turn((px, py), (qx, qy), (rx, ry))
+        return -height / divisor, moved * y / divisor, -moved * x / divisor
+
+    def points(self, share: tuple[Floats, Floats]) -> Floats:
+        """Return the crossings, on the edges but for rounding."""
+        value = share[0].copy()
+        for k in np.flatnonzero(~(share[1] < _VAGUE)).tolist():
+            value[k] = float(self.exact_share_of_edge(k)[0])
+        with np.errstate(over="ignore"):
+            found = self.u + value[:, None] * (self.v - self.u)
+        low, high = np.minimum(self.u, self.v), np.maximum(self.u, self.v)
+        inside: Floats = np.clip(found, low, high)
+        return inside
+
+
+def _share(p: Floats, q: Floats, r: Floats, s: Floats) -> tuple[Floats, Floats]:
+    """Return which share of the way from r to s is before the line of p and q, and its error."""
+    with np.errstate(all="ignore"):
+        (x, y), (u, v) = (q - p).T, (s - r).T
+        across = (r - p).T
+        first, second = x * across[1], y * across[0]
+        divisor, terms = x * v - y * u, np.abs(x * v) + np.abs(y * u)
+        value = (second - first) / divisor
+        error = (
+            (np.abs(first) + np.abs(second) + terms * np.maximum(np.abs(value), 1))
+            / np.abs(divisor)
+            * _ROUNDING
+        )
+    vague = ~np.isfinite(value + error)
+    return np.where(vague, 0.5, value), np.where(vague, 1.0, error)

@@ -1,0 +1,262 @@
+"""Arcs of hyperbolas between disks, as polylines to a tolerance.
+
+Seen from the centre of the smaller disk p, a side that its cell shares with that of q is the curve
+
+    R = P / (2 (d cos t + r)),   P = d^2 - r^2,
+
+with t the direction, counted from that of q, R the distance, d the distance of the centres, and r
+what the radius of q has more: the polar form of a conic about its focus. Its tangent at t has, in
+these axes, the direction (-r sin t, d + r cos t). Two tangents meet in the direction of the mean m
+of both t, at the distance P / (2 (d cos m + r cos h)), with h half of what these differ by. If p is
+nearly inside q, d - r is P / (d + r), and 1 + cos t is 2 cos^2 (t / 2): so nothing cancels.
+
+The curve is convex, so between two points it stays in the triangle of the chord and the tangents
+there. If the tangent turns by u, and the chord has the length L, that is at most L / 2 tan(u / 2)
+high: so far is the chord off the curve at most. An arc is halved, by t, until this is within the
+tolerance, or the triangle outside of what is to be seen.
+
+A chord must not pass a centre on the wrong side, however large the tolerance. From q the whole
+curve spans less than half a turn; from p an arc is halved until it does. So the points go round
+both disks, and a cell is star-shaped about its centre. Hence polygons of cells cannot overlap: each
+is counter-clockwise and simple, and they share their sides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
+
+Box = tuple[float, float, float, float]
+
+_WIDEST = 0.75 * np.pi  # that a chord may span, seen from p
+_NARROWEST = 2.0**-40  # a turn whose half float64 still tells well
+_FARTHER = 1.01  # how much farther than a box curves are followed
+
+
+class Polylines(NamedTuple):
+    """Points along arcs.
+
+    Parameters
+    ----------
+    starts : (s + 1,) ndarray of int64
+        Arc i has the points from ``starts[i]`` to ``starts[i + 1]``: two at least.
+    points : (k, 2) ndarray of float64
+        Where they are.
+    """
+
+    starts: Integers
+    points: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Arcs:
+    """Parts of the curves of points as far from a disk p as from another, q, which is not smaller.
+
+    Parameters
+    ----------
+    rows : (s, 2) ndarray of int32
+        p and q of each.
+    ends : (s, 2) ndarray of int32
+        The vertices where it starts and ends, counter-clockwise about p; -1 if there is none.
+    focus, axis : (s, 2) ndarray of float64
+        The centre of p, and what that of q has more.
+    more : (s,) ndarray of float64
+        What the radius of q has more.
+    power : (s,) ndarray of float64
+        P.
+    turns : (s, 2) ndarray of float64
+        The directions of both ends, in radians from that of q.
+
+    Examples
+    --------
+    >>> rows, zero = np.array([[0, 1]]), np.zeros((1, 2))
+    >>> axis, power = np.array([[2.0, 0]]), np.array([4.0])
+    >>> arcs = Arcs(rows, rows - 2, zero, axis, np.zeros(1), power, zero)
+    >>> arcs.at(np.array([0]), np.array([np.pi / 4])).round(9)
+    array([[1., 1.]])
+    """
+
+    rows: Rows
+    ends: Rows
+    focus: Floats
+    axis: Floats
+    more: Floats
+    power: Floats
+    turns: Floats
+
+    @cached_property
+    def apart(self) -> Floats:
+        """The distance d of the centres."""
+        distance: Floats = np.hypot(self.axis[:, 0], self.axis[:, 1])
+        return distance
+
+    @cached_property
+    def direction(self) -> Floats:
+        """The axis, one long."""
+        unit: Floats = self.axis / self.apart[:, None]
+        return unit
+
+    @cached_property
+    def gap(self) -> Floats:
+        """D - r, half of which is how near the curve comes to p."""
+        gap: Floats = self.power / (self.apart + self.more)
+        return gap
+
+    def taken(self, chosen: Mask) -> Arcs:
+        """Return some arcs.
+
+        Parameters
+        ----------
+        chosen : (s,) ndarray of bool
+            Which.
+
+        Returns
+        -------
+        Arcs
+            These.
+        """
+        rows, ends, focus, axis = (
+            self.rows[chosen], self.ends[chosen], self.focus[chosen], self.axis[chosen]
+        )  # fmt: skip
+        more, power = self.more[chosen], self.power[chosen]
+        return Arcs(rows, ends, focus, axis, more, power, self.turns[chosen])
+
+    def near(self, box: Box) -> Arcs:
+        """Cut off what is farther from p than all of a box.
+
+        Parameters
+        ----------
+        box : tuple of float
+            The least x and y, and the greatest.
+
+        Returns
+        -------
+        Arcs
+            Those of which something is left. They end outside of the box where they are cut.
+        """
+        corners = np.array([[box[i], box[j]] for i in (0, 2) for j in (1, 3)])
+        step = corners - self.focus[:, None]
+        reach = _FARTHER * np.hypot(step[..., 0], step[..., 1]).max(axis=1)
+        share = (self.power / (2 * reach) + self.gap) / (2 * self.apart)
+        widest = 2 * np.arccos(np.sqrt(np.clip(share, 0, 1)))
+        first, last = self.turns.T
+        is_cut = np.stack([first < -widest, last > widest], axis=1)
+        ends = np.where(is_cut, -1, self.ends)
+        turns = np.stack([np.maximum(first, -widest), np.minimum(last, widest)], axis=1)
+        left = (turns[:, 0] < turns[:, 1]) | (ends >= 0).all(axis=1)
+        limited = replace(self, ends=ends.astype(np.int32), turns=turns)
+        return limited.taken(left)
+
+    def at(self, arc: Indices, turn: Floats) -> Floats:
+        """Return points of curves.
+
+        Parameters
+        ----------
+        arc : (k,) ndarray of intp
+            Of which curve each is.
+        turn : (k,) ndarray of float64
+            In which direction from p.
+
+        Returns
+        -------
+        (k, 2) ndarray of float64
+            x and y.
+        """
+        return self.focus[arc] + self._seen(arc, turn, turn, 0)
+
+    def _seen(self, arc: Indices, turn: Floats, mean: Floats, half: Floats | int) -> Floats:
+        """Return where tangents meet in a direction, from p: on the curve, if half is 0."""
+        tangent = self._meets(arc, mean, half)
+        x, y = self.direction[arc].T
+        with np.errstate(all="ignore"):  # in the direction of an asymptote
+            reach = self.power[arc] / (2 * tangent)
+            cosine, sine = reach * np.cos(turn), reach * np.sin(turn)
+            return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+
+    def _meets(self, arc: Indices, mean: Floats, half: Floats | int) -> Floats:
+        """Return d cos m + r cos h."""
+        near: Floats = 2 * self.apart[arc] * np.cos(mean / 2) ** 2 - self.gap[arc]
+        meets: Floats = near - 2 * self.more[arc] * np.sin(np.divide(half, 2)) ** 2
+        return meets
+
+    def polylines(self, vertices: Floats, box: Box, tolerance: float) -> Polylines:
+        """Return polylines whose chords are at most a tolerance off, wherever a box sees them.
+
+        Parameters
+        ----------
+        vertices : (m, 2) ndarray of float64
+            Where the vertices are.
+        box : tuple of float
+            The least x and y, and the greatest; inside of it the tolerance is kept.
+        tolerance : float
+            As long as coordinates.
+
+        Returns
+        -------
+        Polylines
+            With both ends of each.
+
+        Examples
+        --------
+        >>> rows, zero = np.array([[0, 1]]), np.zeros((1, 2))
+        >>> axis, power = np.array([[3.0, 0]]), np.array([8.0])
+        >>> arcs = Arcs(rows, rows - 2, zero, axis, np.ones(1), power, zero + [-1, 1])
+        >>> arcs.polylines(zero, (-9, -9, 9, 9), 0.1).points[:, 1].round(2)
+        array([-1.28,  0.  ,  1.28])
+        """
+        arc, turn = self._halved(box, tolerance)
+        every = np.arange(len(self.rows))
+        arc = np.concatenate([every, arc, every])
+        place = self.at(arc, np.concatenate([self.turns[:, 0], turn, self.turns[:, 1]]))
+        for k, at in ((0, every), (1, every - len(every))):
+            has_end = self.ends[:, k] >= 0
+            place[at[has_end]] = vertices[self.ends[has_end, k]]
+        is_inner = np.zeros(len(arc), dtype=np.int8)
+        is_inner[len(every) :], is_inner[len(arc) - len(every) :] = 1, 2
+        order = np.lexsort((np.concatenate([every, turn, every]), is_inner, arc))
+        starts = np.concatenate([[0], np.cumsum(np.bincount(arc, minlength=len(every)))])
+        return Polylines(starts.astype(np.int64), place[order])
+
+    def _halved(self, box: Box, tolerance: float) -> tuple[Indices, Floats]:
+        """Return the directions at which arcs are divided."""
+        arc = np.flatnonzero(self.turns[:, 0] < self.turns[:, 1])
+        low, high = self.turns[arc].T
+        found = [(arc[:0], low[:0])]
+        while len(arc):
+            divided = self._is_coarse(arc, low, high, box, tolerance)
+            arc, low, high = arc[divided], low[divided], high[divided]
+            middle = (low + high) / 2
+            found.append((arc, middle))
+            arc = np.concatenate([arc, arc])
+            low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        arcs, turns = zip(*found, strict=True)
+        return np.concatenate(arcs), np.concatenate(turns)
+
+    def _is_coarse(
+        self, arc: Indices, low: Floats, high: Floats, box: Box, tolerance: float
+    ) -> Mask:
+        """Whether chords are too far off, or pass p on the wrong side."""
+        mean, half = (low + high) / 2, (high - low) / 2
+        more = self.more[arc]
+        meets, gap = self._meets(arc, mean, half), self.gap[arc]
+        start, end = self._seen(arc, low, low, 0), self._seen(arc, high, high, 0)
+        apex = self._seen(arc, mean, mean, half)
+        (ax, ay), (bx, by) = (
+            (-more * np.sin(t), gap + 2 * more * np.cos(t / 2) ** 2) for t in (low, high)
+        )
+        sine, cosine = 2 * more * np.sin(half) * meets, ax * bx + ay * by
+        length = np.hypot(*(end - start).T)
+        with np.errstate(all="ignore"):
+            height = length / 2 * sine / (np.hypot(ax, ay) * np.hypot(bx, by) + cosine)
+        around = np.stack([start, end, apex]) + self.focus[arc]
+        is_seen = (around.max(axis=0) >= box[:2]).all(axis=1)
+        is_seen &= (around.min(axis=0) <= box[2:]).all(axis=1)
+        is_wide = (half > _WIDEST / 2) & (more > 0)
+        is_off = ~(height <= tolerance) & is_seen & (half > _NARROWEST)
+        coarse: Mask = is_wide | is_off | ~(meets > 0)
+        return coarse & (half > _NARROWEST)

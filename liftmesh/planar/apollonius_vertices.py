@@ -1,0 +1,115 @@
+"""Where three cells of disks meet: the centres of circles that touch three disks.
+
+Relative to the smallest of the disks, p, the vertex v is at the distance R from p if, for both
+others, x vx + y vy + r R = P / 2, with (x, y, r) what the disk has more, and P its power. Newton's
+method solves these with vx^2 + vy^2 = R^2, from the rounded circle on.
+
+Where a disk is nearly inside another, terms cancel. There v is computed from the minors of the two
+equations (see `apollonius/polynomials.hpp`), in rationals and with a root of many digits.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isqrt
+
+import numpy as np
+
+from liftmesh._typing import Floats, Rows
+from liftmesh.planar.disk_powers import more_of
+
+_STEPS = 3  # of Newton's method: from half of the digits, one would do
+_OFF = 2.0**-44  # of the terms: what equations may be off
+_CANCELLED = 2.0**-20  # of d R: powers that are less are too small for the equations
+_DIGITS = 1024  # binary ones of a root
+
+
+def vertices_of(disks: Floats, simplices: Rows, circles: Floats) -> Floats:
+    """Compute where cells meet.
+
+    Parameters
+    ----------
+    disks : (n, 3) ndarray of float64
+        All disks, as rows x, y, r: see `more_of`.
+    simplices : (m, 3) ndarray of int32
+        The triangles, counter-clockwise about their circles.
+    circles : (m, 3) ndarray of float64
+        The circles, roughly.
+
+    Returns
+    -------
+    (m, 2) ndarray of float64
+        Their centres.
+
+    Examples
+    --------
+    >>> disks, three = np.array([[0.0, 0, 1], [4, 0, 1], [0, 4, 1]]), np.array([[0, 1, 2]])
+    >>> vertices_of(disks, three, np.array([[2.1, 1.9, 1.7]]))
+    array([[2., 2.]])
+    """
+    turn = disks[simplices, 2].argmin(axis=1)[:, None] + np.arange(3)
+    p, q, r = np.take_along_axis(simplices, turn % 3, axis=1).T
+    (first, power), (second, other) = (more_of(disks, k, p) for k in (q, r))
+    rows, half = np.stack([first, second], axis=1), np.stack([power, other], axis=1) / 2
+    found = np.c_[circles[:, :2] - disks[p, :2], circles[:, 2]]
+    found[:, 2] = np.hypot(found[:, 0], found[:, 1])
+    with np.errstate(all="ignore"):
+        error = _refine(found, rows, half)
+        terms = np.abs(rows * found[:, None]).sum(axis=2)
+        is_poor = ~((np.abs(error) <= _OFF * terms) & (half > _CANCELLED * terms)).all(axis=1)
+    places: Floats = disks[p, :2] + found[:, :2]
+    for k in np.flatnonzero(is_poor).tolist():
+        places[k] = _exactly(*(disks[row].tolist() for row in (p[k], q[k], r[k])))
+    return places
+
+
+def _refine(found: Floats, rows: Floats, half: Floats) -> Floats:
+    """Improve (vx, vy, R) in place, and return what the equations are off."""
+    error = _residuals(found, rows, half)
+    for _ in range(_STEPS):
+        tried = found - _step(found, rows, error)
+        tried[:, 2] = np.hypot(tried[:, 0], tried[:, 1])
+        off = _residuals(tried, rows, half)
+        is_better = np.abs(off).sum(axis=1) < np.abs(error).sum(axis=1)
+        found[is_better], error[is_better] = tried[is_better], off[is_better]
+    return error
+
+
+def _residuals(found: Floats, rows: Floats, half: Floats) -> Floats:
+    off: Floats = np.einsum("mij,mj->mi", rows, found) - half
+    return off
+
+
+def _step(found: Floats, rows: Floats, error: Floats) -> Floats:
+    """Solve for a step that changes nothing of vx^2 + vy^2 - R^2."""
+    first, second = rows[:, 0], rows[:, 1]
+    cone = found * (1.0, 1.0, -1.0)
+    determinant = (first * np.cross(second, cone)).sum(axis=1)[:, None]
+    step: Floats = (
+        error[:, :1] * np.cross(second, cone) + error[:, 1:] * np.cross(cone, first)
+    ) / determinant
+    return step
+
+
+def _exactly(*disks: list[float]) -> tuple[float, float]:
+    """Compute the vertex of three disks, counter-clockwise about it, and round it."""
+    p, q, r = ([Fraction(value) for value in disk] for disk in disks)
+    (x, y, more, power), (u, v, other, second) = _relative(p, q), _relative(p, r)
+    xp, yp, rp = x * second - u * power, y * second - v * power, more * second - other * power
+    xy, xr, yr = x * v - u * y, x * other - u * more, y * other - v * more
+    root = _root(power * second * _relative(q, r)[3])
+    twice = 2 * (xp * xr + yp * yr + xy * root)
+    along = -xp * rp - yp * root, -yp * rp + xp * root
+    return float(p[0] + along[0] / twice), float(p[1] + along[1] / twice)
+
+
+def _relative(p: list[Fraction], q: list[Fraction]) -> tuple[Fraction, ...]:
+    x, y, r = (b - a for a, b in zip(p, q, strict=True))
+    return x, y, r, x * x + y * y - r * r
+
+
+def _root(square: Fraction) -> Fraction:
+    """Return the root, with so many digits."""
+    product = square.numerator * square.denominator
+    shift = max(0, 2 * _DIGITS - product.bit_length()) // 2
+    return Fraction(isqrt(product << 2 * shift), square.denominator << shift)

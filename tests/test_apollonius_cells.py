@@ -1,0 +1,322 @@
+"""Cells of disks: polygons that fill the domain, near exact arcs, and equal to `voronoi`'s."""
+
+from __future__ import annotations
+
+import decimal
+from decimal import Decimal
+from itertools import pairwise, product
+from typing import TYPE_CHECKING
+
+import geopandas
+import numpy as np
+import pandas as pd
+import pytest
+import shapely
+from test_apollonius import (
+    anywhere,
+    beside_a_large_one,
+    between_two_large_ones,
+    in_a_row,
+    on_lattice,
+    touching_a_circle,
+)
+
+import liftmesh
+from liftmesh import ApolloniusCells, InputError, NonFiniteError
+
+if TYPE_CHECKING:
+    from liftmesh.cells.domain import Domain
+
+Disks = np.ndarray
+HARBOUR = (
+    shapely.Point(0.5, 0.5).buffer(0.6)
+    - shapely.Point(0.45, 0.5).buffer(0.1)
+    - shapely.box(0.2, 0.7, 0.2001, 0.7002)
+    - shapely.box(0.7, -0.2, 0.72, 0.6)
+) | shapely.box(2, 0, 3, 1)
+
+
+def cells_of(
+    disks: Disks, domain: object = None, tolerance: float | None = None
+) -> ApolloniusCells:
+    return liftmesh.apollonius_diagram(
+        disks[:, :2], disks[:, 2], domain=domain, tolerance=tolerance
+    )
+
+
+def size_of(domain: Domain) -> float:
+    rings = [domain.corners[a:b] for a, b in pairwise(domain.starts.tolist())]
+    return float(
+        sum(shapely.Polygon(ring).area * (1 - 2 * hole)
+            for ring, hole in zip(rings, domain.is_hole, strict=True))
+    )  # fmt: skip
+
+
+def row_of_corners(cells: ApolloniusCells) -> np.ndarray:
+    rows = np.repeat(np.arange(len(cells.points)), np.diff(cells.parts))
+    return np.repeat(np.repeat(rows, np.diff(cells.rings)), np.diff(cells.ring_corners))
+
+
+def next_corners(cells: ApolloniusCells) -> np.ndarray:
+    following = np.arange(1, len(cells.corners) + 1)
+    following[cells.ring_corners[1:] - 1] = cells.ring_corners[:-1]
+    return following
+
+
+def excess(disks: Disks, places: np.ndarray, rows: np.ndarray) -> float:
+    """By how much another disk is nearer to a place than that of its cell, at most."""
+    apart = np.hypot(*(places[:, None] - disks[:, :2]).transpose(2, 0, 1)) - disks[:, 2]
+    return float((apart[np.arange(len(rows)), rows] - apart.min(1)).max())
+
+
+def check(disks: Disks, cells: ApolloniusCells) -> None:
+    """Cells fill the domain without overlap, share their sides, and are near the true ones."""
+    shapes = cells.to_shapely()
+    assert shapely.is_valid(shapes).all()
+    total = size_of(cells.domain)
+    rounding = 1e-15 * shapely.length(shapes).sum() * (1 + np.abs(cells.corners).max())
+    assert abs(cells.areas.sum() - total) <= 1e-12 * total + rounding
+    assert abs(shapely.union_all(shapes).area - total) <= 1e-9 * total + rounding
+    rows, ahead = row_of_corners(cells), cells.corners[next_corners(cells)]
+    for share in (0.0, 0.25, 0.5, 0.75):
+        places = (1 - share) * cells.corners + share * ahead
+        assert excess(disks, places, rows) < 2.01 * cells.tolerance  # a place is so far off a side
+    inner = cells.beyond >= 0
+    there = np.concatenate([cells.corners[inner], ahead[inner]], axis=1)
+    back = np.concatenate([ahead[inner], cells.corners[inner]], axis=1)
+    assert set(map(tuple, there.tolist())) == set(map(tuple, back.tolist()))
+    assert set(cells.hidden) | {row for row, _ in cells.duplicates} <= set(cells.empty)
+
+
+@pytest.mark.parametrize(
+    "family",
+    [on_lattice, in_a_row, anywhere, touching_a_circle, beside_a_large_one, between_two_large_ones],
+)
+def test_cells_fill_boxes_and_polygons(family: object) -> None:
+    for seed, n in product(range(3), (1, 2, 3, 9, 40)):
+        rng = np.random.default_rng(seed)
+        disks = family(rng, max(n, 2))[:n]  # type: ignore[operator]
+        low, high = disks[:, :2].min(0), disks[:, :2].max(0)
+        size = max(float((high - low).max()), 1.0)
+        moved = shapely.affinity.translate(shapely.affinity.scale(HARBOUR, size, size), *low)
+        part = (*low, *(low + size * np.array([0.3, 0.4])))
+        for domain, tolerance in ((None, None), (moved, None), (moved, size), (part, size / 1e4)):
+            check(disks, cells_of(disks, domain, tolerance))
+
+
+def test_equal_radii_give_the_cells_of_voronoi() -> None:
+    points = np.random.default_rng(1).random((200, 2))
+    points[7] = points[5]
+    for radius, domain in product((0.0, 0.3), (None, HARBOUR)):
+        expected = liftmesh.voronoi(points, domain=domain)
+        found = liftmesh.apollonius_diagram(points, np.full(200, radius), domain=domain)
+        for name in ("corners", "rings", "parts", "ring_corners", "beyond", "duplicates", "areas",
+                     "corner_kinds", "corner_sources"):  # fmt: skip
+            np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+
+
+def test_sides_of_equal_disks_are_straight_also_among_others() -> None:
+    cells = cells_of(np.array([[0, 0, 1], [4, 0, 1], [2, 9, 0.5]]), (-2, -2, 6, 3))
+    straight = [k for k in cells.corner_sources.tolist() if set(k[:2]) == {0, 1} and k[2] == -1]
+    assert straight == []
+    assert cells.shared_lengths[0] == pytest.approx(5, abs=0.6)
+
+
+def true_distance(place: np.ndarray, disk: np.ndarray) -> Decimal:
+    x, y, r = (Decimal(float(v)) for v in disk)
+    u, v = (Decimal(float(w)) for w in place)
+    return ((u - x) ** 2 + (v - y) ** 2).sqrt() - r
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0**-300, 2.0**300])
+@pytest.mark.parametrize("kind", ["apart", "nearly hidden", "many sizes"])
+def test_points_are_on_arcs_and_chords_near_them(kind: str, scale: float) -> None:
+    """With 60 digits: how far a place is off an arc is half of what its two distances differ by.
+
+    That is so at right angles to a line through both centres, where both distances change with the
+    full step; elsewhere they change by less, and the place is farther off: by the sine of half of
+    the angle between the directions to both disks.
+    """
+    decimal.getcontext().prec = 60
+    rng = np.random.default_rng(11)
+    disks = np.c_[rng.random((12, 2)), rng.random(12) * 0.1]
+    if kind == "nearly hidden":
+        angles, radii = rng.random(12) * 2 * np.pi, rng.random(12) * 0.5
+        out = radii * (1 + 10.0 ** -rng.integers(3, 14, 12))
+        disks = np.column_stack([(1 - radii) * np.cos(angles), (1 - radii) * np.sin(angles), out])
+        disks[0] = 0, 0, 1
+    if kind == "many sizes":
+        disks[:, 2] = 10.0 ** rng.uniform(-9, -0.7, 12)
+    cells = cells_of(disks * scale, tuple(np.array([-1.5, -1.5, 1.5, 1.5]) * scale), 1e-3 * scale)
+    rows, ahead = row_of_corners(cells), cells.corners[next_corners(cells)]
+    own = np.flatnonzero(cells.beyond >= 0)
+    assert len(own) > 20
+    for k in own.tolist():
+        pair = disks[[rows[k], cells.beyond[k]]] * scale
+        for share in (0.0, 0.3, 0.5):
+            place = (1 - share) * cells.corners[k] + share * ahead[k]
+            off = abs(true_distance(place, pair[0]) - true_distance(place, pair[1]))
+            towards = (pair[:, :2] - place) / scale
+            a, b = np.arctan2(*towards.T[::-1])
+            sine = max(abs(np.sin((a - b) / 2)), 1e-12)
+            is_node = share == 0 and cells.corner_kinds[k] != 1
+            limit = 1e-13 if is_node else 1.02e-3 * 2 * sine + 1e-13
+            assert off < limit * scale
+
+
+def test_a_finer_tolerance_has_more_points_and_nearer_areas() -> None:
+    disks = anywhere(np.random.default_rng(3), 30)
+    exact = cells_of(disks, (0, 0, 1, 1), 1e-9).areas
+    errors, counts = [], []
+    for tolerance in (1e-2, 1e-4, 1e-6):
+        cells = cells_of(disks, (0, 0, 1, 1), tolerance)
+        errors.append(np.abs(cells.areas - exact).max())
+        counts.append(len(cells.corners))
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+    assert counts == sorted(counts)
+    assert errors[2] < 4e-6
+
+
+def test_the_area_of_a_cell_is_that_of_a_parabola_where_a_hyperbola_is_known() -> None:
+    """Between (0, 0) with 0 and (4, 0) with 2: x = 1 + ... on (x - 2)^2 - y^2 / 3 = 1."""
+    cells = cells_of(np.array([[0, 0, 0.0], [4, 0, 2]]), (-1, -1, 4, 1), 1e-7)
+    root = 1 / np.sqrt(3)
+    beyond = np.sqrt(1 + 1 / 3) / 2 * 2 + np.arcsinh(root) / root  # integral of sqrt(1 + y^2 / 3)
+    assert cells.areas[0] == pytest.approx(6 - beyond, abs=4e-7)
+    x, y = cells.corners[cells.corner_kinds == 3].T
+    np.testing.assert_allclose((x - 2) ** 2 - y**2 / 3, 1, atol=1e-14)
+
+
+def test_few_disks_and_domains_without_a_vertex() -> None:
+    one = cells_of(np.array([[5, 5, 2.0]]), (0, 0, 1, 1))
+    assert (one.areas.tolist(), one.neighbors.tolist()) == ([1.0], [])
+    far = cells_of(np.array([[0, 0, 1.0], [5, 0, 0]]), (1e6, 1e6, 1e6 + 1, 1e6 + 1))
+    assert far.areas.tolist() == [0.0, 1.0] or far.areas.tolist() == [1.0, 0.0]
+    disks = np.array([[0, 0, 3.0], [0, 0, 1], [10, 0, 1], [10, 0, 1], [3.5, 0, 0.25]])
+    cells = cells_of(disks, (-5, -5, 15, 5))
+    check(disks, cells)
+    assert cells.hidden.tolist() == [1]
+    assert cells.duplicates.tolist() == [[3, 2]]
+    assert cells.empty.tolist() == [1, 3]
+    assert np.isnan(cells.centroids[1]).all()
+    hole = shapely.box(8, 8, 30, 30) - shapely.box(24, 24, 25, 25)
+    inside = cells_of(disks, hole)
+    assert np.flatnonzero(inside.areas).tolist() == [0, 2]
+    check(disks, inside)
+
+
+def test_rings_that_no_side_crosses_are_found_wherever_they_are() -> None:
+    rng = np.random.default_rng(8)
+    disks = np.c_[rng.random((20, 2)), rng.random(20) * 0.2]
+    places = rng.random((40, 2))
+    lakes = shapely.union_all([shapely.box(x, y, x + 1e-5, y + 2e-5) for x, y in places])
+    islands = shapely.union_all([shapely.box(x, y, x + 1e-5, y + 2e-5) for x, y in places + 0.001])
+    for domain in (shapely.box(-1, -1, 2, 2) - lakes, islands):
+        cells = cells_of(disks, domain)
+        check(disks, cells)
+        held = cells.to_shapely()
+        for x, y in places + (0.001 if domain is islands else -1e-7):
+            apart = np.hypot(*(disks[:, :2] - (x, y)).T) - disks[:, 2]
+            first, second = np.sort(apart)[:2]
+            if second - first > 3 * cells.tolerance:
+                assert held[apart.argmin()].distance(shapely.Point(x, y)) < 1e-12
+
+
+def test_ties_with_the_domain_leave_whole_cells() -> None:
+    """Edges of the domain lie on straight sides, and its corners on vertices and sides."""
+    grid = np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2)
+    disks = np.column_stack([grid, np.full(36, 0.25)])
+    disks[14, 2] = 0.5
+    corner = [(0.5, 0.5), (4.5, 0.5), (4.5, 4.5), (2.5, 4.5), (2.5, 3.5), (0.5, 3.5)]
+    for domain in ((0.5, 0.5, 4.5, 4.5), (0, 0, 5, 5), shapely.Polygon(corner), corner):
+        cells = cells_of(disks, domain, 1e-3)
+        check(disks, cells)
+        far = (np.abs(grid - grid[14]).max(1) > 1.5) & (cells.areas > 0)
+        whole = far & (grid > 0).all(1) & (grid < 5).all(1)
+        quarters = cells.areas[far] * 4
+        np.testing.assert_allclose(quarters, quarters.round(), rtol=1e-14)
+        np.testing.assert_allclose(cells.areas[whole & (grid < 4).all(1)], 1, rtol=1e-14)
+    outside = cells_of(disks, (0.5, 0.5, 4.5, 4.5), 1e-3)
+    assert set(np.flatnonzero(outside.areas)) == {
+        i for i, (x, y) in enumerate(grid) if 0 < x < 5 and 0 < y < 5
+    }
+
+
+def test_corners_say_where_they_come_from() -> None:
+    disks = anywhere(np.random.default_rng(9), 25)
+    cells = cells_of(disks, HARBOUR)
+    rows = row_of_corners(cells)
+    assert set(cells.corner_kinds.tolist()) == {0, 1, 2, 3}
+    domain = cells.domain
+    for kind, source, place, row in zip(
+        cells.corner_kinds, cells.corner_sources, cells.corners, rows, strict=True
+    ):
+        if kind == 2:
+            assert place.tolist() == domain.corners[source[0]].tolist()
+            continue
+        among = source[: 3 if kind == 0 else 2]
+        assert row in among
+        apart = np.hypot(*(disks[among, :2] - place).T) - disks[among, 2]
+        assert np.ptp(apart) < (2.01 * cells.tolerance if kind == 1 else 1e-14)
+        if kind == 1:
+            a, b = domain.corners[source[2]], domain.corners[domain.following[source[2]]]
+            assert shapely.LineString([a, b]).distance(shapely.Point(place)) < 1e-15
+
+
+def test_neighbors_are_edges_of_the_graph() -> None:
+    disks = anywhere(np.random.default_rng(10), 60)
+    cells = cells_of(disks, (-3, -3, 4, 4))
+    edges = {tuple(edge) for edge in cells.graph.edges.tolist()}
+    assert {tuple(pair) for pair in cells.neighbors.tolist()} <= edges
+    shapes = cells.to_shapely()
+    for (a, b), length in zip(cells.neighbors.tolist(), cells.shared_lengths, strict=True):
+        assert shapes[a].intersection(shapes[b]).length == pytest.approx(length, rel=1e-9)
+
+
+def test_the_order_of_rows_changes_no_polygon() -> None:
+    rng = np.random.default_rng(12)
+    disks, order = anywhere(rng, 50), rng.permutation(50)
+    first, second = cells_of(disks), cells_of(disks[order])
+    for row, shape in enumerate(second.to_shapely()):
+        assert shape.symmetric_difference(first.to_shapely()[order[row]]).area < 1e-12
+
+
+def test_disks_come_from_tables_and_geopandas() -> None:
+    disks = anywhere(np.random.default_rng(13), 12)
+    expected = cells_of(disks).areas
+    table = pd.DataFrame({"x": disks[:, 0], "y": disks[:, 1], "reach": disks[:, 2]})
+    points = geopandas.GeoDataFrame(
+        table[["reach"]], geometry=shapely.points(disks[:, :2]), crs="EPSG:25832"
+    )
+    np.testing.assert_array_equal(liftmesh.apollonius_diagram(table, "reach").areas, expected)
+    cells = liftmesh.apollonius_diagram(points, "reach")
+    np.testing.assert_array_equal(cells.areas, expected)
+    frame = cells.to_geodataframe(points)
+    assert frame.crs == points.crs
+    assert frame.columns.tolist() == ["reach", "area", "geometry"]
+    np.testing.assert_allclose(frame.geometry.area, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("radii", "domain", "tolerance", "error", "message"),
+    [
+        ([1, -1.0], None, None, InputError, "row 1 has the radius -1.0"),
+        ([1, np.nan], None, None, NonFiniteError, "row 1 has the radius nan"),
+        ([1, 1.5], None, 0, InputError, "tolerance is 0: give a positive number"),
+        ([1, 1.5], None, -1e-3, InputError, "give a positive number"),
+        ([1, 1.5], None, 1e-20, InputError, "near the rounding of coordinates"),
+        ([1, 1.5], (0, 0, 0, 1), None, InputError, "has no area"),
+        ([1, 1.5], [(0, 0), (1, 1), (1, 0), (0, 1)], None, InputError, "no valid polygon"),
+        ("reach", None, None, InputError, "reach"),
+    ],
+)
+def test_errors(
+    radii: object, domain: object, tolerance: object, error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        liftmesh.apollonius_diagram([[0, 0], [4, 0]], radii, domain=domain, tolerance=tolerance)  # type: ignore[arg-type]
+
+
+def test_no_disks() -> None:
+    with pytest.raises(InputError, match="there are no disks"):
+        liftmesh.apollonius_diagram(np.empty((0, 2)), [])
