@@ -90,23 +90,28 @@ def find_neighbors(disks: Disks) -> Work:
 
 
 def find_sides(disks: Disks) -> Work:
-    """Prepare the sides of all cells."""
+    """Prepare the sides of all cells; a unit is a disk or a point of a side."""
     graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
+    box = boxed(disks)
+    tolerance = 1e-3 * float(np.sqrt((box[2] - box[0]) * (box[3] - box[1]) / len(disks)))
+    points = sum(len(line) for _, line in graph.cell_sides(box, tolerance))
+    return Work(lambda: graph.cell_sides(box, tolerance), len(disks) + points)
+
+
+def boxed(disks: Disks) -> tuple[float, float, float, float]:
+    """A box that most centres are in."""
     low, high = np.quantile(disks[:, :2], (0.01, 0.99), axis=0)
-    box, tolerance = (*low.tolist(), *high.tolist()), 0.03 / np.sqrt(len(disks))
-    return Work(lambda: graph.cell_sides(box, tolerance), len(disks))
+    return (*low.tolist(), *high.tolist())
 
 
 def clipped(disks: Disks) -> liftmesh.ApolloniusCells:
-    """Clip cells to a box that most centres are in."""
-    low, high = np.quantile(disks[:, :2], (0.01, 0.99), axis=0)
-    box = (*low.tolist(), *high.tolist())
-    return liftmesh.apollonius_diagram(disks[:, :2], disks[:, 2], domain=box)
+    """Clip cells to such a box."""
+    return liftmesh.apollonius_diagram(disks[:, :2], disks[:, 2], domain=boxed(disks))
 
 
 def find_cells(disks: Disks) -> Work:
-    """Prepare the cells in a box."""
-    return Work(lambda: clipped(disks), len(disks))
+    """Prepare the cells in a box; a unit is a disk or a corner."""
+    return Work(lambda: clipped(disks), len(disks) + len(clipped(disks).corners))
 
 
 def on_cells(name: str) -> Callable[[Disks], Work]:
@@ -114,7 +119,7 @@ def on_cells(name: str) -> Callable[[Disks], Work]:
 
     def prepared(disks: Disks) -> Work:
         found = clipped(disks)
-        return Work(lambda: getattr(copy.copy(found), name), len(disks))
+        return Work(lambda: getattr(copy.copy(found), name), len(disks) + len(found.corners))
 
     return prepared
 

@@ -10,6 +10,19 @@
 
 namespace liftmesh {
 
+// The place of a cell of a grid of 2^16 x 2^16 on Hilbert's curve.
+inline std::uint32_t place_on_hilbert_curve(std::uint32_t x, std::uint32_t y) {
+    std::uint32_t at = 0;
+    for (std::uint32_t side = std::uint32_t{1} << 15; side > 0; side /= 2) {
+        const std::uint32_t right = (x & side) != 0, upper = (y & side) != 0;
+        at = 4 * at + ((3 * right) ^ upper);
+        if (upper) continue;
+        if (right) x = ~x, y = ~y;
+        std::swap(x, y);
+    }
+    return at;
+}
+
 class HilbertCurve {
  public:
     explicit HilbertCurve(const Bounds& box) : low_{box.low[0] / 2, box.low[1] / 2} {
@@ -19,17 +32,8 @@ class HilbertCurve {
     }
 
     std::uint32_t operator()(Point p) const {
-        constexpr std::uint32_t cells = std::uint32_t{1} << 16;
-        std::uint32_t x = cell((p.x / 2 - low_.x) / size_), y = cell((p.y / 2 - low_.y) / size_);
-        std::uint32_t at = 0;
-        for (std::uint32_t side = cells / 2; side > 0; side /= 2) {
-            const std::uint32_t right = (x & side) != 0, upper = (y & side) != 0;
-            at = 4 * at + ((3 * right) ^ upper);
-            if (upper) continue;
-            if (right) x = ~x, y = ~y;
-            std::swap(x, y);
-        }
-        return at;
+        return place_on_hilbert_curve(cell((p.x / 2 - low_.x) / size_),
+                                      cell((p.y / 2 - low_.y) / size_));
     }
 
  private:
