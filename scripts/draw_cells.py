@@ -112,6 +112,29 @@ def disks() -> Figure:
     return figure
 
 
+def reach() -> Figure:
+    """Draw transmitters of different reach in the city, and bubbles that grow until they meet."""
+    domain, rng = city(), np.random.default_rng(9)
+    drawn = rng.uniform((-5.5, -4.5), (5.5, 4.5), (200, 2))
+    masts = drawn[shapely.contains_xy(domain.buffer(-0.2), *drawn.T)][:20]
+    ranges = rng.random(len(masts)) ** 3 * 1.1 + 0.1
+    grid = np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0)), -1).reshape(-1, 2)
+    seeds, sizes = grid + rng.random(grid.shape) * 0.55, rng.random(len(grid)) ** 2 * 0.42 + 0.03
+    box = (-0.3, -0.3, 4.9, 3.9)
+    figure, (left, right) = sheet(2, 3.7, WATER)
+    for axes, centers, radii, area in ((left, masts, ranges, domain), (right, seeds, sizes, box)):
+        cells = liftmesh.apollonius_diagram(centers, radii, domain=area)
+        draw(axes, cells, "#fbf9f4", 0.9)
+        disks = [Circle(tuple(c), r) for c, r in zip(centers, radii, strict=True)]
+        tints = {"facecolor": (0.71, 0.26, 0.18, 0.22), "edgecolor": ACCENT}
+        axes.add_collection(PatchCollection(disks, **tints, linewidth=0.9, zorder=2))
+        hidden = np.isin(np.arange(len(centers)), cells.hidden)
+        axes.scatter(*centers.T, s=7, color=np.where(hidden, INK, ACCENT), zorder=3)
+    fit(left, (-5.9, -5.0, 5.9, 4.6))
+    fit(right, box)
+    return figure
+
+
 def stipples() -> Figure:
     """Draw a photograph, and the points into which Lloyd's method turns it."""
     photograph = skimage.data.chelsea()[:300, 75:375]
@@ -168,8 +191,8 @@ def natural() -> Figure:
 
 
 PICTURES: dict[str, Callable[[], Figure]] = {
-    "schools": schools, "disks": disks, "stipples": stipples, "transport": transport,
-    "natural": natural,
+    "schools": schools, "disks": disks, "reach": reach, "stipples": stipples,
+    "transport": transport, "natural": natural,
 }  # fmt: skip
 
 

@@ -14,10 +14,7 @@ Needs a compiler and CGAL: apt-get install g++ libcgal-dev.
 
 from __future__ import annotations
 
-import json
-import subprocess
 import sys
-import tempfile
 import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
@@ -30,9 +27,8 @@ from benchmark import cgal
 
 import liftmesh
 from disks.families import FAMILIES, TIED, Disks
+from disks.peer import build, by_cgal
 
-ROOT = Path(__file__).resolve().parents[2]
-SOURCE = Path(__file__).with_name("apollonius.cpp")
 SEED = 19
 
 
@@ -40,7 +36,7 @@ def main() -> None:
     """Compare all families, and print a line for each."""
     options = read_options()
     try:
-        program = cgal.build(ROOT / "out" / "programs", SOURCE)
+        program = build()
     except cgal.UnavailableError as error:
         raise SystemExit(f"CGAL is not here: {error}") from error
     print(f"{'disks':<20} {'hidden':>7} {'triangles':>10} {'liftmesh':>9} {'CGAL':>9} ratio")
@@ -77,16 +73,6 @@ def compare(program: Path, options: Namespace, name: str) -> bool:
         flush=True,
     )
     return is_same
-
-
-def by_cgal(program: Path, disks: Disks) -> tuple[np.ndarray, float, int]:
-    """Return triangles of distinct disks, seconds, and the number of vertices."""
-    with tempfile.TemporaryDirectory() as folder:
-        given, made = Path(folder, "disks"), Path(folder, "triangles")
-        disks.tofile(given)
-        done = subprocess.run([program, given, made], capture_output=True, text=True, check=True)
-        said = json.loads(done.stdout)
-        return np.fromfile(made, np.int32).reshape(-1, 3), said["seconds"], said["vertices"]
 
 
 def agrees(

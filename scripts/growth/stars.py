@@ -16,11 +16,10 @@ if TYPE_CHECKING:
     from growth.functions import Prepare
 
 
-SPREAD = {
-    name: PLANAR[name]
-    for name in ("uniform", "gaussian", "kuzmin", "clusters", "lattice", "polar scan")
-}
-"""Where a star takes few steps: on convex curves it takes all rows, or where no filter decides."""
+SPREAD = {name: PLANAR[name] for name in ("uniform", "gaussian", "kuzmin", "clusters", "lattice")}
+"""Where a star takes few steps. On convex curves it takes all rows: the ellipses inside follow the
+curve, and meet the boxes along it. So it is on the innermost circle of a polar scan; and where no
+filter decides, each step is long."""
 
 
 def metrics_of(points: Points) -> np.ndarray:
