@@ -31,7 +31,9 @@ PROPERTIES = {
     f"{name}.{key}": member
     for name, kind in NAMES.items()
     if inspect.isclass(kind)
-    for key, member in vars(kind).items()
+    for base in kind.__mro__  # what a base that is not public holds is its own
+    if base is kind or (base.__module__.startswith("liftmesh.") and base not in NAMES.values())
+    for key, member in vars(base).items()
     if isinstance(member, property | cached_property) and not key.startswith("_")
 }
 

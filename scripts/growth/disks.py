@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 import liftmesh
+from growth.cells import CELLS
 from growth.counting import Work
 from growth.families import named, random
 
@@ -114,12 +115,12 @@ def find_cells(disks: Disks) -> Work:
     return Work(lambda: clipped(disks), len(disks) + len(clipped(disks).corners))
 
 
-def on_cells(name: str) -> Callable[[Disks], Work]:
-    """Prepare a property of fresh cells."""
+def on_cells(call: Callable[[liftmesh.ApolloniusCells], object]) -> Callable[[Disks], Work]:
+    """Prepare a call on fresh cells."""
 
     def prepared(disks: Disks) -> Work:
         found = clipped(disks)
-        return Work(lambda: getattr(copy.copy(found), name), len(disks) + len(found.corners))
+        return Work(lambda: call(copy.copy(found)), len(disks) + len(found.corners))
 
     return prepared
 
@@ -129,8 +130,11 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",)
     yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far")
-    for name in ("corner_kinds", "corner_sources"):
-        yield f"ApolloniusCells.{name}", DISKS, on_cells(name), ()
+    for name in CELLS:
+        yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
+    kind = liftmesh.ApolloniusCells
+    for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
+        yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 
 
