@@ -320,3 +320,16 @@ def test_errors(
 def test_no_disks() -> None:
     with pytest.raises(InputError, match="there are no disks"):
         liftmesh.apollonius_diagram(np.empty((0, 2)), [])
+
+
+def test_a_run_reports_and_stops() -> None:
+    centers = np.random.default_rng(14).random((100_000, 2))
+    told: list[float] = []
+
+    def stop(done: float) -> None:
+        told.append(done)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        liftmesh.apollonius_diagram(centers, centers[:, 0] / 1000, progress=stop)
+    assert len(told) == 1
