@@ -17,7 +17,7 @@ from liftmesh.choices import shown
 from liftmesh.crs import are_different
 from liftmesh.errors import FormatError, InputError
 from liftmesh.optional import load
-from liftmesh.terrain.polygons import Polygon, as_polygons
+from liftmesh.terrain.polygons import Polygon, Region, as_regions
 
 _TEXT = {".geojson", ".json", ""}
 
@@ -54,14 +54,42 @@ def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
     >>> len(polygons_in(None, square))
     1
     """
+    return [each for region in regions_in(crs, polygon) for each in region.polygons]
+
+
+def regions_in(crs: str | None, polygon: object) -> list[Region]:
+    """Convert what is given to regions, and see that they are in the system of a surface.
+
+    Parameters
+    ----------
+    crs : str, optional
+        The system of the surface.
+    polygon : object
+        A file, or as for `as_regions`.
+
+    Returns
+    -------
+    list of Region
+        The features of a file or collection, the rows of a table, or all in one.
+
+    Raises
+    ------
+    InputError, FormatError, MissingDependencyError, OSError
+        As for `polygons_in`.
+
+    Examples
+    --------
+    >>> regions_in(None, [[0, 0], [1, 0], [1, 1]])[0].name
+    0
+    """
     if not isinstance(polygon, str | os.PathLike):
         _check_system(crs, _stated(polygon), "the polygon")
-        return as_polygons(polygon)
+        return as_regions(polygon)
     path = Path(polygon)
     tree = _geojson(path) if path.suffix.lower() in _TEXT else _frame(path)
     _check_system(crs, _stated(tree), str(path))
     try:
-        return as_polygons(tree)
+        return as_regions(tree)
     except InputError as error:
         raise FormatError(f"{path}: {error}") from error
 
@@ -81,7 +109,10 @@ def _frame(path: Path) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # GDAL's, before its errors
-            return geopandas.GeoSeries(geopandas.read_file(path).get("geometry"))
+            table = geopandas.read_file(path)
+            if isinstance(table, geopandas.GeoDataFrame) and "name" in table:
+                return table  # with its names
+            return geopandas.GeoSeries(table.get("geometry"))
     except Exception as error:  # of whatever kind GDAL's reader makes
         first = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise FormatError(f"{path}: cannot be read as polygons: {first}") from error
