@@ -1,14 +1,17 @@
-"""Time what a surface is asked, compared with SciPy, matplotlib and GDAL.
+"""Time what a surface is asked, compared with SciPy, matplotlib, CGAL, PDAL and GDAL.
 
     python scripts/bench_surface.py                       a million rows, points and pixels
-    python scripts/bench_surface.py --n 100000 --pixels 16000000 --json found.json
+    python scripts/bench_surface.py --tasks rasters --pixels 100000000 --json found.json
     python scripts/bench_surface.py --tasks contours --threads 2
 
 Heights at unsorted points, rasters and contours of one surface over uniform points, whose heights
 are a wave. Every program gets the triangulation ready, but gdal_grid, which reads a file of the
-points and writes a raster: it takes part if it is installed. Counted are seconds of the processor,
-the best of the rounds, in turn; a first call, which may make an index, comes before. SciPy and
-matplotlib take no more than `--most` points and pixels, and seconds are for a million of them.
+points and writes a raster: reading and writing are timed by themselves, and subtracted. CGAL sorts
+the points first, as liftmesh does; PDAL's loop is rebuilt (`heights/faceraster.cpp`). Counted are
+seconds of the processor, the best of the rounds, in turn; a first call, which may make an index,
+comes before. SciPy and matplotlib take no more than `--most` points and pixels, and seconds are for
+a million of them. A last table has the ratios that are promised. Programs that are not installed
+are left out: apt-get install g++ libcgal-dev gdal-bin.
 """
 
 from __future__ import annotations
@@ -16,8 +19,6 @@ from __future__ import annotations
 import json
 import os
 import resource
-import shutil
-import subprocess
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -27,8 +28,10 @@ from time import process_time
 from typing import Any, TypeAlias
 
 import numpy as np
+from benchmark import cgal
 from benchmark.contest import SEED
 from benchmark.peers import OURS
+from heights.peers import CgalHeights, Faceraster, GdalGrid
 from matplotlib.figure import Figure
 from matplotlib.tri import LinearTriInterpolator
 from rich.console import Console
@@ -37,8 +40,10 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import Delaunay
 
 import liftmesh
+from liftmesh.terrain.sampling import relief_of
 
 Call: TypeAlias = Callable[[], Any]
+Take: TypeAlias = Callable[[], float]
 
 SIDE = 1000.0
 MILLION = 1e6
@@ -48,12 +53,15 @@ LEVELS = np.linspace(-90, 90, 33)
 
 @dataclass(frozen=True)
 class Contestant:
-    """A program at a task, and how many points or pixels it is asked; 0 for all at once."""
+    """A program at a task, and how many points or pixels it is asked; 0 for all at once.
+
+    `take` runs it once, and returns the seconds of the processor that count.
+    """
 
     task: str
     name: str
     asked: int
-    call: Call
+    take: Take
 
 
 @dataclass(frozen=True)
@@ -71,6 +79,43 @@ class Result:
         return self.seconds * MILLION / self.asked if self.asked else self.seconds
 
 
+@dataclass(frozen=True)
+class Goal:
+    """How many times the seconds of liftmesh another program takes at least.
+
+    From the other program's seconds, those of the ones named in `less` are subtracted.
+    """
+
+    task: str
+    ours: str
+    other: str
+    least: float
+    less: tuple[str, ...] = ()
+
+    def reached(self, seconds: dict[tuple[str, str], float]) -> float | None:
+        """The ratio; None if a program did not take part."""
+        names = [(self.task, each) for each in (self.ours, self.other, *self.less)]
+        if any(each not in seconds for each in names):
+            return None
+        own, other, *less = (seconds[each] for each in names)
+        return (other - sum(less)) / max(own, 1e-9)
+
+
+LINEAR, LAPLACE, SIBSON = (f"{OURS}, {method}" for method in ("linear", "laplace", "sibson"))
+SCAN, ALL = f"{OURS}, scan alone", f"{OURS}, triangulation too"
+GDAL, READING, WRITING = "gdal_grid, with its files", "gdal_grid reads", "GDAL writes"
+GOALS = (
+    Goal("heights", LINEAR, "SciPy, linear", 100),
+    Goal("heights", LINEAR, "matplotlib, linear", 14),
+    Goal("heights", LINEAR, "CGAL, linear", 1),
+    Goal("heights", LAPLACE, "CGAL, sibson", 1),
+    Goal("heights", SIBSON, "CGAL, sibson", 1),
+    Goal("rasters", SCAN, "PDAL's faceraster loop", 3),
+    Goal("rasters", ALL, GDAL, 15, (READING, WRITING)),
+    Goal("contours", OURS, "matplotlib", 10),
+)
+
+
 def main() -> None:
     """Print a table for each task; write all results if asked to."""
     options = read_options()
@@ -80,6 +125,7 @@ def main() -> None:
     console = Console() if os.isatty(1) else Console(width=100)
     for task in options.tasks:
         console.print(table_of(task, results, options))
+    console.print(table_of_goals(results, options))
     if options.json:
         found = [asdict(each) | {"comparable": each.comparable} for each in results]
         values = {"rows": options.n, "threads": options.threads, "results": found}
@@ -114,26 +160,29 @@ def contestants(
     """List who takes part in the tasks that are asked for."""
     surface = liftmesh.triangulate(rows)
     if "heights" in options.tasks:
-        yield from of_heights(surface, options)
+        yield from of_heights(surface, options, folder)
     if "rasters" in options.tasks:
         yield from of_rasters(surface, options, folder)
     if "contours" in options.tasks:
         yield from of_contours(surface, options)
 
 
-def of_heights(surface: liftmesh.Surface, options: Namespace) -> Iterator[Contestant]:
+def of_heights(surface: liftmesh.Surface, options: Namespace, folder: Path) -> Iterator[Contestant]:
     """Heights at points in the middle of the square."""
     asked = np.random.default_rng(SEED + 1).uniform(0.01 * SIDE, 0.99 * SIDE, (options.points, 2))
     for method in ("linear", "nearest", "laplace", "sibson"):
-        yield Contestant(
-            "heights",
-            f"{OURS}, {method}",
-            len(asked),
-            lambda method=method: surface.sample(asked, method, threads=options.threads),
-        )
+        take = timed(lambda method=method: surface.sample(asked, method, threads=options.threads))
+        yield Contestant("heights", f"{OURS}, {method}", len(asked), take)
     some = asked[: options.most]
     for name, find in interpolators(surface).items():
-        yield Contestant("heights", name, len(some), lambda find=find: find(some))
+        yield Contestant("heights", name, len(some), timed(lambda find=find: find(some)))
+    try:
+        peer = CgalHeights.built(folder, surface.vertices)
+    except cgal.UnavailableError:
+        return
+    for method in ("linear", "sibson"):
+        take = lambda method=method: peer.sample(asked, method)[1]  # noqa: E731
+        yield Contestant("heights", f"CGAL, {method}", len(asked), take)
 
 
 def interpolators(
@@ -149,32 +198,64 @@ def interpolators(
 def of_rasters(surface: liftmesh.Surface, options: Namespace, folder: Path) -> Iterator[Contestant]:
     """Rasters of the square, of float32."""
     side = max(int(options.pixels**0.5), 1)
-    step = SIDE / side
+    step, pixels, threads = SIDE / side, side * side, options.threads
     grid = {"transform": (step, 0, 0, 0, -step, SIDE), "shape": (side, side), "dtype": "float32"}
     yield Contestant(
-        "rasters", OURS, side * side, lambda: surface.raster(**grid, threads=options.threads)
+        "rasters", OURS, pixels, timed(lambda: surface.raster(**grid, threads=threads))
+    )
+    yield Contestant("rasters", SCAN, pixels, timed(scan(surface, grid, threads)))
+    yield Contestant(
+        "rasters",
+        ALL,
+        pixels,
+        timed(
+            lambda: liftmesh.triangulate(surface.vertices, threads=threads).raster(
+                **grid, threads=threads
+            )
+        ),
     )
     few = max(int(min(options.pixels, options.most) ** 0.5), 1)
     centres = (np.stack(np.meshgrid(*2 * [np.arange(few)]), axis=-1) + 0.5) * (SIDE / few)
     find = interpolators(surface)["matplotlib, linear"]
-    yield Contestant("rasters", "matplotlib", few * few, lambda: find(centres.reshape(-1, 2)))
-    if program := shutil.which("gdal_grid"):
-        np.savetxt(folder / "rows.csv", surface.vertices, "%.17g", ",", header="x,y,z", comments="")
-        words = ["-q", "-a", "linear:radius=0", "-zfield", "z", "-ot", "Float32"]
-        words += ["-oo", "X_POSSIBLE_NAMES=x", "-oo", "Y_POSSIBLE_NAMES=y"]
-        words += ["-txe", "0", str(SIDE), "-tye", "0", str(SIDE), "-outsize", str(side), str(side)]
-        command = [program, *words, str(folder / "rows.csv"), str(folder / "out.tif")]
-        call = lambda: subprocess.run(command, check=True)  # noqa: E731
-        yield Contestant("rasters", "gdal_grid, with its files", side * side, call)
+    yield Contestant(
+        "rasters", "matplotlib", few * few, timed(lambda: find(centres.reshape(-1, 2)))
+    )
+    yield from of_other_rasters(surface, side, folder)
+
+
+def scan(surface: liftmesh.Surface, grid: dict[str, Any], threads: int) -> Call:
+    """The kernel's scan into pixels that are there, without the memory for them."""
+    relief, locator = relief_of(surface), surface.triangulation._locator  # noqa: SLF001
+    pixels = np.zeros((*grid["shape"], 1), grid["dtype"])
+    return lambda: relief.scan(locator, grid["transform"], 0, pixels, threads, False)
+
+
+def of_other_rasters(surface: liftmesh.Surface, side: int, folder: Path) -> Iterator[Contestant]:
+    """Those of programs that may not be installed."""
+    try:
+        loop = Faceraster.built(folder, surface)
+    except cgal.UnavailableError:
+        pass
+    else:
+        take = lambda: loop.seconds(SIDE, side)  # noqa: E731
+        yield Contestant("rasters", "PDAL's faceraster loop", side * side, take)
+    if (gdal := GdalGrid.found(folder, surface.vertices)) is not None:
+        calls = {
+            GDAL: lambda: gdal.make(SIDE, side),
+            READING: lambda: gdal.only_read(SIDE),
+            WRITING: lambda: gdal.only_write(side),
+        }
+        for name, call in calls.items():
+            yield Contestant("rasters", name, side * side, timed(call))
 
 
 def of_contours(surface: liftmesh.Surface, options: Namespace) -> Iterator[Contestant]:
     """Lines at many levels."""
-    yield Contestant("contours", OURS, 0, lambda: surface.contours(LEVELS, threads=options.threads))
+    own = lambda: surface.contours(LEVELS, threads=options.threads)  # noqa: E731
     theirs, heights = surface.to_matplotlib(), surface.vertices[:, 2]
-    yield Contestant(
-        "contours", "matplotlib", 0, lambda: Figure().subplots().tricontour(theirs, heights, LEVELS)
-    )
+    other = lambda: Figure().subplots().tricontour(theirs, heights, LEVELS)  # noqa: E731
+    yield Contestant("contours", OURS, 0, timed(own))
+    yield Contestant("contours", "matplotlib", 0, timed(other))
 
 
 def measured(those: list[Contestant], rounds: int) -> list[Result]:
@@ -182,17 +263,21 @@ def measured(those: list[Contestant], rounds: int) -> list[Result]:
     best = [float("inf")] * len(those)
     for turn in range(rounds + 1):
         for number, each in enumerate(those):
-            seconds = spent(each.call)
+            seconds = each.take()
             if turn:
                 best[number] = min(best[number], seconds)
     return [Result(x.task, x.name, x.asked, s) for x, s in zip(those, best, strict=True)]
 
 
-def spent(call: Call) -> float:
-    """Count seconds of the processor, of processes that are started too."""
-    began = process_time() + of_children()
-    call()
-    return process_time() + of_children() - began
+def timed(call: Call) -> Take:
+    """Count the seconds of the processor that a call takes, of processes that it starts too."""
+
+    def take() -> float:
+        began = process_time() + of_children()
+        call()
+        return process_time() + of_children() - began
+
+    return take
 
 
 def of_children() -> float:
@@ -212,6 +297,23 @@ def table_of(task: str, results: list[Result], options: Namespace) -> Table:
     for each in of_task:
         ratio = each.comparable / max(of_task[0].comparable, 1e-9)
         table.add_row(each.name, f"{each.comparable:.3f}", f"{ratio:.2f}")
+    return table
+
+
+def table_of_goals(results: list[Result], options: Namespace) -> Table:
+    """Make the table of the ratios that are promised, of the tasks that were asked for."""
+    seconds = {(each.task, each.name): each.comparable for each in results}
+    table = Table(title=f"ratios: {options.n:,} rows, {options.pixels:,} pixels")
+    for title in ("task", "program", "times", "at least", "found"):
+        table.add_column(title, justify="right" if title in {"at least", "found"} else "left")
+    for each in GOALS:
+        if each.task in options.tasks:
+            found = each.reached(seconds)
+            other = " less ".join(
+                [each.other, " and ".join(each.less)] if each.less else [each.other]
+            )
+            said = "not here" if found is None else f"{found:.2f}"
+            table.add_row(each.task, other, each.ours, f"{each.least:g}", said)
     return table
 
 

@@ -176,3 +176,19 @@ def test_faces_that_are_cut_or_left_out_are_told(tmp_path: Path) -> None:
     checked = check(tmp_path / "mesh.json", path)
     assert checked.returncode == 2
     assert "line 5 is a face of 4 vertices, not three" in checked.stderr
+
+
+def test_a_trimmed_surface_is_told_from_a_wrong_one(tmp_path: Path) -> None:
+    points = np.random.default_rng(5).uniform(0, 10, (60, 3))
+    surface = liftmesh.triangulate(points).trim(max_edge=3)
+    surface.save(tmp_path / "trimmed.ply")
+    done = run("verify", tmp_path / "trimmed.ply")
+    assert done.returncode == 1
+    left, whole = len(surface.faces), len(surface.triangulation.simplices)
+    assert f"all {left} triangles are among the {whole} of" in done.stderr
+    assert f"{whole - left} are left out" in done.stderr
+    wrong = surface.faces.copy()
+    wrong[0] = np.setdiff1d(np.arange(60), wrong[:1])[:3]
+    done = run("verify", mesh(tmp_path / "wrong.ply", points[:, :2], wrong))
+    assert done.returncode == 1
+    assert "are left out" not in done.stderr

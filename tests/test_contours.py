@@ -344,7 +344,7 @@ class TestResult:
         assert (None if crs is None else frame.crs.to_epsg()) == (crs and 25832)
         assert [each.name for each in tmp_path.iterdir()] == ["lines.gpkg"]
 
-    @pytest.mark.parametrize("length", [np.nan, "a", [1, 2], None])
+    @pytest.mark.parametrize("length", [np.nan, -1, "a", [1, 2], None])
     def test_what_is_no_length_is_refused(self, lines, length) -> None:
         with pytest.raises(liftmesh.InputError, match=r"length is .*: give a number"):
             lines.longer_than(length)

@@ -100,3 +100,74 @@ def test_the_command_measures_inside(tmp_path) -> None:
     words = (tmp_path / "flat.ply", tmp_path / "tin.ply", "--within", area, "--json")
     assert json.loads(run("volume", *words).stdout)["fill"] == pytest.approx(72)
     failed(run("volume", tmp_path / "tin.ply", "--within", tmp_path / "none.json"), 3, "none.json")
+
+
+LOTS = {
+    "type": "FeatureCollection",
+    "features": [
+        {
+            "type": "Feature",
+            "properties": {"name": name} if name else {},
+            "geometry": {"type": "Polygon", "coordinates": [ring]},
+        }
+        for name, ring in [
+            ("A 7", RING),
+            ("", [[0, 0], [4, 0], [4, 10], [0, 10]]),
+            ("outside", [[20, 0], [24, 0], [24, 10]]),
+        ]
+    ],
+}
+
+
+def test_each_polygon_is_measured_by_itself(tmp_path) -> None:
+    flat, slope = liftmesh.triangulate(SQUARE + np.array([0, 0, 4])), liftmesh.triangulate(SLOPE)
+    works = flat.cut_and_fill_by_polygon(slope, LOTS)
+    volumes = slope.volume_by_polygon(LOTS, 4)
+    assert [*works] == [*volumes] == ["A 7", 1, "outside"]
+    triples = zip(LOTS["features"], works.values(), volumes.values(), strict=True)
+    for feature, work, volume in triples:
+        if feature["properties"].get("name") == "outside":
+            assert (work.cut, work.fill, work.area) == (volume.above, volume.below, volume.area)
+            assert work.area == 0
+            continue
+        alone = flat.cut_and_fill(slope, polygon=feature)
+        assert (work.cut, work.fill, work.area) == (alone.cut, alone.fill, alone.area)
+        assert volume == slope.volume(4, polygon=feature)
+    assert works[1].cut == pytest.approx(80)
+    liftmesh.triangulate(SQUARE + np.array([0, 0, 4])).save(tmp_path / "before.ply")
+    slope.save(tmp_path / "after.ply")
+    lots = tmp_path / "lots.geojson"
+    lots.write_text(json.dumps(LOTS))
+    words = "volume", tmp_path / "before.ply", tmp_path / "after.ply", "--within", lots
+    found = json.loads(run(*words, "--json").stdout)
+    assert [each["polygon"] for each in found["polygons"]] == ["A 7", 1, "outside"]
+    assert [each["cut"] for each in found["polygons"]] == [each.cut for each in works.values()]
+    assert found["cut"] == flat.cut_and_fill(slope, polygon=LOTS).cut
+    printed = run(*words).stdout
+    assert "A 7" in printed
+    assert "cut 80" in printed
+
+
+def test_rows_of_a_table_have_their_names(tmp_path) -> None:
+    geopandas = pytest.importorskip("geopandas")
+    frame = geopandas.GeoDataFrame.from_features(LOTS["features"][:2], crs="EPSG:28992")
+    frame.to_file(tmp_path / "lots.gpkg")
+    slope = liftmesh.triangulate(SLOPE)
+    expected = slope.volume_by_polygon(LOTS)
+    for given_as in (frame, tmp_path / "lots.gpkg"):
+        found = slope.volume_by_polygon(given_as)
+        assert [*found] == ["A 7", 1]
+        assert all(found[name] == expected[name] for name in found)
+    assert [*slope.volume_by_polygon(frame.geometry)] == [0, 1]
+
+
+def test_polygons_of_one_name_and_invalid_ones_are_named() -> None:
+    slope = liftmesh.triangulate(SLOPE)
+    twice = LOTS | {"features": LOTS["features"][:1] * 2}
+    with pytest.raises(liftmesh.InputError, match="two polygons have the name 'A 7'"):
+        slope.volume_by_polygon(twice)
+    assert slope.volume(polygon=twice).area == pytest.approx(18)  # together, names do not matter
+    crossed = json.loads(json.dumps(LOTS))
+    crossed["features"][0]["geometry"]["coordinates"] = [[[0, 0], [2, 2], [2, 0], [0, 2]]]
+    with pytest.raises(liftmesh.InputError, match="polygon 'A 7': polygon 0 is not valid"):
+        slope.cut_and_fill_by_polygon(slope, crossed)

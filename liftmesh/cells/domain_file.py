@@ -9,7 +9,7 @@ import numpy as np
 
 from liftmesh.cells.domain import united
 from liftmesh.errors import InputError
-from liftmesh.io.geometry_files import read_geometries
+from liftmesh.io.geometry_files import read_features
 from liftmesh.same_crs import text_of
 
 _DEGREES = np.array([180.0, 90.0])
@@ -42,7 +42,7 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     OSError
         The file cannot be opened.
     """
-    shapes = read_geometries(path, "a domain")
+    shapes = read_features(path, "a domain").geometry
     try:
         shape = united(shapes.to_numpy())
     except InputError as error:

@@ -66,7 +66,8 @@ def run(
     """
     count, limit = options.parse_threads(threads), options.parse_size(max_bytes)
     files.check_target(target, target_format)
-    files.check_apart(trimming.get("polygon"), source, target, at)
+    files.check_apart(trimming.get("polygon"), source, target)
+    files.check_apart(at, target)
     surface = surfaces.read(
         source,
         source_format,

@@ -151,7 +151,29 @@ def _verify_file(
     cloud = files.read(source, source_format, limit)
     _note_polygons(cloud)
     with files.about(source):
-        return _verify(cloud, source, plane, nonfinite, threads, lifting)
+        found = _verify(cloud, source, plane, nonfinite, threads, lifting)
+        if not found.valid and not lifting:
+            _note_part(cloud, plane, threads)
+        return found
+
+
+def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
+    """Report a mesh that is a part of a triangulation, as what is left of a trimmed surface."""
+    from liftmesh.errors import LiftmeshError  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
+
+    try:
+        with files.without_warnings():
+            surface = as_surface(cloud, plane=plane, threads=threads)
+    except LiftmeshError:  # it is no part of one
+        return
+    if surface.mask is not None:
+        whole = surface.triangulation.nsimplex
+        terminal.note(
+            f"all {len(surface.faces):,} triangles are among the {whole:,} of the triangulation of "
+            f"their corners, and {whole - len(surface.faces):,} are left out: this is a trimmed "
+            "surface, and a surface is verified before it is trimmed"
+        )
 
 
 def _check_format(source: Path, file_format: str | None) -> None:

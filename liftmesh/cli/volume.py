@@ -15,10 +15,15 @@ if TYPE_CHECKING:
     from liftmesh.terrain.measures import Volume
 
 SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
-HELP = "Volumes are counted where there are faces only; their unit is that of x, y and z."
+HELP = (
+    "Volumes are counted where there are faces only; their unit is that of x, y and z. With "
+    "--within, those of all polygons together come first, then those of each: by the property or "
+    "column name, or by the number."
+)
 EXAMPLES = [
     "liftmesh volume before.ply after.ply --json",
     "liftmesh volume heap.ply --level 12.5",
+    "liftmesh volume before.ply after.ply --within lots.geojson --json",
     "liftmesh volume survey.csv --level 0 --max-edge 20 --boundary-only --json",
 ]
 
@@ -73,14 +78,20 @@ def run(
     surface = reading.surface(source)
     if other is None:
         with terminal.stage(f"measuring {len(surface.faces):,} faces"):
-            volume, area = surface.volume(height or 0.0, polygon=within), surface.area()
-        values = _values(volume) | ({} if within else {"surface_area": area})
-        _print(values, as_json=json)
+            values = _values(surface.volume(height or 0.0, polygon=within))
+            if within is None:
+                values["surface_area"] = surface.area()
+            else:
+                parts = surface.volume_by_polygon(within, height or 0.0)
+                values["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = reading.surface(other)
         with terminal.stage("laying the surfaces over each other"):
-            work = surface.cut_and_fill(after, polygon=within)
-        _print(_changes(work), as_json=json)
+            values = _changes(surface.cut_and_fill(after, polygon=within))
+            if within is not None:
+                works = surface.cut_and_fill_by_polygon(after, within)
+                values["polygons"] = _by_name({key: _changes(work) for key, work in works.items()})
+    _print(values, as_json=json)
 
 
 def _values(found: Volume) -> dict[str, Any]:
@@ -104,18 +115,35 @@ def _changes(found: Earthwork) -> dict[str, Any]:
     }
 
 
+def _by_name(parts: dict[str | int, dict[str, Any]]) -> list[dict[str, Any]]:
+    """Name the polygons of measures, without what all share."""
+    shared = {"level", "cubic_metres"}
+    return [
+        {"polygon": name} | {key: value for key, value in part.items() if key not in shared}
+        for name, part in parts.items()
+    ]
+
+
 def _print(values: dict[str, Any], *, as_json: bool) -> None:
     """Print numbers, those of volumes with their unit."""
     if as_json:
         terminal.as_json(values)
         return
-    unit = values.pop("cubic_metres")
+    unit, polygons = values.pop("cubic_metres"), values.pop("polygons", [])
     terminal.table(
         [
             (name.replace("_", " "), _volume(value, unit) if name in _VOLUMES else f"{value:.10g}")
             for name, value in values.items()
         ]
     )
+    if len(polygons) > 1:
+        terminal.blank()
+        terminal.table([(str(part.pop("polygon")), _line(part)) for part in polygons])
+
+
+def _line(part: dict[str, Any]) -> str:
+    """Print the measures of one polygon, in the units of the whole."""
+    return "  ".join(f"{name.replace('_', ' ')} {value:.10g}" for name, value in part.items())
 
 
 def _volume(value: float, unit: float | None) -> str:

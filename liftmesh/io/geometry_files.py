@@ -10,8 +10,8 @@ from liftmesh.errors import FormatError
 from liftmesh.optional import load
 
 
-def read_geometries(path: Path, what: str) -> Any:
-    """Read the geometries of a file.
+def read_features(path: Path, what: str) -> Any:
+    """Read the geometries of a file, and the values that they have.
 
     Parameters
     ----------
@@ -22,8 +22,9 @@ def read_geometries(path: Path, what: str) -> Any:
 
     Returns
     -------
-    geopandas.GeoSeries
-        The geometries, with their coordinate system; none if the file is a table without any.
+    geopandas.GeoDataFrame
+        The geometries, with their values and coordinate system; nothing if the file is a table
+        without any.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def read_geometries(path: Path, what: str) -> Any:
     >>> import tempfile
     >>> path = Path(tempfile.mkdtemp(), "point.geojson")
     >>> _ = path.write_text('{"type": "Point", "coordinates": [1, 2]}')
-    >>> float(read_geometries(path, "a place").x[0])
+    >>> float(read_features(path, "a place").geometry.x[0])
     1.0
     """
     path.open("rb").close()  # says what is wrong in fewer words
@@ -47,7 +48,8 @@ def read_geometries(path: Path, what: str) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # GDAL's, before its errors
-            return geopandas.GeoSeries(geopandas.read_file(path).get("geometry"))
+            table = geopandas.read_file(path)
     except Exception as error:  # of whatever kind GDAL's reader makes
         first = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise FormatError(f"{path}: cannot be read as {what}: {first}") from error
+    return table if "geometry" in table else geopandas.GeoDataFrame(geometry=[])

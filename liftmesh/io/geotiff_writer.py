@@ -106,7 +106,8 @@ def checked(crs: str | None, compress: str | None) -> Any:
     if not is_system(crs):  # a text of PROJ can name files
         raise unknown
     try:
-        return rasterio.crs.CRS.from_user_input(crs)
+        with rasterio.Env(**_ALONE):  # or GDAL prints what it raises
+            return rasterio.crs.CRS.from_user_input(crs)
     except (errors.CRSError, UnicodeError) as error:
         raise unknown from error
 

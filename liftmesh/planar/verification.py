@@ -63,7 +63,8 @@ def verify(  # noqa: PLR0913 - options are keywords
     ----------
     points : array_like of shape (n, 2) or (n, 3), or a mesh
         The points; z is ignored. Without `simplices`, a mesh: a `Surface`, which is checked in its
-        own plane; a `Triangulation`, or one of SciPy or matplotlib; a mesh of trimesh or Open3D, a
+        own plane, by the faces that are left if it was trimmed, which `Surface.triangulation` still
+        has all; a `Triangulation`, or one of SciPy or matplotlib; a mesh of trimesh or Open3D, a
         `Cloud` with faces, or the path of a file, which are seen from above. Or an
         `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only `threads` and
         `progress` can be given with it.

@@ -151,7 +151,7 @@ class Contours:
         Raises
         ------
         InputError
-            The length is no number.
+            The length is no number, or negative.
 
         Examples
         --------
@@ -164,8 +164,8 @@ class Contours:
             least = float(as_reals(length))
         except (TypeError, ValueError, OverflowError):
             least = math.nan
-        if math.isnan(least):
-            raise InputError(f"length is {shown(length)}: give a number")
+        if not least >= 0:
+            raise InputError(f"length is {shown(length)}: give a number, not below zero")
         kept = self.lengths >= least
         counts = np.diff(self.starts)
         return replace(

@@ -7,6 +7,7 @@ face of each that touch, which are found here.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from liftmesh.predicates import orient2d
 from liftmesh.same_crs import are_different
 from liftmesh.terrain.measures import cubic_metres_of
 from liftmesh.terrain.sampling import relief_of
-from liftmesh.terrain.within import between_within
+from liftmesh.terrain.within import between_within, in_all, in_each
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -109,7 +110,7 @@ class Comparing:
         """
         _check(self, other)
         if polygon is not None:
-            fill, cut, area = between_within(self, other, polygon)
+            fill, cut, area = in_all(self, polygon, partial(between_within, self, other))
             return Earthwork(cut, fill, area, cubic_metres_of(self))
         pair = _touching(self.triangulation, other.triangulation)
         fill, cut, area = 0.0, 0.0, 0.0
@@ -118,6 +119,51 @@ class Comparing:
         if not area > 0:
             raise InputError("the surfaces have no area in common")
         return Earthwork(cut, fill, area, cubic_metres_of(self))
+
+    def cut_and_fill_by_polygon(
+        self: Any, other: Surface, polygon: object
+    ) -> dict[str | int, Earthwork]:
+        """Compute the volumes between this surface and another one in each of several polygons.
+
+        Parameters
+        ----------
+        other : Surface
+            As for `cut_and_fill`.
+        polygon : object
+            As for `cut_and_fill`. Each feature of GeoJSON and each row of a table is measured by
+            itself, whatever others cover.
+
+        Returns
+        -------
+        dict of str or int to Earthwork
+            By the property or column ``name`` where it is a text, else by the number, from 0; zeros
+            for a polygon that has no area in common with the faces.
+
+        Raises
+        ------
+        InputError
+            The surfaces are over different planes or in different coordinate systems, a polygon is
+            invalid, or two have one name.
+        FormatError, MissingDependencyError, OSError
+            As for `cut_and_fill`.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> flat = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4]])
+        >>> lot = {"type": "Polygon", "coordinates": [[[0, 0], [2, 0], [2, 2], [0, 2]]]}
+        >>> lots = [{"type": "Feature", "properties": {"name": "A 7"}, "geometry": lot}]
+        >>> found = flat.cut_and_fill_by_polygon(
+        ...     slope, {"type": "FeatureCollection", "features": lots}
+        ... )
+        >>> round(found["A 7"].fill, 9)
+        4.0
+        """
+        _check(self, other)
+        unit = cubic_metres_of(self)
+        found = in_each(self, polygon, partial(between_within, self, other))
+        return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in found}
 
 
 def _check(surface: Surface, other: Surface) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.corners import ranks
 from liftmesh.terrain.units import metres_of, rise_of
-from liftmesh.terrain.within import level_within
+from liftmesh.terrain.within import in_all, in_each, level_within
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -138,13 +139,50 @@ class Measuring:
         """
         at = _level(level)
         if polygon is not None:
-            return Volume(*level_within(self, at, polygon), at, cubic_metres_of(self))
+            measure = partial(level_within, self, at)
+            return Volume(*in_all(self, polygon, measure), at, cubic_metres_of(self))
         corners, heights = _faces(self)
         with np.errstate(all="ignore"):
             areas = _planar(corners)
             prisms = _prisms(areas, np.sort(heights - at, axis=1))
         above, below = (_total("volume", each) for each in prisms)
         return Volume(above, below, _total("area", areas), at, cubic_metres_of(self))
+
+    def volume_by_polygon(
+        self: Any, polygon: object, level: float = 0.0
+    ) -> dict[str | int, Volume]:
+        """Compute the volumes between the faces and a level in each of several polygons.
+
+        Parameters
+        ----------
+        polygon : object
+            As for `cut_and_fill_by_polygon`.
+        level : float, default 0
+            A height above the plane.
+
+        Returns
+        -------
+        dict of str or int to Volume
+            As from `volume`, for each polygon; zeros where it has no area in common with the faces.
+
+        Raises
+        ------
+        InputError
+            As for `volume`, or two polygons have one name.
+        FormatError, MissingDependencyError, OSError
+            As for `volume`.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4]])
+        >>> found = slope.volume_by_polygon([[1, 1], [3, 1], [3, 3], [1, 3]])
+        >>> round(found[0].above, 9)
+        8.0
+        """
+        at, unit = _level(level), cubic_metres_of(self)
+        found = in_each(self, polygon, partial(level_within, self, at))
+        return {name: Volume(*each, at, unit) for name, each in found}
 
 
 def _total(name: str, parts: Floats) -> float:

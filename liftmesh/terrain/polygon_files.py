@@ -14,9 +14,9 @@ from typing import Any
 
 from liftmesh.choices import shown
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.geometry_files import read_geometries
+from liftmesh.io.geometry_files import read_features
 from liftmesh.same_crs import are_different
-from liftmesh.terrain.polygons import Polygon, as_polygons
+from liftmesh.terrain.polygons import Polygon, Region, as_regions
 
 _TEXT = {".geojson", ".json", ""}
 
@@ -53,14 +53,42 @@ def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
     >>> len(polygons_in(None, square))
     1
     """
+    return [each for region in regions_in(crs, polygon) for each in region.polygons]
+
+
+def regions_in(crs: str | None, polygon: object) -> list[Region]:
+    """Convert what is given to regions, and see that they are in the system of a surface.
+
+    Parameters
+    ----------
+    crs : str, optional
+        The system of the surface.
+    polygon : object
+        A file, or as for `as_regions`.
+
+    Returns
+    -------
+    list of Region
+        The features of a file or collection, the rows of a table, or all in one.
+
+    Raises
+    ------
+    InputError, FormatError, MissingDependencyError, OSError
+        As for `polygons_in`.
+
+    Examples
+    --------
+    >>> regions_in(None, [[0, 0], [1, 0], [1, 1]])[0].name
+    0
+    """
     if not isinstance(polygon, str | os.PathLike):
         _check_system(crs, _stated(polygon), "the polygon")
-        return as_polygons(polygon)
+        return as_regions(polygon)
     path = Path(polygon)
-    tree = _geojson(path) if path.suffix.lower() in _TEXT else read_geometries(path, "polygons")
+    tree = _geojson(path) if path.suffix.lower() in _TEXT else _frame(path)
     _check_system(crs, _stated(tree), str(path))
     try:
-        return as_polygons(tree)
+        return as_regions(tree)
     except InputError as error:
         raise FormatError(f"{path}: {error}") from error
 
@@ -71,6 +99,12 @@ def _geojson(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise FormatError(f"{path}: not GeoJSON: {error}") from error
     return tree if isinstance(tree, dict) else {}
+
+
+def _frame(path: Path) -> Any:
+    """Read a file of another kind, such as GeoPackage, with the names of its rows."""
+    table = read_features(path, "polygons")
+    return table if "name" in table else table.geometry
 
 
 def _stated(polygon: object) -> str | None:

@@ -10,6 +10,7 @@ is. So polygons that share edges share no point.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -21,6 +22,23 @@ from liftmesh.errors import InputError
 from liftmesh.predicates import orient2d
 
 Polygon: TypeAlias = list[Floats]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """What is measured by itself: a feature of GeoJSON, or a row of a table.
+
+    Attributes
+    ----------
+    name : str or int
+        Its property ``name``, or its number, from 0.
+    polygons : list of list of (k, 2) ndarray of float64
+        Its polygons, each as its rings.
+    """
+
+    name: str | int
+    polygons: list[Polygon]
+
 
 _PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
@@ -57,6 +75,53 @@ def as_polygons(polygon: object) -> list[Polygon]:
     if not found:
         raise InputError("there is no polygon in what is given: give Polygon or MultiPolygon")
     return [[_ring(ring) for ring in each] for each in found]
+
+
+def as_regions(polygon: object) -> list[Region]:
+    """Convert what is given to regions: the features of a collection, or all in one.
+
+    Parameters
+    ----------
+    polygon : object
+        As for `as_polygons`.
+
+    Returns
+    -------
+    list of Region
+        Features without a polygon are left out, and so are their numbers.
+
+    Raises
+    ------
+    InputError
+        As for `as_polygons`.
+
+    Examples
+    --------
+    >>> triangle = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1]]]}
+    >>> field = {"type": "Feature", "properties": {"name": "A 7"}, "geometry": triangle}
+    >>> other = {"type": "Feature", "properties": {}, "geometry": triangle}
+    >>> both = {"type": "FeatureCollection", "features": [field, other]}
+    >>> [each.name for each in as_regions(both)]
+    ['A 7', 1]
+    """
+    described: Any = getattr(polygon, "__geo_interface__", polygon)
+    is_collection = isinstance(described, Mapping) and described.get("type") == "FeatureCollection"
+    if not is_collection:
+        return [Region(0, as_polygons(polygon))]
+    features = described.get("features") or ()
+    if not _rings(described):
+        return [Region(0, as_polygons(polygon))]  # which says what is missing
+    return [
+        Region(_name_of(each, number), as_polygons(each))
+        for number, each in enumerate(features)
+        if isinstance(each, Mapping) and _rings(each)
+    ]
+
+
+def _name_of(feature: Mapping[str, Any], number: int) -> str | int:
+    properties = feature.get("properties")
+    name = properties.get("name") if isinstance(properties, Mapping) else None
+    return name if isinstance(name, str) and name else number
 
 
 def contains(polygons: list[Polygon], points: Floats) -> Array:

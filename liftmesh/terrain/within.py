@@ -7,7 +7,8 @@ counted once. A level is a surface of two triangles.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -16,15 +17,80 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.polygon_files import polygons_in
+from liftmesh.terrain.polygon_files import polygons_in, regions_in
 from liftmesh.terrain.sampling import relief_of
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.terrain.polygons import Polygon
     from liftmesh.terrain.surface import Surface
 
 
-def level_within(surface: Surface, level: float, polygon: object) -> tuple[float, float, float]:
+Measured: TypeAlias = tuple[float, float, float]
+
+
+def in_all(
+    surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
+) -> Measured:
+    """Measure what polygons cover together.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    polygon : object
+        As for `Surface.trim`.
+    measure : callable
+        `level_within` or `between_within`, for polygons.
+
+    Returns
+    -------
+    (float, float, float)
+        What was measured.
+
+    Raises
+    ------
+    InputError
+        The polygons are invalid, or have no area in common with the faces.
+    """
+    found = measure(polygons_in(_system(surface), polygon))
+    if not found[2] > 0:
+        raise InputError("the polygon has no area in common with the faces")
+    return found
+
+
+def in_each(
+    surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
+) -> Iterator[tuple[str | int, Measured]]:
+    """Measure each region by itself.
+
+    Parameters
+    ----------
+    surface, polygon, measure
+        As for `in_all`.
+
+    Yields
+    ------
+    (str or int, (float, float, float))
+        The name of a region, and what was measured: zeros where there are no faces.
+
+    Raises
+    ------
+    InputError
+        Polygons are invalid, and the message names the region; or two regions have one name.
+    """
+    seen = set()
+    for region in regions_in(_system(surface), polygon):
+        if region.name in seen:
+            raise InputError(f"two polygons have the name {region.name!r}: give each its own")
+        seen.add(region.name)
+        try:
+            yield region.name, measure(region.polygons)
+        except InputError as error:
+            raise InputError(f"polygon {region.name!r}: {error}") from error
+
+
+def level_within(surface: Surface, level: float, polygons: list[Polygon]) -> Measured:
     """Measure the volumes between a level and a surface in polygons.
 
     Parameters
@@ -33,8 +99,8 @@ def level_within(surface: Surface, level: float, polygon: object) -> tuple[float
         The surface.
     level : float
         The level.
-    polygon : object
-        As for `Surface.trim`.
+    polygons : list of list of (k, 2) ndarray of float64
+        For each polygon its rings.
 
     Returns
     -------
@@ -44,7 +110,7 @@ def level_within(surface: Surface, level: float, polygon: object) -> tuple[float
     Raises
     ------
     InputError
-        The polygons are invalid, or have no area in common with the faces.
+        The polygons are invalid.
     """
     solved = surface.triangulation
     low, high = solved.min_bound, solved.max_bound
@@ -55,20 +121,20 @@ def level_within(surface: Surface, level: float, polygon: object) -> tuple[float
         square.points, square.simplices, square.neighbors, np.full(4, float(level)), None
     )
     below, above, area = _measured(
-        (relief_of(surface), solved), (flat, square), _triangles(surface, polygon)
+        (relief_of(surface), solved), (flat, square), _triangles(surface, polygons)
     )
     return above, below, area
 
 
-def between_within(surface: Surface, other: Surface, polygon: object) -> tuple[float, float, float]:
+def between_within(surface: Surface, other: Surface, polygons: list[Polygon]) -> Measured:
     """Measure the volumes between two surfaces in polygons.
 
     Parameters
     ----------
     surface, other : Surface
         The surfaces.
-    polygon : object
-        As for `Surface.trim`.
+    polygons : list of list of (k, 2) ndarray of float64
+        For each polygon its rings.
 
     Returns
     -------
@@ -78,11 +144,11 @@ def between_within(surface: Surface, other: Surface, polygon: object) -> tuple[f
     Raises
     ------
     InputError
-        The polygons are invalid, or have no area in common with the faces.
+        The polygons are invalid.
     """
     first = relief_of(surface), surface.triangulation
     second = relief_of(other), other.triangulation
-    parts = _triangles(surface, polygon, other.triangulation)
+    parts = _triangles(surface, polygons, other.triangulation)
     if first[1].nsimplex >= second[1].nsimplex:
         return _measured(first, second, parts)
     below, above, area = _measured(second, first, parts)
@@ -91,7 +157,7 @@ def between_within(surface: Surface, other: Surface, polygon: object) -> tuple[f
 
 def _measured(
     first: tuple[Any, Triangulation], second: tuple[Any, Triangulation], parts: Floats
-) -> tuple[float, float, float]:
+) -> Measured:
     """Measure in triangles, the finer surface first.
 
     Triangles that are slivers outside of a hull by rounding count nothing.
@@ -101,8 +167,6 @@ def _measured(
     inside = (faces >= 0) & (others >= 0)
     chosen = (np.ascontiguousarray(each[inside]) for each in (parts, faces, others))
     above, below, area = first[0].between_within(second[0], *chosen)
-    if not area > 0:
-        raise InputError("the polygon has no area in common with the faces")
     return above, below, area
 
 
@@ -110,11 +174,15 @@ def _faces_at(solved: Triangulation, points: Floats) -> Rows:
     return np.asarray(solved.find_simplex(points), dtype=np.int32)
 
 
-def _triangles(surface: Surface, polygon: object, *others: Triangulation) -> Floats:
+def _system(surface: Surface) -> str | None:
+    """Return the system of the plane of a surface, if any is known."""
+    return surface.crs if surface.frame.name == "xy" else None
+
+
+def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation) -> Floats:
     """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
     shapely = load("shapely", extra="shapes")
-    crs = surface.crs if surface.frame.name == "xy" else None
-    shapes = [shapely.Polygon(each[0], each[1:]) for each in polygons_in(crs, polygon)]
+    shapes = [shapely.Polygon(each[0], each[1:]) for each in polygons]
     for number, shape in enumerate(shapes):
         if not shape.is_valid:
             reason = shapely.is_valid_reason(shape)

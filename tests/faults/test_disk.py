@@ -56,6 +56,28 @@ def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "raster IN new.tif --resolution 300",
+        "contour IN new.geojson --interval 1",
+        "contour IN new.gpkg --interval 1",
+        "solid IN new.3mf --thickness 1",
+        "sample IN new.csv --at IN",
+    ],
+)
+def test_no_room_for_what_a_surface_is_asked(words: str, tmp_path: Path) -> None:
+    target = tmp_path / words.split()[2]
+    target.write_bytes(b"old")
+    named = words.replace("IN", str(TERRAIN)).split()
+    done = run(*named, cwd=tmp_path, most_bytes=3_000)
+    assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
+    assert str(target) in done.stderr
+    assert done.stderr.count("liftmesh: error: ") == done.stderr.count("\n") == 1
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
 def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
     program = """
         import signal, sys

@@ -4,6 +4,7 @@
 
 #include <cfloat>
 #include <cstring>
+#include <type_traits>
 
 #include "base/point.hpp"
 
@@ -21,8 +22,25 @@ inline Pair pair(const Point* p) {
     std::memcpy(&loaded, p, sizeof loaded);
     return loaded;
 }
+// To two places, the one after the other.
+inline void store(Pair p, double* to) {
+    std::memcpy(to, &p, sizeof p);
+}
+inline void store(Pair p, float* to) {
+    using Singles = float __attribute__((vector_size(8)));
+    const auto rounded = __builtin_convertvector(p, Singles);
+    std::memcpy(to, &rounded, sizeof rounded);
+}
 inline Point point(Pair p) {
     return {p[0], p[1]};
+}
+// A value as it is, or in both places.
+template <class Real>
+constexpr Real spread(double value) {
+    if constexpr (std::is_same_v<Real, Pair>)
+        return Pair{value, value};
+    else
+        return value;
 }
 inline Pair swapped(Pair p) {
     return Pair{p[1], p[0]};

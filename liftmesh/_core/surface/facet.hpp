@@ -12,6 +12,7 @@
 // Exact determinants give the weights and the gradient in thinner triangles.
 #pragma once
 
+#include "base/pair.hpp"
 #include "base/point.hpp"
 #include "predicates/exact_weights.hpp"
 
@@ -42,18 +43,25 @@ class Facet {
 
     // Whether `plain_height` may be asked.
     bool is_plain() const { return is_plain_; }
-    double plain_height(Point query) const {
-        const double x = query.x - a_.at.x, y = query.y - a_.at.y;
-        const double u = (x * cy_ - y * cx_) * inverse_, v = (bx_ * y - by_ * x) * inverse_;
-        const double z = a_.height + (u * rise_b_ + v * rise_c_);
-        const double raised = z < least_ ? least_ : z;
-        return raised > greatest_ ? greatest_ : raised;
-    }
+    double plain_height(Point query) const { return plain_height(query.x, query.y); }
+    Pair plain_heights(Pair x, Pair y) const { return plain_height(x, y); }
 
     // Of the plane of the face: dz/dx and dz/dy.
     Point gradient() const;
 
  private:
+    // Of one point or of two: the same bits.
+    template <class Real>
+    Real plain_height(Real at_x, Real at_y) const {
+        constexpr auto all = spread<Real>;
+        const Real x = at_x - all(a_.at.x), y = at_y - all(a_.at.y);
+        const Real u = (x * all(cy_) - y * all(cx_)) * all(inverse_);
+        const Real v = (all(bx_) * y - all(by_) * x) * all(inverse_);
+        const Real z = all(a_.height) + (u * all(rise_b_) + v * all(rise_c_));
+        const Real raised = z < all(least_) ? all(least_) : z;
+        return raised > all(greatest_) ? all(greatest_) : raised;
+    }
+
     Corner a_, b_, c_;  // a is the lexicographically least
     double bx_, by_, cx_, cy_, rise_b_, rise_c_, inverse_, least_, greatest_;
     bool is_plain_;

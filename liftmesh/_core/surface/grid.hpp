@@ -5,9 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/pair.hpp"
 #include "base/point.hpp"
 
 namespace liftmesh {
+
+// Two points, x and y apart.
+struct Pairs {
+    Pair x, y;
+};
 
 struct Grid {
     double a, b, c, d, e, f;
@@ -20,6 +26,13 @@ struct Grid {
     Point centre(std::int32_t row, std::int32_t column) const {
         const double u = column + 0.5, v = first_row + row + 0.5;
         return {a * u + b * v + c, d * u + e * v + f};
+    }
+    // Of a column and the one after it.
+    Pairs centres(std::int32_t row, std::int32_t column) const {
+        const Pair u = Pair{0.5, 1.5} + spread<Pair>(column);
+        const double v = first_row + row + 0.5;
+        return {spread<Pair>(a) * u + spread<Pair>(b * v) + spread<Pair>(c),
+                spread<Pair>(d) * u + spread<Pair>(e * v) + spread<Pair>(f)};
     }
     // No coordinate that occurs in `centre`, nor any in between, is larger.
     double largest() const {

@@ -27,6 +27,10 @@ struct Heights {
     double operator[](std::int32_t row) const {
         return *reinterpret_cast<const double*>(data + row * stride) + 0.0;
     }
+    // Inline always, as that of `Input`.
+    [[gnu::always_inline]] void prefetch(std::int32_t row) const {
+        __builtin_prefetch(data + row * stride);
+    }
 };
 
 inline constexpr double no_height = std::numeric_limits<double>::quiet_NaN();
@@ -44,6 +48,15 @@ class Relief {
         return {point(mesh_.place(row)), heights_[row]};
     }
     double height_of(std::int32_t row) const { return heights_[row]; }
+
+    // Fetches a face's corners, whose rows may be anywhere in memory.
+    [[gnu::always_inline]] void prefetch(std::int32_t simplex) const {
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t row = mesh_.vertex(simplex, k);
+            mesh_.points.prefetch(static_cast<std::size_t>(row));
+            heights_.prefetch(row);
+        }
+    }
     Facet facet(std::int32_t simplex) const {
         return {corner(simplex, 0), corner(simplex, 1), corner(simplex, 2)};
     }

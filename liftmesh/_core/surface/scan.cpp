@@ -15,6 +15,7 @@ namespace {
 
 // Rows of faces that may be met for each pixel and each face, before its location costs less.
 constexpr std::size_t most_rows = 4;
+constexpr std::int32_t ahead = 8;  // faces, whose corners are fetched meanwhile
 constexpr std::size_t located_together = std::size_t{1} << 20;
 
 // Writes heights.
@@ -32,14 +33,27 @@ struct Heighten {
     void fill(std::int32_t, const Facet& facet, std::int32_t row, Interval columns) const {
         Real* to = heights + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns);
         if (facet.is_plain()) {
-            const Facet own = facet;  // copies, which no height that is written can change
-            const Grid pixels = grid;
-            for (std::int32_t at = columns.first; at <= columns.last; ++at)
-                to[at] = static_cast<Real>(own.plain_height(pixels.centre(row, at)));
+            fill_plainly(facet, row, columns, to);
         } else {
             for (std::int32_t at = columns.first; at <= columns.last; ++at)
                 to[at] = static_cast<Real>(facet.height(grid.centre(row, at)));
         }
+    }
+    // Two at a time; of an odd number the last two overlap those before. Works on copies, which no
+    // height that is written can change.
+    void fill_plainly(Facet facet, std::int32_t row, Interval columns, Real* to) const {
+        const Grid pixels = grid;
+        const auto put_two = [&](std::int32_t at) {
+            const auto [x, y] = pixels.centres(row, at);
+            store(facet.plain_heights(x, y), to + at);
+        };
+        const std::int32_t last = columns.last;
+        if (columns.first == last) {
+            to[last] = static_cast<Real>(facet.plain_height(pixels.centre(row, last)));
+            return;
+        }
+        for (std::int32_t at = columns.first; at < last; at += 2) put_two(at);
+        if ((last - columns.first) % 2 == 0) put_two(last - 1);
     }
     void put(std::int32_t face, Relief::Place place, Point centre, std::size_t pixel) const {
         heights[pixel] = static_cast<Real>(relief.height(centre, face, place));
@@ -105,6 +119,7 @@ class Scan {
         scan.clear(0, finder.grid().rows - 1);
         const auto count = static_cast<std::int32_t>(relief.mesh().count);
         for (std::int32_t face = 0; face < count && !patience.ends(); ++face) {
+            if (face + ahead < count) relief.prefetch(face + ahead);
             if (!relief.is_shown(face)) continue;
             const std::size_t rows = scan.scan_face(face, 0, finder.grid().rows - 1, patience);
             if (rows > most) return false;
@@ -133,8 +148,10 @@ class Scan {
         clear(first, last);
         const std::int32_t* faces = bands_->begin(band);
         const auto count = static_cast<std::size_t>(bands_->end(band) - faces);
-        for (std::size_t i = 0; i < count && !patience.ends(); ++i)
+        for (std::size_t i = 0; i < count && !patience.ends(); ++i) {
+            if (i + ahead < count && faces[i + ahead] >= 0) relief_.prefetch(faces[i + ahead]);
             if (faces[i] >= 0) scan_face(faces[i], first, last, patience);
+        }
     }
 
     // Returns how many rows the face has.

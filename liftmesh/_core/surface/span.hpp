@@ -111,21 +111,15 @@ class Spans {
     RowSpan at(std::int32_t row) const {
         if (is_unknown_) return {{first_, first_ + width_}, {first_ + 1, first_}};
         const Point start = grid_.centre(row, first_);
-        double low = 0, high = width_, sure_low = -1, sure_high = width_ + 1.0;
-        for (int i = 0; i < lower_; ++i) {
-            const double at = sides_[i].at(start);
-            low = std::max(low, sides_[i].outer(at));
-            sure_low = std::max(sure_low, sides_[i].inner(at));
-        }
-        for (int i = upper_; i < 3; ++i) {
-            const double at = sides_[i].at(start);
-            high = std::min(high, sides_[i].outer(at));
-            sure_high = std::min(sure_high, sides_[i].inner(at));
-        }
+        double low = -1, high = width_ + 1.0;
+        for (int i = 0; i < lower_; ++i) low = std::max(low, sides_[i].crossing(start));
+        for (int i = upper_; i < 3; ++i) high = std::min(high, sides_[i].crossing(start));
+        double sure_high = high - slack_;
         if (has_level_ && !(level_.at(start) > level_.bound)) sure_high = -1;
         // The offsets strictly between the inner bounds.
-        return {{first_ + ceil(low), first_ + floor(high)},
-                {first_ + floor(sure_low) + 1, first_ + ceil(sure_high) - 1}};
+        return {{first_ + ceil(std::max(low - slack_, 0.0)),
+                 first_ + floor(std::min(high + slack_, double{1} * width_))},
+                {first_ + floor(low + slack_) + 1, first_ + ceil(sure_high) - 1}};
     }
 
  private:
@@ -133,8 +127,7 @@ class Spans {
         double x, y, dx, dy, inverse, bound;
 
         double at(Point start) const { return dx * (start.y - y) - dy * (start.x - x); }
-        double inner(double at) const { return (bound - at) * inverse; }
-        double outer(double at) const { return (-bound - at) * inverse; }
+        double crossing(Point start) const { return -at(start) * inverse; }
     };
 
     // Of offsets from -1 to one beyond the last.
@@ -155,6 +148,7 @@ class Spans {
         const Side side{tail.x, tail.y, dx, dy, inverse, bound};
         if (bound < 1e290 && std::fabs(inverse) < 1e290) {
             sides_[step > 0 ? lower_++ : --upper_] = side;
+            slack_ = std::max(slack_, bound * std::fabs(inverse));
         } else {
             is_unknown_ |= step != 0 || has_level_ || !(bound < 1e290);
             has_level_ = true;
@@ -166,6 +160,7 @@ class Spans {
     std::int32_t first_, width_;
     int lower_ = 0, upper_ = 3;
     bool is_unknown_ = false, has_level_ = false;
+    double slack_ = 0;  // of the offsets where a row crosses sides, the largest of the sides'
     Side sides_[3], level_;
 };
 

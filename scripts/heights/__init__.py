@@ -1,0 +1,1 @@
+"""Heights and rasters of other programs, beside those of liftmesh: CGAL's, PDAL's loop, GDAL's."""
