@@ -24,13 +24,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.planar.positions import pieces
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
 
 _E = 2.0**-53
+_PIECE = 2**17  # points that are located in one call: their order makes the way to each short
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,12 @@ class Deviation:
 
 
 def deviation(
-    triangulation: Triangulation, heights: Floats, points: Floats, z: Floats, bound: float
+    triangulation: Triangulation,
+    heights: Floats,
+    points: Floats,
+    z: Floats,
+    bound: float,
+    progress: Progress | None = None,
 ) -> Deviation:
     """Compare points with a surface.
 
@@ -66,6 +72,8 @@ def deviation(
         Their heights.
     bound : float
         The distance that none should exceed.
+    progress : callable, optional
+        Called with the share of the points that is done.
 
     Returns
     -------
@@ -82,7 +90,7 @@ def deviation(
     """
     largest, beyond = 0.0, 0
     corners = np.column_stack([triangulation.points, heights])
-    for part in pieces(len(points)):
+    for part in pieces(len(points), _PIECE):
         rows = triangulation.simplices[triangulation.find_simplex(points[part])]
         sample = np.column_stack([points[part], z[part]])
         with np.errstate(all="ignore"):
@@ -93,6 +101,8 @@ def deviation(
         beyond += sum(each > Fraction(bound) for each in exact)
         upper = (distance + error)[~is_open]
         largest = max([largest, *upper.max(initial=0.0, keepdims=True), *map(_upwards, exact)])
+        if progress is not None:
+            progress(min(part.stop / len(points), 1.0))
     return Deviation(float(largest), beyond)
 
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/point.hpp"
+#include "base/prefetch.hpp"
 
 namespace liftmesh {
 
@@ -28,9 +29,8 @@ struct Input {
         return {value<double>(at) + 0.0, value<double>(at + column_stride) + 0.0};
     }
 
-    // Inline always: GCC drops calls of functions that do nothing but prefetch, as without effect.
     [[gnu::always_inline]] void prefetch(std::size_t row) const {
-        __builtin_prefetch(data + static_cast<std::ptrdiff_t>(row) * row_stride);
+        liftmesh::prefetch(data + static_cast<std::ptrdiff_t>(row) * row_stride);
     }
 
     // The third column.

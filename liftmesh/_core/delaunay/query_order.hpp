@@ -7,6 +7,7 @@
 
 #include "base/buffer.hpp"
 #include "base/point.hpp"
+#include "base/prefetch.hpp"
 #include "parallel/thread_pool.hpp"
 #include "sorting/splitters.hpp"
 
@@ -21,7 +22,9 @@ struct Queries {
     std::size_t count;
 
     Point operator[](std::size_t i) const { return {coordinates[2 * i], coordinates[2 * i + 1]}; }
-    void prefetch(std::size_t i) const { __builtin_prefetch(coordinates + 2 * i); }
+    [[gnu::always_inline]] void prefetch(std::size_t i) const {
+        liftmesh::prefetch(coordinates + 2 * i);
+    }
 };
 
 // Neighbours in the plane become neighbours in the list. Trees of more than 2^16 cells are sorted

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/prefetch.hpp"
 #include "delaunay/leaves.hpp"
 #include "delaunay/regular_merge.hpp"
 #include "sorting/bounds.hpp"
@@ -52,9 +53,9 @@ class RegularEngine : Leaves<RegularEngine<Lift>, RegularPart, LiftedBounds> {
     friend Common;
 
     // Values of rows that are anywhere in memory arrive in parallel.
-    void prefetch(Index first, Index count) const {
+    [[gnu::always_inline]] void prefetch(Index first, Index count) const {
         for (const Site* site = &this->sites_[first]; count > 0; --count, ++site)
-            __builtin_prefetch(&value_of_row_[site->row]);
+            liftmesh::prefetch(&value_of_row_[site->row]);
     }
 
     LiftedBounds box_of(const Site* sites, Index count) const {

@@ -6,6 +6,7 @@
 
 #include "base/input.hpp"
 #include "base/pair.hpp"
+#include "base/prefetch.hpp"
 
 namespace liftmesh {
 
@@ -30,9 +31,9 @@ struct Triangulated {
         return neighbors[3 * static_cast<std::ptrdiff_t>(simplex) + k];
     }
     Pair place(std::int32_t simplex, int k) const { return place(vertex(simplex, k)); }
-    void prefetch(std::int32_t simplex) const {
-        __builtin_prefetch(simplices + 3 * static_cast<std::ptrdiff_t>(simplex));
-        __builtin_prefetch(neighbors + 3 * static_cast<std::ptrdiff_t>(simplex));
+    [[gnu::always_inline]] void prefetch(std::int32_t simplex) const {
+        liftmesh::prefetch(simplices + 3 * static_cast<std::ptrdiff_t>(simplex));
+        liftmesh::prefetch(neighbors + 3 * static_cast<std::ptrdiff_t>(simplex));
     }
     // The k of a neighbour, without a branch.
     int place_of_neighbor(std::int32_t simplex, std::int32_t other) const {

@@ -77,7 +77,7 @@ class Slots {
         twins_[f] = e;
     }
 
-    void prefetch(TriangleId t) const {
+    [[gnu::always_inline]] void prefetch(TriangleId t) const {
         liftmesh::prefetch(vertices_.data() + t);
         liftmesh::prefetch(twins_.data() + t);
     }

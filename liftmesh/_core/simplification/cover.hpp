@@ -45,20 +45,35 @@ class Cover {
     }
     // Calls visit(s, sample) for those of a triangle until it returns false; whether it never did.
     template <class Visit>
-    bool each_of(TriangleId t, Visit visit) const {
-        return samples_.each_of(t, numbers(corners_of(t).vertices).samples, visit);
+    bool each_of(TriangleId t, Visit visit) {
+        std::size_t visits = 0;
+        const auto pass = [&](std::uint32_t s, const Sample& sample) {
+            ++visits;
+            return visit(s, sample);
+        };
+        const bool is_whole = samples_.each_of(t, numbers(corners_of(t).vertices).samples, pass);
+        visits_ += visits;
+        return is_whole;
     }
     // Calls visit(i, s, sample) for those that the i-th triangle of the patch would have in place
     // of the star of a vertex.
     template <class Visit>
-    bool each_after(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch,
-                    Visit visit) const {
+    bool each_after(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch, Visit visit) {
+        std::size_t visits = 0;
+        const auto pass = [&](std::size_t i, std::uint32_t s, const Sample& sample) {
+            ++visits;
+            return visit(i, s, sample);
+        };
         const auto number_of = [this](Vertex each) { return number(each); };
-        return samples_.each_after(mesh_, star, number(v), patch, number_of, visit);
+        const bool is_whole = samples_.each_after(mesh_, star, number(v), patch, number_of, pass);
+        visits_ += visits;
+        return is_whole;
     }
+    // How many samples have been visited since the last call.
+    std::size_t take_visits() { return std::exchange(visits_, 0); }
 
     // Brings what an insertion will read: first what is there by number, then what that names.
-    void foresee(std::uint32_t s, TriangleId t) const {
+    [[gnu::always_inline]] void foresee(std::uint32_t s, TriangleId t) const {
         mesh_.prefetch(t);
         samples_.prefetch(s);
     }
@@ -106,6 +121,7 @@ class Cover {
     dynamic::Triangulation mesh_;
     std::vector<Kept> vertices_;
     std::vector<TriangleId> filled_;
+    std::size_t visits_ = 0;
 };
 
 template <class Samples>

@@ -52,7 +52,6 @@ class Greedy {
     std::vector<Candidate> heap_;
     std::vector<std::uint32_t> worst_;  // of a slot
     double first_ = 0;
-    std::size_t seen_ = 0;  // samples, since the interrupt was thought of
 };
 
 // Nearly all samples are nearer than the worst one so far, so little is done for these.
@@ -61,10 +60,8 @@ Candidate Greedy<Samples>::worst_of(TriangleId t) {
     if (!cover_.may_have_samples(t)) return {-1, none, t};
     const Facet facet = cover_.facet(t);
     Candidate worst{facet.surely_within(), none, t};
-    std::size_t seen = 0;
     cover_.each_of(t, [&](std::uint32_t s, const Sample& sample) {
         double distance = facet.distance(sample);
-        ++seen;
         if (distance < worst.distance) return true;
         if (std::isnan(distance)) distance = std::numeric_limits<double>::infinity();
         const Candidate found{distance, s, t};
@@ -73,7 +70,6 @@ Candidate Greedy<Samples>::worst_of(TriangleId t) {
         if (is_worse && facet.exceeds(sample, distance)) worst = found;
         return true;
     });
-    seen_ += seen;
     return worst;
 }
 
@@ -145,7 +141,7 @@ Status Greedy<Samples>::run() {
         if (worst_[slot_of(next.triangle)] != next.sample) continue;
         look_ahead();
         insert(next);
-        if (patience.ends(16 + std::exchange(seen_, 0) / 8)) return Status::interrupted;
+        if (patience.ends(16 + cover_.take_visits() / 8)) return Status::interrupted;
         if (cover_.vertices() % 64 == 0) tell(next.distance);
     }
     while (!heap_.empty() && worst_[slot_of(heap_.front().triangle)] != heap_.front().sample) pop();
@@ -157,7 +153,8 @@ Simplified simplify(Samples samples, const Terrain& terrain, double tolerance, s
                     bool prunes, Interrupt& interrupt) {
     const Tolerance limit(terrain, samples.turns(), tolerance);
     Cover cover(std::move(samples), corners_of(terrain), limit);
-    Told told(prunes ? 3 : 1, interrupt);
+    Told told(interrupt);
+    told.begin(prunes ? 0.3 : 1);
     Greedy greedy(cover, tolerance, most, told, interrupt);
     Simplified found;
     found.status = greedy.run();
@@ -165,7 +162,7 @@ Simplified simplify(Samples samples, const Terrain& terrain, double tolerance, s
     found.is_within = greedy.is_done();
     found.inserted = cover.vertices();
     if (found.is_within && prunes) {
-        told.begin();
+        told.begin(0.2);
         found.status = prune(cover, told, interrupt);
     }
     found.rows = cover.rows();

@@ -45,7 +45,7 @@ class Grid {
     bool is_before(std::uint32_t s, std::uint32_t other) const { return s < other; }
 
     // Brings what is around one of them.
-    void prefetch(std::uint32_t s) const {
+    [[gnu::always_inline]] void prefetch(std::uint32_t s) const {
         const auto height = static_cast<std::uint32_t>(ys_.size());
         liftmesh::prefetch(heights_.data() + s);
         liftmesh::prefetch(heights_.data() + (s < height ? s : s - height));

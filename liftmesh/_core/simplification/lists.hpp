@@ -46,7 +46,9 @@ class Lists {
     }
 
     // Brings one of them.
-    void prefetch(std::uint32_t s) const { liftmesh::prefetch(entries_.data() + s); }
+    [[gnu::always_inline]] void prefetch(std::uint32_t s) const {
+        liftmesh::prefetch(entries_.data() + s);
+    }
 
     bool may_be_in(TriangleId t, const std::uint32_t*) const { return first_[slot_of(t)] != none; }
     // Calls visit(s, sample) for those of a triangle, until it returns false; whether it never did.

@@ -33,7 +33,7 @@ template <class Samples>
 class Prune {
  public:
     Prune(Cover<Samples>& cover, Told& told, Interrupt& interrupt)
-        : cover_(cover), told_(told), interrupt_(interrupt), removal_(cover, 0, 0, interrupt) {}
+        : cover_(cover), told_(told), removal_(cover, 0, 0, interrupt) {}
 
     Status run();
 
@@ -47,16 +47,15 @@ class Prune {
 
     template <class Step>
     Status each_vertex(Step step);
-    Substitute substitute(Vertex v) const;
+    Substitute substitute(Vertex v);
     void exchange(Vertex v);
-    bool is_within(TriangleId t) const;
-    bool is_within_around() const;
+    bool is_within(TriangleId t);
+    bool is_within_around();
     void offer_around(const std::vector<Vertex>& link);
     void put_back(std::uint32_t inserted, std::uint32_t removed, Vertex near);
 
     Cover<Samples>& cover_;
     Told& told_;
-    Interrupt& interrupt_;
     Removal<Samples, ByTolerance> removal_;
     std::vector<TriangleId> filled_;
 };
@@ -65,10 +64,9 @@ class Prune {
 template <class Samples>
 template <class Step>
 Status Prune<Samples>::each_vertex(Step step) {
-    Patience patience(interrupt_);
     const Vertex end = cover_.mesh().vertex_end();
     for (Vertex v = 0; v < end; ++v) {
-        if (patience.ends(256)) return Status::interrupted;
+        if (removal_.ends(256)) return Status::interrupted;
         if (v % 64 == 0) told_.reach(static_cast<double>(v) / end);
         if (cover_.mesh().is_present(v)) step(v);
     }
@@ -80,7 +78,7 @@ Status Prune<Samples>::run() {
     Status status = each_vertex([&](Vertex v) { removal_.offer(v); });
     for (bool goes_on = true; goes_on && status == Status::ok;) {
         const std::size_t before = cover_.vertices();
-        told_.begin();
+        told_.begin(0.5);
         status = each_vertex([&](Vertex v) { exchange(v); });
         goes_on = (before - cover_.vertices()) * enough >= before;
     }
@@ -90,7 +88,7 @@ Status Prune<Samples>::run() {
 // The worst sample of the patch, of several the lexicographically least. There is none if all
 // others are on its planes.
 template <class Samples>
-auto Prune<Samples>::substitute(Vertex v) const -> Substitute {
+auto Prune<Samples>::substitute(Vertex v) -> Substitute {
     Substitute worst;
     const auto consider = [&](std::size_t i, std::uint32_t s, const Sample& sample) {
         const Facet& facet = removal_.facet(i);
@@ -121,7 +119,7 @@ void Prune<Samples>::exchange(Vertex v) {
 }
 
 template <class Samples>
-bool Prune<Samples>::is_within(TriangleId t) const {
+bool Prune<Samples>::is_within(TriangleId t) {
     const dynamic::Slots& slots = cover_.mesh().slots();
     if (slots.is_free(t) || slots.is_ghost(t) || !cover_.may_have_samples(t)) return true;
     const Facet facet = cover_.facet(t);
@@ -132,7 +130,7 @@ bool Prune<Samples>::is_within(TriangleId t) const {
 
 // What an exchange has made: the star of the vertex that came, and what is left of the patch.
 template <class Samples>
-bool Prune<Samples>::is_within_around() const {
+bool Prune<Samples>::is_within_around() {
     const auto holds = [this](TriangleId t) { return is_within(t); };
     const std::vector<TriangleId>& star = cover_.mesh().star();
     return std::all_of(star.begin(), star.end(), holds) &&

@@ -38,12 +38,16 @@ class Removal {
           least_(least),
           work_(work),
           interrupt_(interrupt),
+          patience_(interrupt),
           version_(cover.mesh().vertex_end()) {}
 
-    // Considers a vertex; one that may go waits for the others.
+    // Considers a vertex; one that may go waits for the others. None is if the run should end.
     void offer(Vertex v);
     // Removes those that wait, and then their neighbours, until none may go or few are left.
     Status run();
+
+    // Counts steps, and samples that were visited; true if the run should end.
+    bool ends(std::size_t steps) { return patience_.ends(steps + cover_.take_visits() / 8); }
 
     // The star and the patch of a vertex; false for those that never go.
     bool plan(Vertex v);
@@ -58,6 +62,7 @@ class Removal {
     Cover<Samples>& cover_;
     std::size_t least_, work_;
     Interrupt& interrupt_;
+    Patience patience_;
     std::vector<std::uint32_t> version_;
     std::priority_queue<Offer> heap_;
     dynamic::Star star_;
@@ -104,6 +109,7 @@ double Removal<Samples, Measure>::cost(Vertex v) {
 template <class Samples, class Measure>
 void Removal<Samples, Measure>::offer(Vertex v) {
     if (v >= version_.size()) version_.resize(cover_.mesh().vertex_end());
+    if (ends(64)) return;
     const double found = cost(v);
     if (found < infinity) heap_.push({found, cover_.mesh().point(v), v, version_[v]});
 }
@@ -123,16 +129,15 @@ void Removal<Samples, Measure>::remove(Vertex v) {
 
 template <class Samples, class Measure>
 Status Removal<Samples, Measure>::run() {
-    Patience patience(interrupt_);
     while (!heap_.empty() && cover_.vertices() > least_) {
         const Offer next = heap_.top();
         heap_.pop();
         if (next.version != version_[next.vertex]) continue;
-        if (patience.ends(256)) return Status::interrupted;
+        if (ends(256)) return Status::interrupted;
         remove(next.vertex);
         if (work_ != 0) interrupt_.advance(work_);
     }
-    return Status::ok;
+    return ends(0) ? Status::interrupted : Status::ok;
 }
 
 }  // namespace liftmesh::simplification

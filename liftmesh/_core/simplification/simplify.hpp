@@ -30,20 +30,18 @@ Simplified simplify(const Terrain& terrain, double tolerance, std::size_t most, 
 // which the sum of the squares of all distances grows least, until so many are left.
 Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt);
 
-// How far a run is, in stages of the same length.
+// How far a run is, in stages that are each a part of what is left.
 class Told {
  public:
-    Told(std::size_t stages, Interrupt& interrupt) : interrupt_(interrupt) {
-        interrupt.expect(stages * whole);
-    }
-    // Begins the next stage.
-    void begin() {
+    explicit Told(Interrupt& interrupt) : interrupt_(interrupt) { interrupt.expect(whole); }
+    void begin(double part) {
         reach(1);
-        told_ = 0;
+        from_ = to_;
+        to_ += (whole - from_) * part;
     }
-    // A part of a stage is done.
-    void reach(double part) {
-        const auto now = static_cast<std::size_t>(part * static_cast<double>(whole));
+    // So much of the stage is done.
+    void reach(double share) {
+        const auto now = static_cast<std::size_t>(from_ + (to_ - from_) * share);
         if (now > told_) interrupt_.advance(now - told_);
         told_ = std::max(told_, now);
     }
@@ -51,6 +49,7 @@ class Told {
  private:
     static constexpr std::size_t whole = 1000;
     Interrupt& interrupt_;
+    double from_ = 0, to_ = 0;
     std::size_t told_ = 0;
 };
 

@@ -38,11 +38,7 @@ Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt) 
     found.status = cover.begin_with_all(interrupt);
     if (found.status != Status::ok) return found;
     Removal<Lists, BySquares> removal(cover, most, 1, interrupt);
-    Patience patience(interrupt);
-    for (Vertex v = 0; v < cover.mesh().vertex_end(); ++v) {
-        if (patience.ends(64)) return {Status::interrupted};
-        removal.offer(v);
-    }
+    for (Vertex v = 0; v < cover.mesh().vertex_end(); ++v) removal.offer(v);
     found.status = removal.run();
     found.rows = cover.rows();
     return found;

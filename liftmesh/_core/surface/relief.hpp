@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/prefetch.hpp"
 #include "delaunay/made_on_demand.hpp"
 #include "delaunay/ties.hpp"
 #include "delaunay/triangulated.hpp"
@@ -27,9 +28,8 @@ struct Heights {
     double operator[](std::int32_t row) const {
         return *reinterpret_cast<const double*>(data + row * stride) + 0.0;
     }
-    // Inline always, as that of `Input`.
     [[gnu::always_inline]] void prefetch(std::int32_t row) const {
-        __builtin_prefetch(data + row * stride);
+        liftmesh::prefetch(data + row * stride);
     }
 };
 

@@ -54,7 +54,7 @@ class Merge {
         });
     }
 
-    void prefetch(std::size_t t) const {
+    [[gnu::always_inline]] void prefetch(std::size_t t) const {
         if (t >= ground_.size() || territory_.is_everything) return;
         for (std::size_t k = 0; k < 3; ++k) points_.prefetch(corner(t, k));
     }
