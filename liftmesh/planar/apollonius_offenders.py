@@ -9,6 +9,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.planar.certificate import Flaw, Offender
+from liftmesh.planar.offenders import counted, named
 
 Place: TypeAlias = tuple[int, int]
 
@@ -102,19 +103,17 @@ class DiskEvidence:
         >>> evidence.flaw("wrong_hidden", 1, [(0, 2)]).text
         '1 row is not hidden'
         """
-        one, more = MEANINGS[kind]
         describe = getattr(self, f"_{kind}")
-        text = f"1 {one}" if count == 1 else f"{count:,} {more}"
-        return Flaw(kind, count, text, tuple(describe(*place) for place in places))
+        return counted(kind, count, MEANINGS[kind], [describe(*place) for place in places])
+
+    def _points(self, *rows: int) -> tuple[tuple[float, float], ...]:
+        return tuple((float(x), float(y)) for x, y in self.centers[list(rows)])
 
     def _at(self, text: str, *rows: int, triangles: tuple[int, ...] = ()) -> Offender:
-        points = tuple((float(x), float(y)) for x, y in self.centers[list(rows)])
-        return Offender(text, rows, points, triangles)
+        return Offender(text, rows, self._points(*rows), triangles)
 
     def _named(self, *rows: int) -> str:
-        named = [f"{row} {tuple(self.centers[row].tolist())!r}" for row in rows]
-        listed = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
-        return f"row{'s' if len(rows) > 1 else ''} {listed}"
+        return named(rows, self._points(*rows))
 
     def _invalid_index(self, number: int, place: int) -> Offender:
         name, values = list(self.lists.items())[number]
@@ -127,8 +126,8 @@ class DiskEvidence:
 
     def _at_triangle(self, triangle: int, text: str) -> Offender:
         rows = self.lists["simplices"][triangle].tolist()
-        named = f"triangle {triangle} of {self._named(*rows)}"
-        return self._at(f"{named} {text}", *rows, triangles=(triangle,))
+        of = f"triangle {triangle} of {self._named(*rows)}"
+        return self._at(f"{of} {text}", *rows, triangles=(triangle,))
 
     def _degenerate(self, triangle: int, _: int) -> Offender:
         return self._at_triangle(triangle, "has a disk that is within another of the three")
@@ -146,8 +145,8 @@ class DiskEvidence:
             triangle, k = divmod(place, 3)
             rows = np.roll(simplices[triangle], -k - 1)[:2].tolist()
             beside = (triangle, int(self.lists["neighbors"][triangle, k]))
-            named = f"the edge of triangle {triangle} between {self._named(*rows)}"
-            return self._at(f"{named} {text}", *rows, triangles=tuple(t for t in beside if t >= 0))
+            edge = f"the edge of triangle {triangle} between {self._named(*rows)}"
+            return self._at(f"{edge} {text}", *rows, triangles=tuple(t for t in beside if t >= 0))
         pair, is_beyond = (place - simplices.size) % len(hull), place >= simplices.size + len(hull)
         if not is_beyond:
             rows = hull[pair].tolist()

@@ -55,6 +55,59 @@ _OF_LIFTED = {
 }
 
 
+def counted(kind: str, count: int, meanings: tuple[str, str], first: list[Offender]) -> Flaw:
+    """Make a flaw whose text says how often it occurs.
+
+    Parameters
+    ----------
+    kind : str
+        Its name.
+    count : int
+        How often it occurs.
+    meanings : tuple of str
+        What it means, of one occurrence and of several.
+    first : list of Offender
+        The first occurrences.
+
+    Returns
+    -------
+    Flaw
+        With all of this.
+
+    Examples
+    --------
+    >>> counted("degenerate", 2, MEANINGS["degenerate"], []).text
+    '2 triangles are degenerate'
+    """
+    one, more = meanings
+    return Flaw(kind, count, f"1 {one}" if count == 1 else f"{count:,} {more}", tuple(first))
+
+
+def named(rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> str:
+    """Name rows with their coordinates.
+
+    Parameters
+    ----------
+    rows : tuple of int
+        The rows, at least one.
+    points : tuple of (float, float)
+        Where they are.
+
+    Returns
+    -------
+    str
+        A list of words.
+
+    Examples
+    --------
+    >>> named((3, 7), ((0.0, 1.0), (2.0, 0.5)))
+    'rows 3 (0.0, 1.0) and 7 (2.0, 0.5)'
+    """
+    each = [f"{row} ({x!r}, {y!r})" for row, (x, y) in zip(rows, points, strict=True)]
+    listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
+    return f"row{'s' if len(rows) > 1 else ''} {listed}"
+
+
 class Evidence:
     """Descriptions, coordinates and exact signs of the places that the kernel reports."""
 
@@ -81,23 +134,14 @@ class Evidence:
             What it means, and its first occurrences.
         """
         meanings = MEANINGS if self._member.kind == "delaunay" else MEANINGS | _OF_LIFTED
-        one, more = meanings[kind]
         describe = getattr(self, f"_{kind}")
-        return Flaw(
-            kind,
-            count,
-            f"1 {one}" if count == 1 else f"{count:,} {more}",
-            tuple(describe(*place) for place in places),
-        )
+        return counted(kind, count, meanings[kind], [describe(*place) for place in places])
 
     def _points(self, *rows: int) -> tuple[tuple[float, float], ...]:
         return tuple((float(x), float(y)) for x, y in self._rows[list(rows), :2])
 
     def _named(self, *rows: int) -> str:
-        shown = zip(rows, self._points(*rows), strict=True)
-        named = [f"{row} ({x!r}, {y!r})" for row, (x, y) in shown]
-        listed = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
-        return f"row{'s' if len(rows) > 1 else ''} {listed}"
+        return named(rows, self._points(*rows))
 
     def _corners(self, triangle: int) -> tuple[int, int, int]:
         a, b, c = self._given[triangle].tolist()

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "disk_arrays.hpp"
+#include "patient.hpp"
 #include "stars.hpp"
 
 namespace parallel {
@@ -18,15 +19,6 @@ using liftmesh::Status;
 using liftmesh::anisotropic::Metric;
 using native::Disk;
 using native::DiskArrays;
-
-class Patient final : public liftmesh::Interrupt {
- public:
-    explicit Patient(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
-    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
-
- private:
-    std::size_t patience_, asked_ = 0;
-};
 
 void demand(bool condition, const Cloud& cloud, const char* what) {
     if (condition) return;

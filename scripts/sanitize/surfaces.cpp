@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "delaunay/locate.hpp"
+#include "patient.hpp"
 #include "spoiler.hpp"
 #include "surface/contours.hpp"
 #include "surface/natural_weights.hpp"
@@ -28,15 +29,6 @@ namespace {
 using liftmesh::Natural;
 using liftmesh::Point;
 using liftmesh::Threads;
-
-class Patient final : public liftmesh::Interrupt {
- public:
-    explicit Patient(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
-    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
-
- private:
-    std::size_t patience_, asked_ = 0;
-};
 
 constexpr std::size_t few = 200;
 

@@ -6,6 +6,7 @@
 
 #include "apollonius/graph.hpp"
 #include "apollonius/insertion_order.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/lattice.hpp"
 
 namespace liftmesh::apollonius {
@@ -15,34 +16,38 @@ namespace {
 // Multiples of 2^-130 that are less than 1 underflow in no filter.
 constexpr int widest_of_filters = 130;
 
-// Reads out a graph by rows.
+// Reads out a graph by rows. False if the interrupt came first.
 class Reader {
  public:
-    Reader(const Graph& graph, const std::vector<Row>& order, int scale)
-        : graph_(graph), order_(order), scale_(scale), row_(order) {
+    Reader(const Graph& graph, const std::vector<Row>& order, int scale, Interrupt& interrupt)
+        : graph_(graph), order_(order), scale_(scale), interrupt_(interrupt), row_(order) {
         for (Site s = 0; s < order.size(); ++s)
             if (is_duplicate(s)) row_[graph.state(s)] = std::min(row_[graph.state(s)], order[s]);
     }
 
-    void write_rows(Outcome& outcome) const {
-        for (Site s = 0; s < order_.size(); ++s) {
+    bool write_rows(Outcome& outcome) const {
+        const bool done = for_each_in_blocks(order_.size(), interrupt_, [&](std::size_t i) {
+            const Site s = static_cast<Site>(i);
             const Site of = is_duplicate(s) ? graph_.state(s) : s;
             if (graph_.state(of) == Graph::is_hidden) {
                 outcome.hidden.push_back({order_[s], order_[graph_.container(of)]});
             } else if (order_[s] != row_[of]) {
                 outcome.duplicates.push_back({order_[s], row_[of]});
             }
-        }
+        });
         std::sort(outcome.hidden.begin(), outcome.hidden.end());
         std::sort(outcome.duplicates.begin(), outcome.duplicates.end());
+        return done;
     }
 
-    void write_triangles(Outcome& outcome) const {
-        const std::vector<Face> faces = sorted_faces();
+    bool write_triangles(Outcome& outcome) const {
+        std::vector<Face> faces;
+        if (!sort_faces(faces)) return false;
         std::vector<std::int32_t> place(graph_.room(), -1);
         for (std::size_t i = 0; i < faces.size(); ++i) place[faces[i]] = static_cast<int>(i);
         outcome.triangles.reserve(faces.size());
-        for (const Face f : faces) {
+        return for_each_in_blocks(faces.size(), interrupt_, [&](std::size_t i) {
+            const Face f = faces[i];
             Triangle triangle;
             for (unsigned k = 0; k < 3; ++k) {
                 const unsigned at = (first_corner(f) + k) % 3;
@@ -51,7 +56,7 @@ class Reader {
             }
             triangle.circle = circle(f);
             outcome.triangles.push_back(triangle);
-        }
+        });
     }
 
     void write_hull(Outcome& outcome) const {
@@ -88,26 +93,29 @@ class Reader {
     }
 
     // The finite faces by their rows: counted by the lowest, then those of one sorted.
-    std::vector<Face> sorted_faces() const {
+    bool sort_faces(std::vector<Face>& faces) const {
         std::vector<std::uint32_t> starts(order_.size() + 1, 0);
         const auto for_each_finite = [&](auto visit) {
-            for (Face f = 0; f < graph_.room(); ++f)
-                if (graph_.is_live(f) && infinite_corner(f) == 3)
+            return for_each_in_blocks(graph_.room(), interrupt_, [&](std::size_t i) {
+                if (const Face f = static_cast<Face>(i);
+                    graph_.is_live(f) && infinite_corner(f) == 3)
                     visit(f, static_cast<std::size_t>(row(f, first_corner(f))));
+            });
         };
-        for_each_finite([&](Face, std::size_t lowest) { ++starts[lowest + 1]; });
+        if (!for_each_finite([&](Face, std::size_t lowest) { ++starts[lowest + 1]; })) return false;
         for (std::size_t i = 0; i + 1 < starts.size(); ++i) starts[i + 1] += starts[i];
-        std::vector<Face> faces(starts.back());
+        faces.resize(starts.back());
         std::vector<std::uint32_t> next = starts;
-        for_each_finite([&](Face f, std::size_t lowest) { faces[next[lowest]++] = f; });
+        if (!for_each_finite([&](Face f, std::size_t lowest) { faces[next[lowest]++] = f; }))
+            return false;
         const auto others = [&](Face f) {
             const unsigned k = first_corner(f);
             return std::array{row(f, (k + 1) % 3), row(f, (k + 2) % 3)};
         };
-        for (std::size_t i = 0; i + 1 < starts.size(); ++i)
+        return for_each_in_blocks(order_.size(), interrupt_, [&](std::size_t i) {
             std::sort(faces.begin() + starts[i], faces.begin() + starts[i + 1],
                       [&](Face a, Face b) { return others(a) < others(b); });
-        return faces;
+        });
     }
 
     Circle circle(Face f) const {
@@ -119,6 +127,7 @@ class Reader {
     const Graph& graph_;
     const std::vector<Row>& order_;
     int scale_;
+    Interrupt& interrupt_;
     std::vector<Row> row_;  // of each site: of a vertex, the lowest of those that are equal
 };
 
@@ -191,14 +200,14 @@ Outcome apollonius(std::vector<Disk> disks, std::uint64_t secret, Interrupt& int
     const Scaled given = scaled(in_order(disks, order));
     Graph graph(given.disks, given.signs);
     Outcome outcome;
-    if (!insert_all(graph, disks.size(), interrupt)) {
-        outcome.status = Status::interrupted;
-        return outcome;
+    if (insert_all(graph, disks.size(), interrupt)) {
+        const Reader reader(graph, order, given.scale, interrupt);
+        if (reader.write_rows(outcome) && reader.write_triangles(outcome)) {
+            reader.write_hull(outcome);
+            return outcome;
+        }
     }
-    const Reader reader(graph, order, given.scale);
-    reader.write_rows(outcome);
-    reader.write_triangles(outcome);
-    reader.write_hull(outcome);
+    outcome.status = Status::interrupted;
     return outcome;
 }
 
