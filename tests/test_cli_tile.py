@@ -45,6 +45,16 @@ def test_counts_as_json(folder: Path) -> None:
     assert list((folder / "scratch").iterdir()) == []
 
 
+def test_shards_in_other_formats_with_neighbors(folder: Path) -> None:
+    for shards in ("ply", "parquet"):
+        words = ("tile", "a.npy", shards, "--tile-rows", 500, "--shards", shards, "--neighbors")
+        assert command(*words, cwd=folder).returncode == 0
+        found = liftmesh.open_tiled(folder / shards)
+        assert {path.suffix for path in found.shards} == {f".{shards}"}
+        assert found.compute_neighbors().shape == (found.nsimplex, 3)
+        assert command("verify", shards, cwd=folder).returncode == 0
+
+
 def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
     words = ("tile", "a.npy", "out", "--tile-rows", 500)
     assert command(*words, cwd=folder).returncode == 0
@@ -70,6 +80,7 @@ def test_progress_on_a_terminal(folder: Path) -> None:
     [
         (["a.npy", "out", "--memory", "much"], 2, "--memory 'much' is not a size"),
         (["a.npy", "out", "--tile-rows", "3"], 2, "--tile-rows"),
+        (["a.npy", "out", "--shards", "obj"], 2, "--shards"),
         (["a.npy", "out", "--workers", "0"], 2, "--workers"),
         (["a.npy", "out", "--memory", "1G", "--tile-rows", "99"], 2, "exclude each other"),
         (["a.npy", "out", "--workers", "2", "--scheduler", "tcp://x:1"], 2, "exclude each other"),

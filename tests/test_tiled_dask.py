@@ -262,7 +262,7 @@ def test_columns_of_dask_are_not_rounded(client: Client, tmp_path: Path) -> None
 
 
 def test_blocks_of_dask_are_not_held(client: Client, tmp_path: Path) -> None:
-    """Of 32 blocks of 1.6 MB, a worker holds those at which it is, and one more at times."""
+    """Of 32 blocks of 400 kB, a worker holds those at which it is, and one more at times."""
 
     def tell(block: np.ndarray) -> np.ndarray:
         from dask.distributed import get_worker
@@ -271,12 +271,12 @@ def test_blocks_of_dask_are_not_held(client: Client, tmp_path: Path) -> None:
             stream.write(f"{get_worker().data.fast.total_weight}\n")
         return block
 
-    array = dask.array.random.default_rng(1).random((3_200_000, 2), chunks=(100_000, 2))
+    array = dask.array.random.default_rng(1).random((800_000, 2), chunks=(25_000, 2))
     workers = liftmesh.dask._Workers(client, None)
-    parts = workers.parts(array.map_blocks(tell, meta=np.empty((0, 2))), 100_000, tmp_path)
-    assert [part.rows for part in parts] == [100_000] * 32
+    parts = workers.parts(array.map_blocks(tell, meta=np.empty((0, 2))), 25_000, tmp_path)
+    assert [part.rows for part in parts] == [25_000] * 32
     held = [int(float(line)) for line in (tmp_path / "held").read_text().split()]
-    assert max(held) < 8_000_000
+    assert max(held) < 2_000_000
 
 
 def test_tiles_fit_the_memory_of_a_worker(client: Client, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import trimesh
+from tilings import adjacent
 
 import liftmesh
 from liftmesh import Tiled
@@ -27,19 +28,11 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
-def in_order(triangles: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
-    """Triangles in order, with the place of the neighbour beyond each edge in that order."""
-    order = np.lexsort(np.asarray(triangles).T[::-1])
-    place = np.full(len(order) + 1, -1)
-    place[order] = np.arange(len(order))
-    return np.column_stack((triangles, place[neighbors]))[order]
-
-
 def check(tiled: Tiled, points: np.ndarray) -> None:
     expected = liftmesh.delaunay(points, order="canonical")
     assert np.array_equal(
-        in_order(tiled.compute(), tiled.compute_neighbors()),
-        in_order(expected.simplices, expected.neighbors),
+        adjacent(tiled.compute(), tiled.compute_neighbors()),
+        adjacent(expected.simplices, expected.neighbors),
     )
     assert tiled.is_sound()
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from strategies import ANY_MAGNITUDE, clouds
 from tile_families import FAMILIES
-from tilings import Points, ordered, tiled
+from tilings import Points, adjacent, ordered, tiled
 
 import liftmesh
 from liftmesh import _kernel
@@ -19,18 +19,6 @@ from liftmesh.tiles.plan import Plan, planned
 
 INFINITE = (-np.inf, -np.inf, np.inf, np.inf)
 NOWHERE = np.empty((0, 4))
-
-
-def by_ends(triangles: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
-    """Triangles in order, with the place of the neighbour beyond each edge in that order."""
-    order = np.lexsort(np.asarray(triangles).T[::-1])
-    place = np.full(len(order) + 1, -1)
-    place[order] = np.arange(len(order))
-    return np.column_stack((triangles, place[neighbors]))[order]
-
-
-def by_ends_of(expected: liftmesh.Triangulation) -> np.ndarray:
-    return by_ends(expected.simplices, expected.neighbors)
 
 
 def check(points: Points, tiles: int, sample: Points | None = None, **options: object) -> None:
@@ -47,7 +35,10 @@ def check(points: Points, tiles: int, sample: Points | None = None, **options: o
     assert np.array_equal(found.skipped, expected.skipped)
     assert np.array_equal(found.root.hull, expected.convex_hull[:, 0])
     assert len(found.root.frontier) == 0
-    assert np.array_equal(by_ends(found.triangles, found.neighbors), by_ends_of(expected))
+    assert np.array_equal(
+        adjacent(found.triangles, found.neighbors),
+        adjacent(expected.simplices, expected.neighbors),
+    )
 
 
 @pytest.mark.parametrize("name", FAMILIES)

@@ -133,3 +133,11 @@ def ordered(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
     """Sort triangles, to compare sets."""
     rows = np.asarray(triangles, dtype=np.int64)
     return rows[np.lexsort(rows.T[::-1])]
+
+
+def adjacent(triangles: NDArray[np.integer], neighbors: NDArray[np.integer]) -> NDArray[np.integer]:
+    """Sort triangles, each with the place of the neighbour beyond each edge in that order."""
+    order = np.lexsort(np.asarray(triangles).T[::-1])
+    place = np.full(len(order) + 1, -1)
+    place[order] = np.arange(len(order))
+    return np.column_stack((triangles, place[neighbors]))[order]
