@@ -317,6 +317,13 @@ def test_errors(
         liftmesh.apollonius_diagram([[0, 0], [4, 0]], radii, domain=domain, tolerance=tolerance)  # type: ignore[arg-type]
 
 
+def test_a_tolerance_of_too_many_points() -> None:
+    rng = np.random.default_rng(19)
+    graph = liftmesh.apollonius(rng.random((30, 2)), rng.random(30) / 10)
+    with pytest.raises(InputError, match="by which arcs have more than 16,777,216 points: give a"):
+        graph.cell_sides((0, 0, 1, 1), tolerance=1e-13)
+
+
 def test_no_disks() -> None:
     with pytest.raises(InputError, match="there are no disks"):
         liftmesh.apollonius_diagram(np.empty((0, 2)), [])

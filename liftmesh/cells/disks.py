@@ -58,7 +58,8 @@ def apollonius_diagram(
     ------
     InputError
         As for `apollonius`, and of the domain as for `voronoi`; there are no disks; the tolerance
-        is not positive, or near the rounding of coordinates; or a cell is thinner than float64 can
+        is not positive, near the rounding of coordinates, or so small that there are too many
+        points to hold; or a cell is thinner than float64 can
         tell apart there.
     NonFiniteError
         A coordinate or a radius is not finite.

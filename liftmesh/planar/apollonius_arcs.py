@@ -30,12 +30,15 @@ from typing import NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
+from liftmesh.choices import shown
+from liftmesh.errors import InputError
 
 Box = tuple[float, float, float, float]
 
 _WIDEST = 0.75 * np.pi  # that a chord may span, seen from p
 _NARROWEST = 2.0**-40  # a turn whose half float64 still tells well
 _FARTHER = 1.01  # how much farther than a box curves are followed
+_POINTS, _POINTS_EACH = 1 << 24, 256  # of all arcs, or of each in the mean: what is still drawn
 
 
 class Polylines(NamedTuple):
@@ -201,6 +204,11 @@ class Arcs:
         Polylines
             With both ends of each.
 
+        Raises
+        ------
+        InputError
+            The tolerance is so small that there are too many points to hold.
+
         Examples
         --------
         >>> rows, zero = np.array([[0, 1]]), np.zeros((1, 2))
@@ -227,9 +235,16 @@ class Arcs:
         arc = np.flatnonzero(self.turns[:, 0] < self.turns[:, 1])
         low, high = self.turns[arc].T
         found = [(arc[:0], low[:0])]
+        points, most = 0, max(_POINTS, _POINTS_EACH * len(arc))
         while len(arc):
             divided = self._is_coarse(arc, low, high, box, tolerance)
             arc, low, high = arc[divided], low[divided], high[divided]
+            points += len(arc)
+            if points > most:
+                raise InputError(
+                    f"tolerance is {shown(tolerance)}, by which arcs have more than {most:,} "
+                    "points: give a larger one"
+                )
             middle = (low + high) / 2
             found.append((arc, middle))
             arc = np.concatenate([arc, arc])
