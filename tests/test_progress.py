@@ -64,7 +64,9 @@ def test_every_method_ends_with_one(run, n, method, listener):
 @pytest.mark.parametrize("threads", [1, 2, 5, None])
 @pytest.mark.parametrize("run", RUNS)
 def test_a_large_run_tells_how_far_it_is(run, threads, listener):
-    n = 3_000_000 if threads == 1 else 1_500_000  # ten times as long as from one telling to the next
+    n = (
+        3_000_000 if threads == 1 else 1_500_000
+    )  # ten times as long as from one telling to the next
     run(uniform(n, np.random.default_rng(0)), threads=threads, progress=listener)
     listener.check(at_least=2)
     if threads == 1:

@@ -33,11 +33,13 @@ CLAIM = ".liftmesh-run"
 MARKER = "scratch.json"
 SCRATCH = ".liftmesh-tiles"
 
-_SHARD = re.compile(r"(tile|seam)-\d{5,}\.npy|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json")
+_SHARD = re.compile(
+    r"(tile|seam)-\d{5,}(-vertices)?\.npy|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json"
+)
 _TEMPORARY = r"\.liftmesh-[0-9a-f]{16}"
 _NOTE = re.compile(
-    r"points-\d{5,}(-\d{5,})?\.npy|run-\d{5,}(-begins|-boxes|-skipped|-duplicates)?\.npy|(begins|boxes)\.npy"
-    r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull)\.npy"
+    r"points-\d{5,}(-\d{5,})?\.npy|run-\d{5,}(-begins|-boxes|-skipped|-duplicates|-values|-apart)?\.npy|(begins|boxes)\.npy"
+    r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull|values|heights)\.npy"
     rf"|(job|plan|(run|tile|seam)-\d{{5,}})\.json|{_TEMPORARY}"
 )
 _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}

@@ -23,8 +23,9 @@ from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.errors import FormatError
 from liftmesh.tiles.findings import Findings
 from liftmesh.tiles.repeated import positions_of, set_apart
+from liftmesh.tiles.runs import save_tables, tile_records
 from liftmesh.tiles.schedule import in_order
-from liftmesh.tiles.stages import Folders, label, save_tables, tile_records
+from liftmesh.tiles.stages import Folders, label
 from liftmesh.tiles.tiled import mapped
 
 if TYPE_CHECKING:

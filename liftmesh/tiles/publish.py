@@ -15,6 +15,7 @@ from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.repeated import merged
 from liftmesh.tiles.stages import Done, Folders, label
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
+from liftmesh.tiles.surface_files import about_surface, extent_in_manifest, vertex_files
 from liftmesh.tiles.tiled import KIND, MANIFEST, PLAN
 
 if TYPE_CHECKING:
@@ -71,14 +72,17 @@ def publish(
     files = {f"{name}.npy": _file(folders.out, name, array) for name, array in arrays.items()}
     for name in (PLAN, _DUPLICATES):
         files[name] = _stated(folders.out / name)
+    named = _by_kind(done)
+    files |= vertex_files(folders, named)
     manifest = {
         "plan": folders.plan,
         **identity,
+        **about_surface(folders, identity, named, len(parts)),
         **counts,
         "kind": KIND,
         "source": _files(parts, folders.out),
         "neighbors": None,
-        "shards": [_shard(folders.out, each) for each in _by_kind(done) if each.triangles],
+        "shards": [_shard(folders.out, each) for each in named if each.triangles],
         "files": files,
         "merges": _merges(done),
     }
@@ -127,9 +131,10 @@ def _by_kind(done: Sequence[Done]) -> list[Done]:
 
 
 def _shard(out: Path, done: Done) -> dict[str, Any]:
-    ((name, digest),) = done.shards.items()
+    name = f"{label(done.name)}.npy"
     size = (out / name).stat().st_size
-    return {"file": name, "triangles": done.triangles, "bytes": size, "sha256": digest}
+    found = {"file": name, "triangles": done.triangles, "bytes": size}
+    return {**found, "sha256": done.shards[name], **extent_in_manifest(done)}
 
 
 def _file(out: Path, name: str, array: Integers) -> dict[str, Any]:

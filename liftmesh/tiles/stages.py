@@ -7,27 +7,32 @@ was killed goes on where it was.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers
+from liftmesh._typing import Array, Floats
 from liftmesh.arrays import non_finite
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.tiles.node import Frontier, joined, merge
+from liftmesh.tiles.clouds import read_part
+from liftmesh.tiles.node import Frontier, Merged, joined, merge
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.repeated import set_apart
-from liftmesh.tiles.sources import Part, planar
+from liftmesh.tiles.runs import tile_records, tile_values
 from liftmesh.tiles.store import (
     is_sound,
     load_record,
     names_to_disk,
-    rows_of,
     save_array,
     save_record,
 )
+from liftmesh.tiles.vertices import Vertices, extent_of, numbered, of_rows
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.sources import Part
 
 _HOPELESS = 0.98  # a share of rows that goes up; the next level is passed, but not two in a row
 
@@ -48,21 +53,32 @@ class Folders:
         The hash of the plan that the files are of; empty before there is one.
     held : int
         How many points a merge may have in memory; with more, its arrays are in files.
+    policy : str
+        Of a surface, what is done with rows at equal positions, as ``duplicates`` of `triangulate`;
+        empty for triangles alone.
     """
 
     out: Path
     scratch: Path
     plan: str = ""
     held: int = 0
+    policy: str = ""
 
 
 @dataclass(frozen=True)
 class Scanned:
-    """What a first reading of a part tells."""
+    """What a first reading of a part tells; of a surface, its values have a digest, too."""
 
     rows: int
     digest: str
     sample: Floats
+    values: str = ""
+
+    @property
+    def as_chunk(self) -> dict[str, Any]:
+        """What a manifest says of the part."""
+        said: dict[str, Any] = {"rows": self.rows, "sha256": self.digest}
+        return said | ({"values": self.values} if self.values else {})
 
 
 @dataclass(frozen=True)
@@ -88,6 +104,11 @@ class Done:
         below it.
     shards, notes : dict of str to str
         The SHA-256 of the files it wrote, in the output folder and in the scratch folder.
+    vertices, overhangs : int
+        Of a surface, how many vertices it wrote, and how many of the duplicates are at another
+        height than the row that is used.
+    extent : tuple of float
+        Of a surface, as from `extent_of`; empty if it wrote no vertices.
     """
 
     name: int
@@ -100,6 +121,15 @@ class Done:
     frontier: tuple[int, ...]
     shards: dict[str, str]
     notes: dict[str, str]
+    vertices: int = 0
+    overhangs: int = 0
+    extent: tuple[float, ...] = ()
+
+    @classmethod
+    def from_dict(cls, said: Mapping[str, Any]) -> Done:
+        """Return what a record of it says."""
+        lists = {name: tuple(said[name]) for name in ("frontier", "extent")}
+        return cls(**{**said, **lists})
 
 
 def label(name: int) -> str:
@@ -135,16 +165,38 @@ def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
     NonFiniteError
         A row is not finite.
     """
-    rows = planar(part)
+    rows, values = read_part(part)
+    digest, others = digests_of(rows, values)
     finite = np.isfinite(rows).all(axis=1)
+    if values is not None:
+        finite &= np.isfinite(values["z"])
     if not skips and not finite.all():
         row = int(finite.argmin())
-        raise _non_finite(part, row, first, rows[row])
-    digest = hashlib.sha256(rows.data).hexdigest()
+        place = rows[row] if values is None else np.append(rows[row], values["z"][row])
+        raise _non_finite(part, row, first, place)
     pool = np.flatnonzero(finite)
     rng = np.random.default_rng(int(digest[:16], 16))
     drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
-    return Scanned(len(rows), digest, rows[pool[np.sort(drawn)]] + 0.0)
+    return Scanned(len(rows), digest, rows[pool[np.sort(drawn)]] + 0.0, others)
+
+
+def digests_of(rows: Floats, values: Array | None) -> tuple[str, str]:
+    """Hash planar positions, and the values of a surface.
+
+    Parameters
+    ----------
+    rows : (n, 2) ndarray of float64
+        Contiguous.
+    values : (n,) structured ndarray, optional
+        Contiguous.
+
+    Returns
+    -------
+    (str, str)
+        SHA-256 in hexadecimal digits; the second is empty without values.
+    """
+    others = "" if values is None else hashlib.sha256(values.view(np.uint8).data).hexdigest()
+    return hashlib.sha256(rows.data).hexdigest(), others
 
 
 def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteError:
@@ -157,11 +209,14 @@ def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteEr
     return NonFiniteError(f"{part.origin.source}{where}: {error}", row=first + row)
 
 
-def partition(folders: Folders, part: Part, number: int, first: int, digest: str) -> None:
+def partition(
+    folders: Folders, part: Part, number: int, first: int, chunk: Mapping[str, Any]
+) -> None:
     """Sort the rows of a part by tile into a file of the scratch folder.
 
     Beside it: where each tile begins in it, the box of each tile's rows, the rows that are not
-    finite, and duplicates of rows at positions that are repeated very often.
+    finite, and duplicates of rows at positions that are repeated very often. Of a surface also the
+    values of the rows, and the position and height of those duplicates.
 
     Parameters
     ----------
@@ -173,8 +228,8 @@ def partition(folders: Folders, part: Part, number: int, first: int, digest: str
         The number of the part.
     first : int
         The number of its first row.
-    digest : str
-        The SHA-256 of its rows when they were first read.
+    chunk : mapping
+        What its rows were when they were first read, as of `Scanned`.
 
     Raises
     ------
@@ -182,25 +237,61 @@ def partition(folders: Folders, part: Part, number: int, first: int, digest: str
         The rows have changed since.
     """
     stem = f"run-{number:05d}"
-    notes = [f"{stem}{what}.npy" for what in ("", "-begins", "-boxes", "-skipped", "-duplicates")]
     record = folders.scratch / f"{stem}.json"
     before = load_record(record, folders.plan)
     if before is not None and is_sound(folders.scratch, before):
         return
-    rows = planar(part)
-    if hashlib.sha256(rows.data).hexdigest() != digest:
+    rows, values = read_part(part)
+    if digests_of(rows, values) != (chunk["sha256"], chunk.get("values", "")):
         raise changed(part)
-    plan = load_plan(folders)
-    apart, which, firsts = set_apart(rows, plan.repeated)
-    *found, skipped = plan.partition(rows, first)
-    del rows
-    pairs = first + np.column_stack((apart, firsts[which]))
-    arrays = *found, np.setdiff1d(skipped, pairs[:, 0]), pairs
+    arrays = sorted_by_tile(load_plan(folders), rows, first, values, folders.policy)
     digests = {
-        name: save_array(folders.scratch / name, array)
-        for name, array in zip(notes, arrays, strict=True)
+        f"{stem}{what}.npy": save_array(folders.scratch / f"{stem}{what}.npy", array)
+        for what, array in arrays.items()
     }
     save_record(record, folders.plan, digests)
+
+
+def sorted_by_tile(
+    plan: Plan, rows: Floats, first: int, values: Array | None, policy: str
+) -> dict[str, Array]:
+    """Sort rows by tile.
+
+    Parameters
+    ----------
+    plan : Plan
+        Where the tiles are.
+    rows : (n, 2) ndarray of float64
+        Points, which are changed.
+    first : int
+        The number of the first row.
+    values : (n,) structured ndarray, optional
+        Of a surface, its rows with their values.
+    policy : str
+        As of `Folders`.
+
+    Returns
+    -------
+    dict of str to ndarray
+        What `partition` writes, by the ends of the names.
+    """
+    if values is not None:
+        rows[~np.isfinite(values["z"])] = np.nan
+    heights = None if values is None else values["z"]
+    apart, which, firsts = set_apart(rows, plan.repeated, heights, policy)
+    records, begins, boxes, skipped = plan.partition(rows, first)
+    pairs = first + np.column_stack((apart, firsts[which]))
+    found = {
+        "": records,
+        "-begins": begins,
+        "-boxes": boxes,
+        "-skipped": np.setdiff1d(skipped, pairs[:, 0]),
+        "-duplicates": pairs,
+    }
+    if values is not None:
+        found["-values"] = values[records[:, 0] - first]
+        found["-apart"] = np.column_stack((which.astype(np.float64), values["z"][apart]))
+    return found
 
 
 def changed(part: Part) -> InputError:
@@ -245,7 +336,7 @@ def node(folders: Folders, name: int, children: Sequence[Done], threads: int) ->
     record = folders.scratch / f"{label(name)}.json"
     before = load_record(record, folders.plan)
     if before is not None:
-        done = Done(**{**before, "frontier": tuple(before["frontier"])})
+        done = Done.from_dict(before)
         if is_sound(folders.out, done.shards) and is_sound(folders.scratch, done.notes):
             return done
     done = _merged(folders, name, children, threads)
@@ -267,85 +358,64 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
     boxes = np.load(folders.scratch / "boxes.npy")[plan.others(name)]
     foreign = boxes[boxes[:, 0] <= boxes[:, 2]]
     scratch = str(folders.scratch) if children and rows > folders.held else None
+    records = part.records
+    if folders.policy:
+        part, records = numbered(part)
     found = merge(
         part, plan.cells[name], foreign, is_root=is_root, threads=threads, scratch=scratch
     )
     del part
+    surface = None
+    if folders.policy:
+        values = tile_values(folders, ~name) if name < 0 else _values_below(folders, children)
+        repeated = plan.repeated if name < 0 else plan.repeated[:0]
+        surface = of_rows(found, records, values, folders.policy, repeated)
+        found = surface.merged
+    return _saved(folders, name, rows, found, surface, is_root=is_root)
+
+
+def _saved(
+    folders: Folders,
+    name: int,
+    rows: int,
+    found: Merged,
+    surface: Vertices | None,
+    *,
+    is_root: bool,
+) -> Done:
+    """Write what a node has decided."""
     stem = label(name)
     up = found.frontier
     keeps: dict[str, Array] = {"duplicates": found.duplicates, "records": up.records, "rim": up.rim}
     if is_root:
         keeps["hull"] = found.hull
-    shards, notes = {}, {}
+    written: dict[str, Array] = {}
     if len(found.triangles):
-        shards[f"{stem}.npy"] = save_array(folders.out / f"{stem}.npy", found.triangles)
-    for what, array in keeps.items():
-        notes[f"{stem}-{what}.npy"] = save_array(folders.scratch / f"{stem}-{what}.npy", array)
+        written[f"{stem}.npy"] = found.triangles
+    if surface is not None:
+        keeps |= {"values": surface.up, "heights": surface.heights}
+    if surface is not None and len(surface.shard):
+        written[f"{stem}-vertices.npy"] = surface.shard
+    shards = {file: save_array(folders.out / file, array) for file, array in written.items()}
+    notes = {
+        f"{stem}-{what}.npy": save_array(folders.scratch / f"{stem}-{what}.npy", array)
+        for what, array in keeps.items()
+    }
     return Done(
         name,
         rows,
         len(up),
-        up.nbytes,
+        up.nbytes + (0 if surface is None else surface.up.nbytes),
         len(found.triangles),
         len(found.duplicates),
         found.is_flat,
         (name,),
         shards,
         notes,
+        0 if surface is None else len(surface.shard),
+        0 if surface is None else surface.overhangs,
+        () if surface is None or not len(surface.shard) else extent_of(surface.shard),
     )
-
-
-def tile_records(folders: Folders, tile: int) -> Integers:
-    """Read the rows of a tile from all runs, in their order.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_tables` wrote.
-    tile : int
-        The number of the tile.
-
-    Returns
-    -------
-    (k, 3) ndarray of int64
-        Row number, x and y, as 64-bit words, by ascending row.
-    """
-    runs = rows_of(folders.scratch / "begins.npy", tile, tile + 2).T
-    records = np.empty((int((runs[:, 1] - runs[:, 0]).sum()), 3), dtype=np.int64)
-    at = 0
-    for number, (begin, end) in enumerate(runs.tolist()):
-        if begin < end:
-            path = folders.scratch / f"run-{number:05d}.npy"
-            records[at : at + end - begin] = rows_of(path, begin, end)
-            at += end - begin
-    return records
-
-
-def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
-    """Draw rows of a tile from all runs, evenly.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_tables` wrote.
-    tile : int
-        The number of the tile.
-    count : int
-        How many rows, about.
-
-    Returns
-    -------
-    (k, 2) ndarray of float64
-        Points.
-    """
-    runs = rows_of(folders.scratch / "begins.npy", tile, tile + 2).T
-    step = max(1, int((runs[:, 1] - runs[:, 0]).sum()) // count)
-    found = [
-        np.array(np.load(folders.scratch / f"run-{number:05d}.npy", mmap_mode="r")[begin:end:step])
-        for number, (begin, end) in enumerate(runs.tolist())
-        if begin < end
-    ]
-    return np.concatenate(found).view(np.float64)[:, 1:]
 
 
 def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
@@ -356,6 +426,12 @@ def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
     ]
     parts = [Frontier(np.load(records, mmap_mode="r"), np.load(rim)) for records, rim in files]
     return joined(parts)
+
+
+def _values_below(folders: Folders, children: Sequence[Done]) -> Array:
+    """Read the values of what the children handed up."""
+    names = [label(source) for child in children for source in child.frontier]
+    return np.concatenate([np.load(folders.scratch / f"{name}-values.npy") for name in names])
 
 
 def save_plan(folders: Folders, plan: Plan) -> None:
@@ -393,38 +469,3 @@ def load_plan(folders: Folders) -> Plan:
     if lists is None:
         raise FormatError(f"{folders.scratch / _PLAN}: not of this run: tile the source again")
     return Plan.from_dict(lists)
-
-
-def save_tables(folders: Folders, plan: Plan, runs: int) -> tuple[list[int], Integers]:
-    """Write what all nodes need to know of the runs: boxes, and where each tile begins.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to read and write.
-    plan : Plan
-        Where the tiles are.
-    runs : int
-        How many parts were sorted.
-
-    Returns
-    -------
-    sizes : list of int
-        How many rows each tile has.
-    skipped : (k,) ndarray of int64
-        The rows that are not finite.
-    """
-    begins = np.empty((plan.tiles + 1, runs), dtype=np.int64)
-    tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
-    skipped = [np.empty(0, dtype=np.int64)]
-    for number in range(runs):
-        stem = folders.scratch / f"run-{number:05d}"
-        begins[:, number] = np.load(f"{stem}-begins.npy")
-        boxes = np.load(f"{stem}-boxes.npy")
-        tight[:, :2] = np.minimum(tight, boxes)[:, :2]
-        tight[:, 2:] = np.maximum(tight, boxes)[:, 2:]
-        skipped.append(np.load(f"{stem}-skipped.npy"))
-    save_array(folders.scratch / "boxes.npy", plan.around(tight))
-    save_array(folders.scratch / "begins.npy", begins)
-    sizes: list[int] = np.diff(begins, axis=0).sum(axis=1).tolist()
-    return sizes, np.concatenate(skipped)

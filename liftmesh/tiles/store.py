@@ -114,6 +114,37 @@ def rows_of(path: Path, begin: int, end: int) -> Integers:
     return values.reshape(end - begin, columns)
 
 
+def records_of(path: Path, begin: int, end: int) -> Array:
+    """Read some records of an NPY file that `save_array` has written, and nothing else.
+
+    Parameters
+    ----------
+    path : Path
+        A file of one structured type.
+    begin, end : int
+        The first record, and the one after the last.
+
+    Returns
+    -------
+    (end - begin,) structured ndarray
+        The records.
+
+    Raises
+    ------
+    FormatError
+        The file is truncated.
+    OSError
+        The file cannot be read.
+    """
+    with path.open("rb") as stream:
+        np.lib.format.read_magic(stream)
+        _, _, kind = np.lib.format.read_array_header_1_0(stream)
+        records: Array = np.fromfile(stream, kind, end - begin, offset=kind.itemsize * begin)
+    if len(records) < end - begin:
+        raise FormatError(f"{path}: truncated: tile the source again")
+    return records
+
+
 def save_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file whose bytes depend on its content alone.
 

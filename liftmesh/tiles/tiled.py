@@ -342,7 +342,7 @@ def mapped(path: Path) -> Integers:
 
 
 def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
-    """Open the triangles that `tile` has written.
+    """Open what `tile` or `tile_surface` has written.
 
     Parameters
     ----------
@@ -352,7 +352,8 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     Returns
     -------
     Tiled
-        The triangulation; its files are read when they are asked for.
+        The triangulation; its files are read when they are asked for. A `TiledSurface` if there
+        are heights.
 
     Raises
     ------
@@ -374,7 +375,8 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     [[0, 1], [1, 2], [2, 0]]
     """
     folder = Path(as_folder("directory", directory))
-    tiled = Tiled(folder, manifest_of(folder))
+    manifest = manifest_of(folder)
+    tiled = _surface(folder, manifest) if "surface" in manifest else Tiled(folder, manifest)
     for file, each in tiled._written().items():  # noqa: SLF001 - its other half
         path = folder / file
         size = path.stat().st_size if path.is_file() else 0
@@ -384,6 +386,12 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
                 "source again, into the same folder"
             )
     return tiled
+
+
+def _surface(folder: Path, manifest: dict[str, Any]) -> Tiled:
+    from liftmesh.tiles.tiled_surface import TiledSurface  # noqa: PLC0415 - it is one of these
+
+    return TiledSurface(folder, manifest)
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
