@@ -151,6 +151,22 @@ def read_part(part: Part) -> tuple[Floats, Array | None]:
     return _planar(records), records
 
 
+def planar_of(rows: Array) -> Floats:
+    """Return planar positions.
+
+    Parameters
+    ----------
+    rows : (n, 2) ndarray of float64, or (n,) structured ndarray
+        Positions themselves, or records.
+
+    Returns
+    -------
+    (n, 2) ndarray of float64
+        Those of records are a copy.
+    """
+    return rows if rows.dtype.names is None else _planar(rows)
+
+
 def _planar(records: Array) -> Floats:
     return np.stack([records["x"], records["y"]], axis=1)
 

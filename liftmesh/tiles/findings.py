@@ -20,6 +20,10 @@ _MEANINGS = {
     "other_hull": ("boundary is not the hull that the folder states",) * 2,
     "other_duplicates": ("list of duplicates is not that of the points",) * 2,
     "other_skipped": ("list of skipped rows is not that of the points",) * 2,
+    "other_vertices": (
+        "file of vertices does not hold the values of the points",
+        "files of vertices do not hold the values of the points",
+    ),
     "damaged_files": ("file is not as it was written", "files are not as they were written"),
 }
 

@@ -188,7 +188,8 @@ class Tiled:
 
         The checks are those of `liftmesh.verify`, and so is the certificate, but neither points nor
         triangles are held at once. Also checked are the hull, the duplicates, the skipped rows and
-        the SHA-256 of every file.
+        the SHA-256 of every file; of a surface also which row stands for each position, by the
+        policy, and every height and value of a vertex against the source.
 
         Parameters
         ----------
