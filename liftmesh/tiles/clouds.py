@@ -26,7 +26,7 @@ from liftmesh.optional import load
 from liftmesh.tiles.parquet import parquet_parts
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
 from liftmesh.tiles.sources import NpyPart, Origin, Part, files_of, npy_parts, parts_of, planar
-from liftmesh.tiles.store import records_of, save_array
+from liftmesh.tiles.store import concatenated, records_of, save_array
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -340,12 +340,12 @@ def _regrouped(clouds: Iterable[Cloud], rows: int, name: str) -> Iterator[tuple[
             _check_alike(before, schema, name, "what came before")
         held.append(records_from(cloud))
         if sum(map(len, held)) >= rows:
-            whole = np.concatenate(held)
+            whole = concatenated(held)
             full = len(whole) // rows * rows
             yield from ((whole[i : i + rows], schema) for i in range(0, full, rows))
             held = [whole[full:].copy()]
     if sum(map(len, held)):
-        yield np.concatenate(held), schema
+        yield concatenated(held), schema
 
 
 def in_record_file(records: Array, path: Path, schema: Schema, origin: Origin) -> FilePart:
@@ -423,7 +423,7 @@ def _check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
         raise InputError(
             f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: give to_crs= or crs="
         )
-    if other.color_depth != first.color_depth:
+    if other.names == first.names and other.color_depth != first.color_depth:
         raise InputError(
             f"{name} has colours of {other.color_depth} bits, {before} of {first.color_depth}: "
             f"{_DEPTH}"

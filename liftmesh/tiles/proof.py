@@ -27,6 +27,7 @@ from liftmesh.tiles.repeated import positions_of, set_apart
 from liftmesh.tiles.runs import save_tables, tile_records
 from liftmesh.tiles.schedule import in_order
 from liftmesh.tiles.stages import Folders, label
+from liftmesh.tiles.store import concatenated
 from liftmesh.tiles.tiled import mapped
 
 if TYPE_CHECKING:
@@ -177,7 +178,7 @@ class Proof:
         edges = [place[c.edges + begin] for c, begin in zip(children, begins, strict=False)]
         is_bare = np.concatenate([child.is_bare for child in children])[order]
         values = [child.values for child in children if child.values is not None]
-        joined = np.concatenate(values)[order] if values else None
+        joined = concatenated(values)[order] if values else None
         loose = Loose(records[order], np.concatenate(edges), is_bare, joined)
         return self._checked(loose, self._corners(loose.records, name), name)
 

@@ -275,10 +275,11 @@ class Run:
             self._check_same(what, name, before[name], now[name])
         one, other = before.get("surface"), now.get("surface")
         if (one is None) != (other is None):
-            kinds = "a surface" if other is None else "triangles alone", "the other"
+            kinds = ("triangles alone", "a surface")
+            held, asked = kinds if one is None else kinds[::-1]
             raise InputError(
-                f"{self.folders.out} holds {kinds[0]}, and {kinds[1]} is asked for: choose another "
-                "folder, or begin anew with resume=False"
+                f"{self.folders.out} holds {held}, not {asked}: choose another folder, or begin "
+                "anew with resume=False"
             )
         for name in other or {}:
             self._check_same(what, name, (one or {})[name], (other or {})[name])

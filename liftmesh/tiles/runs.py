@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
-from liftmesh.tiles.store import records_of, rows_of, save_array
+from liftmesh.tiles.store import concatenated, records_of, rows_of, save_array
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -61,7 +61,7 @@ def tile_values(folders: Folders, tile: int) -> Array:
         for number, (begin, end) in enumerate(runs)
         if begin < end
     ]
-    return np.concatenate(found or [np.load(folders.scratch / "run-00000-values.npy")[:0]])
+    return concatenated(found or [np.load(folders.scratch / "run-00000-values.npy")[:0]])
 
 
 def tile_sample(folders: Folders, tile: int, count: int) -> Floats:

@@ -46,14 +46,14 @@ class Schema:
     columns: Mapping[str, str] = field(default_factory=FrozenDict)
 
     @property
+    def names(self) -> list[str]:
+        """The names of the values."""
+        return [name for name, _, _ in self.fields]
+
+    @property
     def dtype(self) -> np.dtype[Any]:
         """The type of a record."""
         return np.dtype([*POSITION, *self.fields])
-
-    @property
-    def stored(self) -> np.dtype[Any]:
-        """The type of a record with the number of its row."""
-        return np.dtype([ROW, *POSITION, *self.fields])
 
     def as_dict(self) -> dict[str, Any]:
         """Return what JSON holds.

@@ -23,6 +23,7 @@ from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.repeated import set_apart
 from liftmesh.tiles.runs import tile_records, tile_values
 from liftmesh.tiles.store import (
+    concatenated,
     is_sound,
     load_record,
     names_to_disk,
@@ -431,7 +432,7 @@ def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
 def _values_below(folders: Folders, children: Sequence[Done]) -> Array:
     """Read the values of what the children handed up."""
     names = [label(source) for child in children for source in child.frontier]
-    return np.concatenate([np.load(folders.scratch / f"{name}-values.npy") for name in names])
+    return concatenated([np.load(folders.scratch / f"{name}-values.npy") for name in names])
 
 
 def save_plan(folders: Folders, plan: Plan) -> None:

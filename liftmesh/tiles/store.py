@@ -13,7 +13,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -143,6 +143,23 @@ def records_of(path: Path, begin: int, end: int) -> Array:
     if len(records) < end - begin:
         raise FormatError(f"{path}: truncated: tile the source again")
     return records
+
+
+def concatenated(parts: Sequence[Array]) -> Array:
+    """Put arrays of one type side by side; NumPy would change the order of bytes in records.
+
+    Parameters
+    ----------
+    parts : sequence of ndarray
+        One or more.
+
+    Returns
+    -------
+    ndarray
+        Their rows, of the same type.
+    """
+    shape = (sum(map(len, parts)), *parts[0].shape[1:])
+    return np.concatenate(parts, out=np.empty(shape, parts[0].dtype))
 
 
 def save_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -21,7 +21,7 @@ from liftmesh.tiles.clouds import Reading, planar_of, valued_parts
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.sources import files_of, parts_of, planar
 from liftmesh.tiles.stages import digests_of
-from liftmesh.tiles.store import digest_of, load_json
+from liftmesh.tiles.store import concatenated, digest_of, load_json
 from liftmesh.tiles.surface_proof import proof_of
 from liftmesh.tiles.tiled import PLAN
 
@@ -109,7 +109,7 @@ def _regrouped(parts: Iterable[Array], sizes: Sequence[int]) -> Iterator[Array]:
     wanted = iter(sizes)
     size = next(wanted, None)
     for part in parts:
-        held = np.concatenate((held, part)) if len(held) else part
+        held = concatenated((held, part)) if len(held) else part
         while size is not None and len(held) >= size:
             yield np.ascontiguousarray(held[:size])
             held, size = held[size:], next(wanted, None)
@@ -117,9 +117,7 @@ def _regrouped(parts: Iterable[Array], sizes: Sequence[int]) -> Iterator[Array]:
         yield np.ascontiguousarray(held)
 
 
-def _as_first_read(
-    chunks: Iterable[Array], stated: Sequence[Mapping[str, Any]]
-) -> Iterator[Array]:
+def _as_first_read(chunks: Iterable[Array], stated: Sequence[Mapping[str, Any]]) -> Iterator[Array]:
     """Raise if a chunk is not what was tiled, or if there are more or fewer."""
     number, first = 0, 0
     for number, rows in enumerate(chunks, 1):
