@@ -203,7 +203,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     >>> with Client(n_workers=1, processes=False, dashboard_address=":0") as client:
     ...     tiled = triangulate(points, tempfile.mkdtemp(), tile_rows=300, client=client)
     >>> tiled
-    <TiledSurface: 1980 triangles over 1000 rows in 7 shards>
+    <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
     surface = Surfacing.checked(duplicates, plane, crs, reading)

@@ -144,7 +144,7 @@ def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) 
     thread.join()
     assert contents(tmp_path / "out") == contents(tmp_path / "alone")
     assert repr(found) == repr(alone)
-    check(found, liftmesh.triangulate(cloud.select(slice(None)), duplicates="mean"))
+    check(found, liftmesh.triangulate(source, duplicates="mean"))
     client.wait_for_workers(2)
 
 

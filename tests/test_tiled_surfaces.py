@@ -38,6 +38,7 @@ def test_every_policy_is_that_of_one_call(policy: Any, tmp_path: Path) -> None:
         check(liftmesh.open_tiled(out), expected)  # type: ignore[arg-type]
         names = {path.name for path in out.iterdir()}
         vertices = {f"{path.stem}-vertices.npy" for path in found.shards}
+        vertices |= {f"{path.stem}-faces.npy" for path in found.shards}
         lists = {"duplicates.npy", "skipped.npy", "hull.npy", "plan.json", "manifest.json"}
         assert names == {path.name for path in found.shards} | vertices | lists
 
@@ -141,6 +142,7 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
 def test_a_shard_is_a_mesh_by_itself(tmp_path: Path) -> None:
     found = liftmesh.tile_surface(CLOUD, tmp_path, tile_rows=150)
     for mesh, triangles in zip(found.meshes(), found.blocks(), strict=True):
+        assert mesh.faces is not None
         assert np.array_equal(mesh.attributes["row"][mesh.faces], triangles)
         assert mesh.colors is not None
         assert mesh.colors.dtype == np.uint16
@@ -155,7 +157,7 @@ def test_bytes_depend_on_rows_and_options_alone(tmp_path: Path) -> None:
         pieces, tmp_path / "b", tile_rows=90, threads=2, scratch=tmp_path / "scratch"
     )
     for path in one.shards:
-        for name in (path.name, f"{path.stem}-vertices.npy"):
+        for name in (path.name, f"{path.stem}-vertices.npy", f"{path.stem}-faces.npy"):
             assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert one.manifest["shards"] == other.manifest["shards"]
     assert list((tmp_path / "scratch").iterdir()) == []
@@ -299,7 +301,7 @@ def test_what_has_changed_before_a_run_goes_on(tmp_path: Path) -> None:
     found = liftmesh.tile_surface(path, tmp_path / "out", tile_rows=150, resume=False)
     check(found, liftmesh.triangulate(RAISED))
     liftmesh.tile(path, tmp_path / "out", tile_rows=200, resume=False)
-    assert not list((tmp_path / "out").glob("*-vertices.npy"))
+    assert not [*(tmp_path / "out").glob("*-vertices.npy"), *(tmp_path / "out").glob("*-faces.*")]
     with pytest.raises(InputError, match="holds triangles alone, not a surface"):
         liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200)
 

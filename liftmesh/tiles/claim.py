@@ -34,7 +34,7 @@ MARKER = "scratch.json"
 SCRATCH = ".liftmesh-tiles"
 
 _SHARD = re.compile(
-    r"(tile|seam)-\d{5,}(-vertices)?\.npy|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json"
+    r"(tile|seam)-\d{5,}(-vertices|-faces)?\.npy|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json"
 )
 _TEMPORARY = r"\.liftmesh-[0-9a-f]{16}"
 _NOTE = re.compile(

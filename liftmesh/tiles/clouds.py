@@ -6,7 +6,6 @@ written to the scratch folder first, as records (`schema.py`).
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -17,7 +16,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_coordinates, widened
-from liftmesh.choices import as_folder, shown
+from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict
 from liftmesh.io.files import read_chunks
@@ -438,39 +437,3 @@ def _check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
 def _listed(schema: Schema) -> str:
     names = [f"{name} ({np.dtype(kind)}{shape or ''})" for name, kind, shape in schema.fields]
     return ", ".join(names) or "no names"
-
-
-def as_json(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Check that options of reading can be written down, to read the same rows again.
-
-    Parameters
-    ----------
-    options : mapping
-        As for `read_chunks`.
-
-    Returns
-    -------
-    dict
-        The same with lists for other sequences.
-
-    Raises
-    ------
-    InputError
-        One is neither text, number, nor a sequence or mapping of these.
-    """
-    return {name: _plain(name, value) for name, value in options.items()}
-
-
-def _plain(name: str, value: Any) -> Any:
-    if value is None or isinstance(value, str | int | float):
-        return value
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, os.PathLike):
-        return as_folder(name, value)
-    if isinstance(value, Mapping):
-        return {str(key): _plain(name, each) for key, each in value.items()}
-    try:
-        return [_plain(name, each) for each in value]
-    except TypeError as error:
-        raise InputError(f"{name} is {shown(value)}: give numbers, names or lists") from error

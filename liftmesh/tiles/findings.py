@@ -21,8 +21,8 @@ _MEANINGS = {
     "other_duplicates": ("list of duplicates is not that of the points",) * 2,
     "other_skipped": ("list of skipped rows is not that of the points",) * 2,
     "other_vertices": (
-        "file of vertices does not hold the values of the points",
-        "files of vertices do not hold the values of the points",
+        "file of vertices or faces is not that of the triangles and the points",
+        "files of vertices or faces are not those of the triangles and the points",
     ),
     "damaged_files": ("file is not as it was written", "files are not as they were written"),
 }

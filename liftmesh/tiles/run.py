@@ -24,7 +24,7 @@ from liftmesh.tiles.claim import check_apart, claimed, clear, folders_of
 from liftmesh.tiles.plan import Plan, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.repeated import frequent
-from liftmesh.tiles.runs import save_tables, tile_sample
+from liftmesh.tiles.runs import save_plan, save_tables, tile_sample
 from liftmesh.tiles.sources import Part, parts_of
 from liftmesh.tiles.stages import (
     JOB,
@@ -32,7 +32,6 @@ from liftmesh.tiles.stages import (
     Scanned,
     changed,
     partition,
-    save_plan,
     scan,
 )
 from liftmesh.tiles.store import load_record, save_record, seal

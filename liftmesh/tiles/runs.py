@@ -1,4 +1,7 @@
-"""Rows sorted by tile, as `stages.partition` writes them: a file for each part of the source."""
+"""What tasks read of a run: the plan, and rows sorted by tile, in a file for each part.
+
+`stages.partition` writes the rows.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
-from liftmesh.tiles.store import concatenated, records_of, rows_of, save_array
+from liftmesh.errors import FormatError
+from liftmesh.tiles.plan import Plan
+from liftmesh.tiles.store import (
+    concatenated,
+    load_record,
+    records_of,
+    rows_of,
+    save_array,
+    save_record,
+)
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.stages import Folders
+
+
+_PLAN = "plan.json"
 
 
 def tile_records(folders: Folders, tile: int) -> Integers:
@@ -124,3 +138,40 @@ def save_tables(folders: Folders, plan: Plan, runs: int) -> tuple[list[int], Int
     save_array(folders.scratch / "begins.npy", begins)
     sizes: list[int] = np.diff(begins, axis=0).sum(axis=1).tolist()
     return sizes, np.concatenate(skipped)
+
+
+def save_plan(folders: Folders, plan: Plan) -> None:
+    """Write where the tiles are.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where to write.
+    plan : Plan
+        The plan.
+    """
+    save_record(folders.scratch / _PLAN, folders.plan, plan.as_dict())
+
+
+def load_plan(folders: Folders) -> Plan:
+    """Read where the tiles are.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where `save_plan` wrote.
+
+    Returns
+    -------
+    Plan
+        The plan.
+
+    Raises
+    ------
+    FormatError
+        It is of another run, or damaged.
+    """
+    lists = load_record(folders.scratch / _PLAN, folders.plan)
+    if lists is None:
+        raise FormatError(f"{folders.scratch / _PLAN}: not of this run: tile the source again")
+    return Plan.from_dict(lists)

@@ -16,12 +16,11 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import non_finite
-from liftmesh.errors import FormatError, InputError, NonFiniteError
+from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.tiles.clouds import read_part
 from liftmesh.tiles.node import Frontier, Merged, joined, merge
-from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.repeated import set_apart
-from liftmesh.tiles.runs import tile_records, tile_values
+from liftmesh.tiles.runs import load_plan, tile_records, tile_values
 from liftmesh.tiles.store import (
     concatenated,
     is_sound,
@@ -33,13 +32,13 @@ from liftmesh.tiles.store import (
 from liftmesh.tiles.vertices import Vertices, extent_of, numbered, of_rows
 
 if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.sources import Part
 
 _HOPELESS = 0.98  # a share of rows that goes up; the next level is passed, but not two in a row
 
 
 JOB = "job.json"
-_PLAN = "plan.json"
 
 
 @dataclass(frozen=True)
@@ -396,7 +395,7 @@ def _saved(
     if surface is not None:
         keeps |= {"values": surface.up, "heights": surface.heights}
     if surface is not None and len(surface.shard):
-        written[f"{stem}-vertices.npy"] = surface.shard
+        written |= {f"{stem}-vertices.npy": surface.shard, f"{stem}-faces.npy": surface.faces}
     shards = {file: save_array(folders.out / file, array) for file, array in written.items()}
     notes = {
         f"{stem}-{what}.npy": save_array(folders.scratch / f"{stem}-{what}.npy", array)
@@ -433,40 +432,3 @@ def _values_below(folders: Folders, children: Sequence[Done]) -> Array:
     """Read the values of what the children handed up."""
     names = [label(source) for child in children for source in child.frontier]
     return concatenated([np.load(folders.scratch / f"{name}-values.npy") for name in names])
-
-
-def save_plan(folders: Folders, plan: Plan) -> None:
-    """Write where the tiles are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to write.
-    plan : Plan
-        The plan.
-    """
-    save_record(folders.scratch / _PLAN, folders.plan, plan.as_dict())
-
-
-def load_plan(folders: Folders) -> Plan:
-    """Read where the tiles are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_plan` wrote.
-
-    Returns
-    -------
-    Plan
-        The plan.
-
-    Raises
-    ------
-    FormatError
-        It is of another run, or damaged.
-    """
-    lists = load_record(folders.scratch / _PLAN, folders.plan)
-    if lists is None:
-        raise FormatError(f"{folders.scratch / _PLAN}: not of this run: tile the source again")
-    return Plan.from_dict(lists)

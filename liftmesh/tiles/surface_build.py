@@ -110,7 +110,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     >>> {frozenset(face) for face in tiled.compute().tolist()} == {*map(frozenset, faces.tolist())}
     True
     >>> print(tiled.report)
-    1,000 rows, 603 of them used in 1,146 triangles. Left out: 17 duplicates, ...
+    1,000 rows, 602 of them used in 1,127 triangles. Left out: 11 duplicates, 387 overhangs ...
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)

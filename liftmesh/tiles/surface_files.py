@@ -1,8 +1,9 @@
-"""What the folder of a tiled surface has besides triangles: vertices of shards, and what is said.
+"""What the folder of a tiled surface has besides triangles: vertices and faces of shards.
 
 Beside each shard of triangles, ``tile-00007.npy``, are its vertices, ``tile-00007-vertices.npy``:
-records of row, x, y, z and the values of the row, by ascending row. So a shard is a mesh by itself;
-a vertex that several shards share is in each of them. Triangles alone have no such files.
+records of row, x, y, z and the values of the row, by ascending row; and the same triangles as faces
+between these, ``tile-00007-faces.npy``. So a shard is a mesh by itself; a vertex that several
+shards share is in each of them. Triangles alone have no such files.
 """
 
 from __future__ import annotations
@@ -28,8 +29,17 @@ def vertices_name(shard: str) -> str:
     return f"{shard.partition('.')[0]}-vertices.npy"
 
 
+def faces_name(shard: str) -> str:
+    """Name the file of the faces of a shard.
+
+    >>> faces_name("tile-00007.npy")
+    'tile-00007-faces.npy'
+    """
+    return f"{shard.partition('.')[0]}-faces.npy"
+
+
 def vertex_files(folders: Folders, done: Sequence[Done]) -> dict[str, Any]:
-    """State the files of vertices.
+    """State the files of vertices and faces.
 
     Parameters
     ----------
@@ -48,7 +58,7 @@ def vertex_files(folders: Folders, done: Sequence[Done]) -> dict[str, Any]:
         for each in done
         if each.vertices
         for name, digest in each.shards.items()
-        if name.endswith("-vertices.npy")
+        if name.endswith(("-vertices.npy", "-faces.npy"))
     }
     return {
         name: {"bytes": (folders.out / name).stat().st_size, "sha256": digest}

@@ -110,12 +110,12 @@ class _Steps:
 
 
 def _steps_of_shards(tiled: TiledSurface, levels: Floats) -> Iterator[_Steps]:
-    for vertices, triangles in zip(tiled.vertices(), tiled.blocks(), strict=True):
+    for vertices, faces in zip(tiled.vertices(), tiled.faces(), strict=True):
         rows = np.ascontiguousarray(vertices["row"])
         corners = np.stack([vertices[name] for name in ("x", "y", "z")], axis=1) + 0.0
-        for begin in range(0, len(triangles), _BLOCK):
-            block = np.array(triangles[begin : begin + _BLOCK])
-            yield _steps(block, corners[np.searchsorted(rows, block)], levels)
+        for begin in range(0, len(faces), _BLOCK):
+            block = np.array(faces[begin : begin + _BLOCK])
+            yield _steps(rows[block], corners[block], levels)
 
 
 def _steps(triangles: Integers, corners: Floats, levels: Floats) -> _Steps:

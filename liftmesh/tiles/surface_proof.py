@@ -19,9 +19,9 @@ from liftmesh.tiles.proof import Loose, Proof, duplicated
 from liftmesh.tiles.repeated import positions_of
 from liftmesh.tiles.runs import tile_records, tile_values
 from liftmesh.tiles.stages import label, sorted_by_tile
-from liftmesh.tiles.surface_files import vertices_name
+from liftmesh.tiles.surface_files import faces_name, vertices_name
 from liftmesh.tiles.tiled import mapped
-from liftmesh.tiles.vertices import with_rows
+from liftmesh.tiles.vertices import mesh_of
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -109,12 +109,20 @@ class SurfaceProof(Proof):
             self.found.add("other_duplicates", 1)
 
     def _check_vertices(self, loose: Loose, corners: Rows, name: int) -> None:
-        path = self._tiled.directory / vertices_name(f"{label(name)}.npy")
+        shard = f"{label(name)}.npy"
         if label(name) not in self._shards:
             return
-        used = np.unique(corners)
-        expected = with_rows(loose.records[used, 0], loose.values[used])
-        stated = mapped(path)
-        is_same = stated.dtype == expected.dtype and len(stated) == len(expected)
-        if not is_same or not np.array_equal(stated.view(np.uint8), expected.view(np.uint8)):
-            self.found.add("other_vertices", 1)
+        rows = np.ascontiguousarray(loose.records[:, 0])
+        expected = mesh_of(corners, rows, loose.values)
+        names = vertices_name(shard), faces_name(shard)
+        for array, file in zip(expected, names, strict=True):
+            if not _is_same(array, mapped(self._tiled.directory / file)):
+                self.found.add("other_vertices", 1)
+
+
+def _is_same(one: Array, other: Array) -> bool:
+    """Whether two arrays have the same type, shape and bytes."""
+    if one.dtype != other.dtype or one.shape != other.shape:
+        return False
+    ours, theirs = (np.ascontiguousarray(each).view(np.uint8) for each in (one, other))
+    return np.array_equal(ours, theirs)

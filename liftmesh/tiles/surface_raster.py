@@ -177,12 +177,14 @@ class Rasterizing:
         ----------
         path : path
             Where to write; written whole or not at all.
-        resolution, bounds, transform, shape, quantity, light, z_factor, threads
+        resolution, bounds, transform, shape, quantity, light, z_factor
             As for `Surface.raster`. Heights are linear in each face.
         dtype : {"float32", "float64"}
             Type of the values; heights are rounded once.
         compress : str, optional
             As for `Raster.save`.
+        threads : int, optional
+            As for `delaunay`.
         progress : callable, optional
             Called with the fraction of the pixels done.
 

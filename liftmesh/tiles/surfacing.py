@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
-from liftmesh.choices import Duplicates, check_option, shown
+import numpy as np
+
+from liftmesh.choices import Duplicates, as_folder, check_option, shown
 from liftmesh.cloud import is_crs
 from liftmesh.errors import InputError
-from liftmesh.tiles.clouds import Reading, Valued, as_json
+from liftmesh.tiles.clouds import Reading, Valued
 
 if TYPE_CHECKING:
     from liftmesh.tiles.schema import Schema
@@ -108,3 +111,39 @@ def schema_of_parts(parts: Sequence[Part]) -> Schema:
         That of the first.
     """
     return cast("Valued", parts[0]).schema
+
+
+def as_json(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Check that options of reading can be written down, to read the same rows again.
+
+    Parameters
+    ----------
+    options : mapping
+        As for `read_chunks`.
+
+    Returns
+    -------
+    dict
+        The same with lists for other sequences.
+
+    Raises
+    ------
+    InputError
+        One is neither text, number, nor a sequence or mapping of these.
+    """
+    return {name: _plain(name, value) for name, value in options.items()}
+
+
+def _plain(name: str, value: Any) -> Any:
+    if value is None or isinstance(value, str | int | float):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, os.PathLike):
+        return as_folder(name, value)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(name, each) for key, each in value.items()}
+    try:
+        return [_plain(name, each) for each in value]
+    except TypeError as error:
+        raise InputError(f"{name} is {shown(value)}: give numbers, names or lists") from error

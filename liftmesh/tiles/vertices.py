@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers
+from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.terrain.equal_positions import choose_rows
 from liftmesh.tiles.node import Frontier, Merged
 from liftmesh.tiles.repeated import positions_of
@@ -34,6 +34,8 @@ class Vertices:
         Its triangles, and what goes up, by rows of the source.
     shard : (v,) structured ndarray
         The corners of its triangles by ascending row, with their values.
+    faces : (m, 3) ndarray of int32
+        Its triangles between these.
     up : (k,) structured ndarray
         The values of what goes up, in its order.
     overhangs : int
@@ -45,6 +47,7 @@ class Vertices:
 
     merged: Merged
     shard: Array
+    faces: Rows
     up: Array
     overhangs: int
     heights: Floats
@@ -117,14 +120,41 @@ def of_rows(
         replace(found.frontier, records=records[places]),
         found.is_flat,
     )
-    corners = chosen[np.unique(found.triangles)]
-    shard = with_rows(rows[corners], values[corners])
+    shard, faces = mesh_of(chosen[found.triangles], rows, values)
     overhangs = int(np.count_nonzero(choice.overhanging))
-    return Vertices(merged, shard, values[places], overhangs, heights)
+    return Vertices(merged, shard, faces, values[places], overhangs, heights)
+
+
+def mesh_of(triangles: Array, rows: Integers, values: Array) -> tuple[Array, Rows]:
+    """Take the corners of triangles out of all points.
+
+    Parameters
+    ----------
+    triangles : (m, 3) ndarray of int
+        Places of their corners.
+    rows : (n,) ndarray of int64
+        The row of each place.
+    values : (n,) structured ndarray
+        Its values.
+
+    Returns
+    -------
+    vertices : (v,) structured ndarray
+        The corners by ascending row, as from `with_rows`.
+    faces : (m, 3) ndarray of int32
+        The triangles between these.
+    """
+    is_corner = np.zeros(len(rows), dtype=np.bool_)
+    is_corner[triangles.reshape(-1)] = True
+    corners = np.flatnonzero(is_corner)
+    corners = corners[np.argsort(rows[corners])]
+    number = np.empty(len(rows), dtype=np.int32)
+    number[corners] = np.arange(len(corners), dtype=np.int32)
+    return with_rows(rows[corners], values[corners]), number[triangles]
 
 
 def with_rows(rows: Integers, values: Array) -> Array:
-    """Put rows and their values into records, by ascending row.
+    """Put rows and their values into records.
 
     Parameters
     ----------
@@ -141,10 +171,9 @@ def with_rows(rows: Integers, values: Array) -> Array:
     kind = values.dtype
     fields: list[Any] = [ROW, *((name, kind[name]) for name in kind.names or ())]
     found = np.empty(len(rows), fields)
-    order = np.argsort(rows)
-    found[ROW[0]] = rows[order]
+    found[ROW[0]] = rows
     for name in kind.names or ():
-        found[name] = values[name][order]
+        found[name] = values[name]
     return found
 
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers
+from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
-from liftmesh.tiles.surface_files import vertices_name
+from liftmesh.tiles.surface_files import faces_name, vertices_name
 from liftmesh.tiles.tiled import mapped
 
 if TYPE_CHECKING:
@@ -55,42 +55,50 @@ def part_of(
     OSError
         A file cannot be read.
     """
-    held: list[Integers] = []
+    held: list[Rows] = []
     corners: list[Any] = []
     count = 0
-    for vertices, triangles in _touching(tiled, box):
-        count += len(triangles)
+    for vertices, faces in _touching(tiled, box):
+        count += len(faces)
         if count > most:
             return count
-        held.append(triangles)
+        held.append(faces)
         corners.append(vertices)
     if not count:
         return 0
     rows = np.concatenate([each["row"] for each in corners])
-    rows, first = np.unique(rows, return_index=True)
+    _, first, place = np.unique(rows, return_index=True, return_inverse=True)
     points = np.concatenate([_points_of(each) for each in corners])[first]
-    faces = np.searchsorted(rows, np.concatenate(held)).astype(np.int32)
-    return _surface(points, faces, tiled.crs, threads)
+    begins = np.cumsum([0, *(len(each) for each in corners)])
+    parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
+    return _surface(points, np.concatenate(parts), tiled.crs, threads)
 
 
 def _touching(
     tiled: TiledSurface, box: tuple[float, float, float, float]
-) -> Iterator[tuple[Any, Integers]]:
-    """Yield the faces whose own boxes touch a box, by rows, with their corners."""
+) -> Iterator[tuple[Any, Rows]]:
+    """Yield the faces whose own boxes touch a box, and their corners."""
     for shard in tiled.manifest["shards"]:
         west, south, _, east, north, _ = shard["extent"]
         if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
             continue
         vertices: Any = mapped(tiled.directory / vertices_name(shard["file"]))
-        triangles = mapped(tiled.directory / shard["file"])
-        rows, xs, ys = (np.ascontiguousarray(vertices[name]) for name in ("row", "x", "y"))
-        for begin in range(0, len(triangles), _BLOCK):
-            block = np.array(triangles[begin : begin + _BLOCK])
-            places = np.searchsorted(rows, block)
-            touches = _overlaps(xs[places], box[0], box[2])
-            touches &= _overlaps(ys[places], box[1], box[3])
+        faces: Rows = mapped(tiled.directory / faces_name(shard["file"])).view(np.int32)
+        xs, ys = (np.ascontiguousarray(vertices[name]) for name in ("x", "y"))
+        for begin in range(0, len(faces), _BLOCK):
+            block = np.array(faces[begin : begin + _BLOCK])
+            touches = _overlaps(xs[block], box[0], box[2])
+            touches &= _overlaps(ys[block], box[1], box[3])
             if touches.any():
-                yield vertices[np.unique(places[touches])], block[touches]
+                yield _apart(vertices, block[touches])
+
+
+def _apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
+    """Take some faces and their corners out of a shard."""
+    is_corner = np.zeros(len(vertices), dtype=np.bool_)
+    is_corner[faces.reshape(-1)] = True
+    number = np.cumsum(is_corner, dtype=np.int32) - np.int32(1)
+    return vertices[is_corner], number[faces]
 
 
 def _overlaps(along: Floats, low: float, high: float) -> Array:
@@ -107,13 +115,8 @@ def _points_of(vertices: Array) -> Floats:
 
 def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None) -> Surface:
     frame = resolve_plane("xy", points)
-    solved = delaunay(frame.planar(points), order="canonical", threads=threads)
-    # Both lists begin each triangle at its lexicographically least corner, and no two triangles
-    # have the same directed edge.
-    ours, theirs = (
-        each[:, 0].astype(np.int64) << 32 | each[:, 1] for each in (solved.simplices, faces)
-    )
-    mask = ~np.isin(ours, theirs)
+    solved = delaunay(frame.planar(points), threads=threads)
+    mask = ~np.isin(_names(solved.simplices), _names(faces))
     if len(mask) - np.count_nonzero(mask) != len(faces):
         raise RuntimeError("faces are no part of the triangulation of their corners: a bug")
     return Surface(
@@ -125,6 +128,14 @@ def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None)
         crs=crs,
         mask=mask if mask.any() else None,
     )
+
+
+def _names(triangles: Array) -> Integers:
+    """Name triangles by their least corner and the next: no others have this directed edge."""
+    first, every = np.argmin(triangles, axis=1), np.arange(len(triangles))
+    following = triangles[every, (first + 1) % 3].astype(np.int64)
+    names: Integers = triangles[every, first].astype(np.int64) << 32 | following
+    return names
 
 
 def _report(rows: int, faces: int) -> Report:

@@ -22,6 +22,7 @@ from growth.counting import Work
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
+from growth.tiled_surfaces import tiled_surface_functions
 from liftmesh import Cloud, Triangulation
 
 Prepare = Callable[[Any], Work]
@@ -443,4 +444,9 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "as_cloud of trimesh", SPATIAL, adapted(trimesh_cloud), TERRAIN
 
 
-FUNCTIONS = (*planar_functions(), *tiled_functions(), *spatial_functions())
+FUNCTIONS = (
+    *planar_functions(),
+    *tiled_functions(),
+    *tiled_surface_functions(),
+    *spatial_functions(),
+)
