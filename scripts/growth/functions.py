@@ -329,6 +329,7 @@ def tiled_functions() -> Iterator[tuple[Any, ...]]:
     yield "Tiled.blocks", PLANAR, on_tiles(lambda tiled: list(tiled.blocks())), ("uniform",)
     for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
         yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
+    yield from tiled_surface_functions()
 
 
 def planar_functions() -> Iterator[tuple[Any, ...]]:
@@ -444,9 +445,4 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "as_cloud of trimesh", SPATIAL, adapted(trimesh_cloud), TERRAIN
 
 
-FUNCTIONS = (
-    *planar_functions(),
-    *tiled_functions(),
-    *tiled_surface_functions(),
-    *spatial_functions(),
-)
+FUNCTIONS = (*planar_functions(), *tiled_functions(), *spatial_functions())
