@@ -14,7 +14,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -27,6 +27,7 @@ from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22
 _NPY_LENGTH = 8  # the byte of an NPY file of version 1 where the length of its header stands
+_WORD = np.dtype(np.int64)
 
 
 class Hashed:
@@ -164,22 +165,24 @@ def mapped(path: Path) -> Integers:
     return found
 
 
-def values_of(path: Path, begin: int, end: int) -> Integers:
-    """Read some numbers of an NPY file that `save_array` has written, and nothing else.
+def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> Array:
+    """Read some values of an NPY file that `save_array` has written, and nothing else.
 
     A tile reads from every run, so this has to be quick: the header is not parsed.
 
     Parameters
     ----------
     path : Path
-        A file of int64.
+        A file of one type.
     begin, end : int
-        The first number, and the one after the last, counted through all rows.
+        The first value, and the one after the last, counted through all rows.
+    kind : dtype, default int64
+        The type, as from `kind_of`.
 
     Returns
     -------
-    (end - begin,) ndarray of int64
-        The numbers.
+    (end - begin,) ndarray
+        The values.
 
     Raises
     ------
@@ -188,11 +191,12 @@ def values_of(path: Path, begin: int, end: int) -> Integers:
     OSError
         The file cannot be read.
     """
-    values = np.empty(end - begin, dtype=np.int64)
+    values = np.empty(end - begin, dtype=kind)
     opened = os.open(path, os.O_RDONLY)
     try:
         length = int.from_bytes(os.pread(opened, 2, _NPY_LENGTH), "little")
-        at, rest = _NPY_LENGTH + 2 + length + 8 * begin, values.view(np.uint8).data
+        at = _NPY_LENGTH + 2 + length + kind.itemsize * begin
+        rest = values.view(np.uint8).data
         while len(rest) and (count := os.preadv(opened, [rest], at)):
             at, rest = at + count, rest[count:]
     finally:
@@ -200,6 +204,46 @@ def values_of(path: Path, begin: int, end: int) -> Integers:
     if len(rest):
         raise FormatError(f"{path}: truncated: tile the source again")
     return values
+
+
+def kind_of(path: Path) -> np.dtype[Any]:
+    """Read the type of the values in an NPY file that `save_array` has written.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    dtype
+        That of each value, or record.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    """
+    with path.open("rb") as stream:
+        np.lib.format.read_magic(stream)
+        return np.lib.format.read_array_header_1_0(stream)[2]
+
+
+def concatenated(parts: Sequence[Array]) -> Array:
+    """Put arrays of one type side by side; NumPy would change the order of bytes in records.
+
+    Parameters
+    ----------
+    parts : sequence of ndarray
+        One or more.
+
+    Returns
+    -------
+    ndarray
+        Their rows, of the same type.
+    """
+    shape = (sum(map(len, parts)), *parts[0].shape[1:])
+    return np.concatenate(parts, out=np.empty(shape, parts[0].dtype))
 
 
 def save_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -22,6 +22,7 @@ from growth.counting import Work
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
+from growth.tiled_surfaces import tiled_surface_functions
 from liftmesh import Cloud, Triangulation
 
 Prepare = Callable[[Any], Work]
@@ -328,6 +329,7 @@ def tiled_functions() -> Iterator[tuple[Any, ...]]:
     yield "Tiled.blocks", PLANAR, on_tiles(lambda tiled: list(tiled.blocks())), ("uniform",)
     for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
         yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
+    yield from tiled_surface_functions()
 
 
 def planar_functions() -> Iterator[tuple[Any, ...]]:
