@@ -1,4 +1,4 @@
-"""Surfaces in tiles, and what is made of them, as subjects to watch."""
+"""Triangles and surfaces in tiles, and what is made of them, as subjects to watch."""
 
 from __future__ import annotations
 
@@ -16,6 +16,33 @@ from growth.planar import PLANAR
 from growth.spatial import SPATIAL
 
 Prepare = Callable[[Any], Work]
+
+
+def tiles(points: Points) -> Work:
+    """Prepare a triangulation in eight tiles, in a folder of its own."""
+    rows = max(16, len(points) // 8)
+
+    def call() -> object:
+        with tempfile.TemporaryDirectory() as folder:
+            return liftmesh.tile(points, folder, tile_rows=rows, threads=1)
+
+    return Work(call, len(points))
+
+
+def on_tiles(call: Callable[[liftmesh.Tiled], object], *, neighbors: bool = False) -> Prepare:
+    """Prepare a call on triangles in shards."""
+
+    def prepare(points: Points) -> Work:
+        folder, rows = tempfile.TemporaryDirectory(), max(16, len(points) // 8)
+        found = liftmesh.tile(points, folder.name, tile_rows=rows, neighbors=neighbors, threads=1)
+        return Work(lambda: (folder, call(found)), len(points))
+
+    return prepare
+
+
+def proved(points: Points) -> Work:
+    """Prepare the proof of triangles in shards."""
+    return on_tiles(lambda tiled: tiled.verify(points, threads=1))(points)
 
 
 def surface_tiles(points: Points) -> Work:
@@ -76,3 +103,21 @@ PARTS: dict[str, Callable[[liftmesh.TiledSurface], object]] = {
     "faces": lambda tiled: list(tiled.faces()),
     "meshes": lambda tiled: list(tiled.meshes()),
 }
+
+
+def tiled_functions() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation and counted families of what works in tiles."""
+    yield "tile", PLANAR, tiles, ("uniform", "circle and centre", "two columns", "few positions")
+    opened = on_tiles(lambda tiled: liftmesh.open_tiled(tiled.directory))
+    yield "open_tiled", PLANAR, opened, ("uniform",)
+    yield "Tiled.compute", PLANAR, on_tiles(liftmesh.Tiled.compute), ("uniform",)
+    yield "Tiled.verify", PLANAR, proved, ("uniform", "circle and centre", "few positions")
+    yield "Tiled.is_sound", PLANAR, on_tiles(liftmesh.Tiled.is_sound), ("uniform",)
+    linked = on_tiles(liftmesh.Tiled.compute_neighbors, neighbors=True)
+    yield "Tiled.compute_neighbors", PLANAR, linked, ("uniform",)
+    blocks = on_tiles(lambda tiled: list(tiled.neighbor_blocks()), neighbors=True)
+    yield "Tiled.neighbor_blocks", PLANAR, blocks, ("uniform",)
+    yield "Tiled.blocks", PLANAR, on_tiles(lambda tiled: list(tiled.blocks())), ("uniform",)
+    for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
+        yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
+    yield from tiled_surface_functions()
