@@ -149,7 +149,7 @@ def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) 
     assert contents(tmp_path / "out") == contents(tmp_path / "alone")
     assert repr(found) == repr(alone)
     check(found, liftmesh.triangulate(source, duplicates="mean"))
-    client.wait_for_workers(2)
+    client.wait_for_workers(2, timeout=120)
 
 
 def test_surfaces_of_frames_and_arrays(client: Client, tmp_path: Path) -> None:
@@ -199,7 +199,7 @@ def test_a_worker_is_killed_in_the_middle(
     liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
     thread.join()
     assert contents(tmp_path) == expected
-    client.wait_for_workers(2)
+    client.wait_for_workers(2, timeout=120)
     assert killed[0] not in client.run(os.getpid).values()
 
 

@@ -154,6 +154,15 @@ def test_neighbors_are_those_of_one_call(policy: Any, tmp_path: Path) -> None:
     assert "other_neighbors" in {flaw.kind for flaw in found.verify(CLOUD).flaws}
 
 
+def test_values_may_have_any_names(tmp_path: Path) -> None:
+    values = {name: np.arange(1_200) for name in ("Höhe", "高さ", "it's", "a\nb")}
+    cloud = Cloud(POINTS, attributes=values)
+    found = liftmesh.tile_surface(cloud, tmp_path, tile_rows=150)
+    check(found, liftmesh.triangulate(cloud))
+    assert found.verify(cloud).canonical
+    assert np.load(tmp_path / f"{found.shards[0].stem}-vertices.npy")["高さ"].max() < 1_200
+
+
 def test_a_shard_is_a_mesh_by_itself(tmp_path: Path) -> None:
     found = liftmesh.tile_surface(CLOUD, tmp_path, tile_rows=150)
     for mesh, triangles in zip(found.meshes(), found.blocks(), strict=True):

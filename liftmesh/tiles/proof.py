@@ -28,7 +28,7 @@ from liftmesh.tiles.runs import save_boxes, tile_records
 from liftmesh.tiles.schedule import in_order
 from liftmesh.tiles.shards import open_shard, vertices_of
 from liftmesh.tiles.stages import Folders, label
-from liftmesh.tiles.store import concatenated
+from liftmesh.tiles.store import concatenated, save_array
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -101,7 +101,7 @@ class Proof:
             digest.update(rows.data)
             stem = self._folders.scratch / f"run-{number - 1:05d}"
             for what, array in self._sorted(rows, chunk, first).items():
-                np.save(f"{stem}{what}.npy", array)
+                save_array(Path(f"{stem}{what}.npy"), array)
             first += len(rows)
         self._folders = replace(self._folders, runs=number)
         _, skipped = save_boxes(self._folders, self._plan)

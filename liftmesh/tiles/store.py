@@ -26,7 +26,8 @@ from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22
-_NPY_LENGTH = 8  # the byte of an NPY file of version 1 where the length of its header stands
+_NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
+_NPY_ALIGNED = 64
 _WORD = np.dtype(np.int64)
 
 
@@ -100,13 +101,27 @@ def save_array(path: Path, array: Array) -> str:
     OSError
         The file cannot be written.
     """
-    header = io.BytesIO()
     plain = np.ascontiguousarray(array)
-    np.lib.format.write_array_header_1_0(header, np.lib.format.header_data_from_array_1_0(plain))
     with saving(path) as stream:
-        stream.write(header.getvalue())
+        stream.write(_header(plain))
         stream.write(plain.reshape(-1).view(np.uint8).data)
         return stream.digest
+
+
+def _header(array: Array) -> bytes:
+    """Return what an NPY file begins with: of version 3 if fields have names beyond Latin-1."""
+    said = np.lib.format.header_data_from_array_1_0(array)
+    if array.dtype.isbuiltin or all(_is_latin(name) for name in array.dtype.names or ()):
+        header = io.BytesIO()
+        np.lib.format.write_array_header_1_0(header, said)
+        return header.getvalue()
+    text = repr(said).encode()
+    text += b" " * (-(_NPY_LENGTH + 4 + len(text) + 1) % _NPY_ALIGNED) + b"\n"
+    return np.lib.format.magic(3, 0) + len(text).to_bytes(4, "little") + text
+
+
+def _is_latin(name: str) -> bool:
+    return all(ord(letter) < 256 for letter in name)
 
 
 def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) -> None:
@@ -194,8 +209,10 @@ def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> 
     values = np.empty(end - begin, dtype=kind)
     opened = os.open(path, os.O_RDONLY)
     try:
-        length = int.from_bytes(os.pread(opened, 2, _NPY_LENGTH), "little")
-        at = _NPY_LENGTH + 2 + length + kind.itemsize * begin
+        begun = os.pread(opened, _NPY_LENGTH + 4, 0)
+        size = 2 if begun[_NPY_VERSION : _NPY_VERSION + 1] == b"\1" else 4
+        length = int.from_bytes(begun[_NPY_LENGTH : _NPY_LENGTH + size], "little")
+        at = _NPY_LENGTH + size + length + kind.itemsize * begin
         rest = values.view(np.uint8).data
         while len(rest) and (count := os.preadv(opened, [rest], at)):
             at, rest = at + count, rest[count:]
@@ -221,12 +238,12 @@ def kind_of(path: Path) -> np.dtype[Any]:
 
     Raises
     ------
+    FormatError
+        It is damaged.
     OSError
         The file cannot be read.
     """
-    with path.open("rb") as stream:
-        np.lib.format.read_magic(stream)
-        return np.lib.format.read_array_header_1_0(stream)[2]
+    return mapped(path).dtype
 
 
 def concatenated(parts: Sequence[Array]) -> Array:
