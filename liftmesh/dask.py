@@ -1,9 +1,9 @@
-"""Triangulations in tiles on the workers of Dask: the triangles of one call.
+"""Triangulations and surfaces in tiles on the workers of Dask: the answer of one call.
 
-The files are those of `liftmesh.tile`, byte for byte. Workers exchange them through the scratch
-folder, which all must see, so only a sample of the points, names and counts go through the
-scheduler. A worker that dies loses the task it was at; a client that dies can begin again and finds
-what is done.
+The files are those of `liftmesh.tile` and `liftmesh.tile_surface`, byte for byte. Workers exchange
+them through the scratch folder, which all must see, so only a sample of the points, names and
+counts go through the scheduler. A worker that dies loses the task it was at; a client that dies can
+begin again and finds what is done.
 
 Examples
 --------
@@ -19,19 +19,35 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from itertools import accumulate
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from liftmesh.choices import NonFinite, ShardFormat, check_progress
+from liftmesh.choices import Duplicates, NonFinite, ShardFormat, check_progress
 from liftmesh.errors import InputError
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
+from liftmesh.tiles.clouds import (
+    alike,
+    in_record_file,
+    in_record_files,
+    valued_parts,
+    valued_parts_of_file,
+)
 from liftmesh.tiles.parquet import planar_columns
-from liftmesh.tiles.run import TILE_ROWS, Options, rows_within, triangulated
+from liftmesh.tiles.run import (
+    ROW_BYTES,
+    SURFACE_ROW_BYTES,
+    TILE_ROWS,
+    Options,
+    rows_within,
+    triangulated,
+)
 from liftmesh.tiles.schedule import Meter, in_order
+from liftmesh.tiles.schema import records_from, schema_of
 from liftmesh.tiles.sources import (
     Origin,
     files_of,
@@ -41,13 +57,16 @@ from liftmesh.tiles.sources import (
     parts_of_file,
 )
 from liftmesh.tiles.stages import label, node
+from liftmesh.tiles.surfacing import Surfacing
 
 if TYPE_CHECKING:
     from liftmesh._typing import Progress
+    from liftmesh.tiles.clouds import Reading
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.sources import Part
     from liftmesh.tiles.stages import Done, Folders
     from liftmesh.tiles.tiled import Tiled
+    from liftmesh.tiles.tiled_surface import TiledSurface
 
 _TRIES = 3  # of a task that raises OSError, as a network disk may
 
@@ -126,6 +145,88 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     return found
 
 
+def triangulate(  # noqa: PLR0913 - options are keywords
+    source: object,
+    out: str | os.PathLike[str],
+    *,
+    client: Any = None,
+    crs: str | None = None,
+    plane: Literal["xy"] = "xy",
+    duplicates: Duplicates = "first",
+    nonfinite: NonFinite = "error",
+    tile_rows: int | Literal["auto"] = "auto",
+    scratch: str | os.PathLike[str] | None = None,
+    resume: bool = True,
+    shards: Literal["npy"] = "npy",
+    neighbors: bool = False,
+    progress: Progress | None = None,
+    **reading: Any,
+) -> TiledSurface:
+    """Make a surface of more points than fit in memory, on the workers of Dask.
+
+    Triangles, vertices and the use of every row are those of `liftmesh.triangulate` for all rows,
+    and the files those of `liftmesh.tile_surface`. Needs ``liftmesh[dask]``.
+
+    Parameters
+    ----------
+    source : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
+        As for `liftmesh.tile_surface`; also arrays of Dask with two or three columns, and
+        DataFrames, whose columns are known by their names. Paths must lead to the same files on all
+        workers.
+    out : str or path
+        The folder to write to, which all workers see.
+    client : distributed.Client, optional
+        As for `delaunay`.
+    crs, plane, duplicates, nonfinite
+        As for `liftmesh.tile_surface`. An error about duplicates is that of the tile that is done
+        first.
+    tile_rows : int or "auto", default "auto"
+        As for `delaunay`.
+    scratch : str or path, optional
+        As for `liftmesh.tile_surface`, in a folder that all workers see.
+    resume, shards, neighbors, progress
+        As for `liftmesh.tile_surface`.
+    **reading
+        As for `liftmesh.tile_surface`.
+
+    Returns
+    -------
+    TiledSurface
+        Triangles and vertices in shards.
+
+    Raises
+    ------
+    InputError, NonFiniteError, DuplicateHeightError, DegenerateInputError, FormatError, OSError
+        As for `liftmesh.tile_surface`.
+    MissingDependencyError
+        Dask is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from dask.distributed import Client
+    >>> points = np.random.default_rng(0).random((1000, 3))
+    >>> with Client(n_workers=1, processes=False, dashboard_address=":0") as client:
+    ...     tiled = triangulate(points, tempfile.mkdtemp(), tile_rows=300, client=client)
+    >>> tiled
+    <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
+    """
+    check_progress(progress)
+    surface = Surfacing.checked(duplicates, plane, crs, reading)
+    options = Options.checked(
+        out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
+    )
+    with _client(client) as used:
+        workers = _Workers(used, progress)
+        cut = partial(workers.valued_parts, reading=surface.reading)
+        fitting = _tile_rows(used, SURFACE_ROW_BYTES)
+        found = triangulated(source, options, workers, fitting=fitting, cut=cut)
+    if progress is not None:
+        progress(1.0)
+    return cast("TiledSurface", found)
+
+
 class _Workers:
     """Hands tasks to workers, under names that the dashboard groups by stage."""
 
@@ -145,10 +246,31 @@ class _Workers:
         blocks = _blocks(source, rows)
         if blocks is None:
             return in_files(parts_of(source, rows, scratch), scratch)
+        return self._spooled(_in_file, blocks, scratch)
+
+    def valued_parts(
+        self, source: object, rows: int, scratch: Path, reading: Reading
+    ) -> Sequence[Part]:
+        """Cut the source of a surface into parts that all workers can read."""
+        files = files_of(source)
+        if files is not None:
+            calls = [(each, os.path.abspath(each.source), rows, scratch, reading) for each in files]  # noqa: PTH100 - links stay
+            found = self.each("spool", valued_parts_of_file, calls)
+            return alike([part for parts in found for part in parts])
+        blocks = _blocks(source, rows, every_column=True)
+        if blocks is None:
+            return in_record_files(valued_parts(source, rows, scratch, reading), scratch)
+        if reading.options:
+            given = ", ".join(reading.options)
+            raise InputError(f"{given}: options of files, and there is no file")
+        return alike(self._spooled(partial(_in_record_file, reading=reading), blocks, scratch))
+
+    def _spooled(self, task: Callable[..., Part], blocks: list[Any], scratch: Path) -> list[Any]:
+        """Write blocks to files, each on a worker."""
         write = load("dask", extra="dask").delayed(_tried, pure=False)
         places = [scratch / f"points-{number:05d}.npy" for number in range(len(blocks))]
         tasks = [
-            write(_in_file, block, place, dask_key_name=self._key("spool", number))
+            write(task, block, place, dask_key_name=self._key("spool", number))
             for number, (block, place) in enumerate(zip(blocks, places, strict=True))
         ]
         found: list[Part] = self._gathered("spool", self._client.compute(tasks))
@@ -229,24 +351,26 @@ def _current(distributed: Any) -> Any:
         return None
 
 
-def _tile_rows(client: Any) -> int:
+def _tile_rows(client: Any, row_bytes: int = ROW_BYTES) -> int:
     """Return how many rows of a tile fit the least of the workers."""
     workers = client.scheduler_info(n_workers=-1)["workers"].values()
     fitting = [
-        rows_within(int(worker["memory_limit"]), worker["nthreads"])
+        rows_within(int(worker["memory_limit"]), worker["nthreads"], row_bytes)
         for worker in workers
         if worker["memory_limit"]
     ]
     return min([TILE_ROWS, *fitting])
 
 
-def _blocks(source: object, rows: int) -> list[Any] | None:
+def _blocks(source: object, rows: int, *, every_column: bool = False) -> list[Any] | None:
     """Return the blocks of an array or a DataFrame of Dask, delayed; None for anything else."""
     kind = type(source).__module__.partition(".")[0]
     if kind not in ("dask", "dask_expr"):
         return None
     whole: Any = source
     if hasattr(whole, "columns"):
+        if every_column:
+            return list(whole.to_delayed())
         return list(whole[list(planar_columns("DataFrame", whole.columns.tolist()))].to_delayed())
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):
         raise InputError(f"points need the shape (n, 2) or (n, 3), not {whole.shape}")
@@ -258,6 +382,12 @@ def _in_file(block: Any, path: Path) -> Part:
     """Write a block to a file; only its name goes back, so the block can be released."""
     points = as_cloud(block).points if hasattr(block, "columns") else block
     return in_file(points, path, Origin("Dask"))
+
+
+def _in_record_file(block: Any, path: Path, reading: Reading) -> Part:
+    """Write a block to a file, with all its values."""
+    cloud = reading.changed(as_cloud(block))
+    return in_record_file(records_from(cloud), path, schema_of(cloud), Origin("Dask"))
 
 
 def _numbered(parts: Sequence[Any]) -> list[Part]:

@@ -21,10 +21,16 @@ import numpy as np
 import pandas as pd
 import pytest
 from dask.distributed import Client, LocalCluster
+from tiled_surfaces import check, steep_cloud
 
 import liftmesh
 import liftmesh.dask
-from liftmesh.errors import InputError, MissingDependencyError, NonFiniteError
+from liftmesh.errors import (
+    DuplicateHeightError,
+    InputError,
+    MissingDependencyError,
+    NonFiniteError,
+)
 
 POINTS = np.random.default_rng(8).random((24_000, 2))
 TILE_ROWS = 2_000
@@ -123,6 +129,50 @@ def test_workers_decode_files(
         liftmesh.dask.delaunay("d.laz", tmp_path / "d", client=client)
 
 
+def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) -> None:
+    """Also if a worker is killed in the middle."""
+    cloud = steep_cloud(rows=12_000, side=90)
+    liftmesh.write(tmp_path / "cloud.ply", cloud)
+    options: dict[str, Any] = {"tile_rows": 1_000, "duplicates": "mean", "neighbors": True}
+    alone = liftmesh.tile_surface(tmp_path / "cloud.ply", tmp_path / "alone", **options)
+    victims = [*client.run(os.getpid).values()]
+
+    def kill_one() -> None:
+        wait_for(tmp_path / "out", 4)
+        os.kill(victims[0], signal.SIGKILL)
+
+    thread = threading.Thread(target=kill_one)
+    thread.start()
+    source, out = tmp_path / "cloud.ply", tmp_path / "out"
+    found = liftmesh.dask.triangulate(source, out, client=client, **options)
+    thread.join()
+    assert contents(tmp_path / "out") == contents(tmp_path / "alone")
+    assert repr(found) == repr(alone)
+    check(found, liftmesh.triangulate(source, duplicates="mean"))
+    client.wait_for_workers(2, timeout=120)
+
+
+def test_surfaces_of_frames_and_arrays(client: Client, tmp_path: Path) -> None:
+    points = steep_cloud().points
+    columns = dict(zip("xyz", points.T, strict=True))
+    frame = pd.DataFrame({"class": np.arange(len(points)) % 7, **columns})
+    sources = {
+        "frame": (dask.dataframe.from_pandas(frame, npartitions=3), frame),
+        "array": (dask.array.from_array(points, chunks=(500, 2)), points),
+        "memory": (points, points),
+    }
+    for name, (each, whole) in sources.items():
+        options: dict[str, Any] = {"duplicates": "highest", "tile_rows": 300}
+        out = tmp_path / name
+        found = liftmesh.dask.triangulate(each, out, client=client, crs="EPSG:7415", **options)
+        check(found, liftmesh.triangulate(whole, duplicates="highest", crs="EPSG:7415"))
+    with pytest.raises(InputError, match="classes: options of files, and there is no file"):
+        liftmesh.dask.triangulate(sources["frame"][0], tmp_path / "a", client=client, classes=2)
+    points[700, 2] += 1
+    with pytest.raises(DuplicateHeightError, match="share the planar position"):
+        liftmesh.dask.triangulate(points, tmp_path / "b", duplicates="error", client=client)
+
+
 def wait_for(folder: Path, files: int) -> None:
     deadline = time.monotonic() + 60
     while (
@@ -149,7 +199,7 @@ def test_a_worker_is_killed_in_the_middle(
     liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
     thread.join()
     assert contents(tmp_path) == expected
-    client.wait_for_workers(2)
+    client.wait_for_workers(2, timeout=120)
     assert killed[0] not in client.run(os.getpid).values()
 
 

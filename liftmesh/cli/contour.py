@@ -9,11 +9,13 @@ import typer
 
 from liftmesh.cli import files, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
+from liftmesh.cli.tiled_surfaces import opened
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
     "Every line is closed or ends at the border; what is above is on its left. Properties of a "
-    "line are its height, whether it is closed, and whether it is an index contour."
+    "line are its height, whether it is closed, and whether it is an index contour. IN may also be "
+    "a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
     "liftmesh contour tin.ply lines.geojson --interval 1",
@@ -66,11 +68,16 @@ def run(
     every = options.parse_count("--index-every", index_every, 1)
     files.check_place(target)
     files.check_apart(reading.polygon, source, target)
-    surface = reading.surface(source)
-    with terminal.stage("finding contours"):
-        lines = surface.contours(**wanted, index_every=every, threads=reading.threads).longer_than(
-            least or 0.0
-        )
+    if source.is_dir():
+        tiled = opened(source, reading)
+        with terminal.stage("finding contours"):
+            lines = tiled.contours(**wanted, index_every=every).longer_than(least or 0.0)
+    else:
+        surface = reading.surface(source)
+        with terminal.stage("finding contours"):
+            lines = surface.contours(
+                **wanted, index_every=every, threads=reading.threads
+            ).longer_than(least or 0.0)
     with terminal.stage(f"writing {target.name}"):
         path = lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from liftmesh.choices import RasterQuantity, SampleMethod, shown
 from liftmesh.cli import files, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
+from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.trimming import trimmed
 from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.tiled_surface import TiledSurface
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
 HELP = (
     "A pixel has the height of the surface at its centre, by default linear in each face, and no "
-    "value where no face contains the centre. The edges of pixels are multiples of the resolution."
+    "value where no face contains the centre. The edges of pixels are multiples of the resolution. "
+    "IN may also be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
     "liftmesh raster tin.ply dtm.tif --resolution 0.5 --crs EPSG:7415",
+    "liftmesh raster tiles/ dtm.tif --resolution 0.5",
     "liftmesh raster survey.csv shade.tif --resolution 2 --quantity hillshade --max-edge 20",
 ]
 
@@ -97,6 +103,14 @@ def run(
     geotiff_writer.checked(crs, packing)
     files.check_place(target)
     files.check_apart(reading.polygon, source, target)
+    if source.is_dir():
+        other = None if method == "linear" else method
+        tiled = opened(source, reading, method=other, cog=cog, crs=crs)
+        values: dict[str, Any] = {"quantity": quantity, "z_factor": factor, "bounds": covered}
+        values |= {"dtype": "float64" if double else "float32", "compress": packing}
+        values |= {"threads": reading.threads}
+        _write(tiled, target, steps if len(steps) > 1 else steps[0], values, as_json=json)
+        return
     surface = reading.untrimmed(source)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
     surface = trimmed(surface, reading.trimming)
@@ -113,6 +127,31 @@ def run(
     with terminal.stage(f"writing {target.name}"):
         path = found.save(target, cog=cog, compress=packing)
     _say(path, found, as_json=json)
+
+
+def _write(
+    tiled: TiledSurface, target: Path, steps: Any, values: dict[str, Any], *, as_json: bool
+) -> None:
+    """Write the raster of a folder window by window, and say how large it is."""
+    with terminal.bar(1.0) as advance:
+        shown = [0.0]
+
+        def progress(share: float) -> None:
+            advance(f"writing {target.name}", share - shown[0])
+            shown[0] = share
+
+        path = tiled.save_raster(target, steps, progress=progress, **values)
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
+
+    with load("rasterio", extra="terrain").open(path) as file:
+        rows_, columns, transform = file.height, file.width, list(file.transform)[:6]
+    if as_json:
+        place = {"transform": transform, "crs": tiled.crs}
+        counts = {"rows": rows_, "columns": columns}
+        told = {"path": str(path), "quantity": values["quantity"], **counts, **place}
+        terminal.as_json(told)
+        return
+    terminal.sentence(f"{path}: {columns:,} x {rows_:,} pixels of {values['quantity']}", "good")
 
 
 def _system(source: Path, stated: str | None, given: str) -> str:

@@ -1,40 +1,54 @@
-"""``liftmesh tile``: triangulate more points than memory holds, into a folder."""
+"""``liftmesh tile``: triangles or a surface of more points than memory holds, in a folder."""
 
 from __future__ import annotations
 
 import logging
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import ShardFormat
+from liftmesh.choices import Duplicates, ShardFormat
 from liftmesh.cli import options, standard_streams, terminal
+from liftmesh.cli.rows import with_options as with_rows
 
 if TYPE_CHECKING:
-    from liftmesh._typing import Progress
     from liftmesh.tiles.tiled import Tiled
 
 SHORT_HELP = "Triangulate more points than memory holds, in tiles."
 HELP = (
     "Writes shards of triangles and a manifest to a folder. Together they are exactly the "
-    "triangles of all points. A run that was stopped goes on where it was."
+    "triangles of all points. A run that was stopped goes on where it was. With --surface, shards "
+    "also hold vertices with heights and values, and IN may be any cloud."
 )
 EXAMPLES = [
     "liftmesh tile cloud.npy tiles/",
     "liftmesh tile a.laz b.laz tiles/ --memory 1GB --workers 2",
+    "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --duplicates lowest",
     "liftmesh tile cloud.npy /shared/tiles/ --scheduler tcp://10.0.0.1:8786",
 ]
 SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
+@with_rows
 def run(
     sources: Annotated[
         list[Path],
         typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text."),
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to write to.")],
+    surface: Annotated[
+        bool, typer.Option("--surface", help="Keep heights, colours and named values, too.")
+    ] = False,
+    duplicates: Annotated[
+        Duplicates | None,
+        typer.Option(
+            help="Of a surface, which of several rows at one planar position is the vertex; by "
+            "default the first."
+        ),
+    ] = None,
     memory: Annotated[
         str | None,
         typer.Option(
@@ -60,13 +74,14 @@ def run(
         bool, typer.Option("--anew", help="Replace what a former run has written to OUT.")
     ] = False,
     shards: Annotated[
-        ShardFormat, typer.Option(help="Format of the triangles; ply holds meshes.")
+        ShardFormat, typer.Option(help="Format of triangles without heights; ply holds meshes.")
     ] = "npy",
     neighbors: Annotated[
         bool, typer.Option("--neighbors", help="Also write which triangles share an edge.")
     ] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
+    selection: Any = None,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are.
@@ -77,6 +92,10 @@ def run(
         IN...
     out : Path
         OUT.
+    surface : bool
+        Whether heights matter.
+    duplicates : str, optional
+        As in `liftmesh.tile_surface`.
     memory, tile_rows, workers, scheduler : str, optional
         How large tiles are, and who works.
     scratch : Path, optional
@@ -89,19 +108,33 @@ def run(
         Whether neighbours are written.
     nonfinite, threads : str
         As in `liftmesh.tile`.
+    selection : dict
+        Which rows a surface has, as in `liftmesh.read_chunks`.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    from liftmesh.tiles.run import rows_within  # noqa: PLC0415 - help and --version do without
+    if not surface and (duplicates or selection):
+        given = "--duplicates" if duplicates else f"--{next(iter(selection)).replace('_', '-')}"
+        raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
+    if surface and shards != "npy":
+        raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
+    from liftmesh.tiles.run import (  # noqa: PLC0415 - help and --version do without
+        ROW_BYTES,
+        SURFACE_ROW_BYTES,
+        rows_within,
+    )
 
     limit = options.parse_size(memory, "--memory")
-    rows: Any = "auto" if limit is None else rows_within(limit)
+    row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
+    rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
     if tile_rows is not None:
         rows = options.parse_count("--tile-rows", tile_rows, 16)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
     common |= {"shards": shards, "neighbors": neighbors}
+    if surface:
+        common |= {"duplicates": duplicates or "first", **selection}
     paths = [str(path) for path in sources]
     with terminal.bar(1.0) as advance:
         shown = [0.0]
@@ -111,9 +144,12 @@ def run(
             shown[0] = share
 
         if workers is None and scheduler is None:
-            found = _alone(paths, out, options.parse_threads(threads), progress, common)
+            count = options.parse_threads(threads)
+            found = _alone(surface=surface)(paths, out, threads=count, progress=progress, **common)
         else:
-            found = _by_dask(paths, out, workers, scheduler, limit, progress, common)
+            with _client(workers, scheduler, limit) as client:
+                make = _by_dask(surface=surface)
+                found = make(paths, out, client=client, progress=progress, **common)
     _say(found, json=json)
 
 
@@ -135,24 +171,26 @@ def _check_options(
             raise typer.BadParameter(f"{one} and {other} exclude each other: leave one out")
 
 
-def _alone(
-    paths: list[str], out: Path, threads: int | None, progress: Progress, common: dict[str, Any]
-) -> Tiled:
-    from liftmesh.tiles.build import tile  # noqa: PLC0415 - help and --version do without
+def _alone(*, surface: bool) -> Callable[..., Tiled]:
+    """Return what does the work in this process."""
+    if surface:
+        from liftmesh.tiles.surface_build import tile_surface  # noqa: PLC0415 - as above
 
-    return tile(paths, out, threads=threads, progress=progress, **common)
+        return tile_surface
+    from liftmesh.tiles.build import tile  # noqa: PLC0415 - as above
+
+    return tile
 
 
-def _by_dask(
-    paths: list[str],
-    out: Path,
-    workers: str | None,
-    scheduler: str | None,
-    limit: int | None,
-    progress: Progress,
-    common: dict[str, Any],
-) -> Tiled:
-    from liftmesh.dask import delaunay  # noqa: PLC0415 - as above
+def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
+    """Return what does the work on the workers of Dask."""
+    from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
+
+    return triangulate if surface else delaunay
+
+
+@contextmanager
+def _client(workers: str | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
     count = None if workers is None else options.parse_count("--workers", workers, 1)
@@ -164,12 +202,14 @@ def _by_dask(
             settings |= {} if limit is None else {"memory_limit": limit}
             settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
             place = stack.enter_context(distributed.LocalCluster(n_workers=count, **settings))
-        client = stack.enter_context(distributed.Client(place))
-        return delaunay(paths, out, client=client, progress=progress, **common)
+        yield stack.enter_context(distributed.Client(place))
 
 
 def _say(found: Tiled, *, json: bool) -> None:
     counts = {name: found.manifest[name] for name in SHOWN}
+    if "surface" in found.manifest:
+        counts["overhangs"] = found.manifest["surface"]["overhangs"]
+        counts["duplicates"] -= counts["overhangs"]
     if json:
         terminal.as_json(
             {"folder": str(found.directory), **counts, "merges": dict(found.manifest["merges"])}

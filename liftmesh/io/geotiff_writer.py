@@ -1,12 +1,17 @@
 """GeoTIFF from arrays; rasterio encodes it.
 
-The file is made in memory and handed to the stream whole, so that nothing but the file itself is
-opened on the disk, and GDAL leaves no files beside it.
+A file of an array is made in memory and handed to the stream whole, so that nothing but the file
+itself is opened on the disk, and GDAL leaves no files beside it. What need not fit in memory is
+written in windows, to a file in a folder of its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+import shutil
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -15,6 +20,7 @@ from liftmesh._typing import Array
 from liftmesh.choices import shown
 from liftmesh.crs import is_system
 from liftmesh.errors import InputError
+from liftmesh.io.atomic import check_writable, replacing
 from liftmesh.optional import load
 
 _COMPRESSIONS = (None, "deflate", "lzw", "zstd")
@@ -73,6 +79,68 @@ def write(
             file.write(values, 1)
         data = memoryview(memory.getbuffer())
         stream.writelines(data[start : start + _PIECE] for start in range(0, len(data), _PIECE))
+
+
+def write_windows(
+    path: Path,
+    shape: tuple[int, int],
+    kind: np.dtype[Any],
+    windows: Iterable[tuple[tuple[range, range], Array]],
+    transform: Sequence[float],
+    crs: str | None,
+    *,
+    compress: str | None = "deflate",
+) -> None:
+    """Write one band from windows, which need not fit in memory together; NaN is nodata.
+
+    GDAL writes to a file of its own in a hidden folder beside the target, which is copied from
+    there and put in place when it is whole.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    shape : (int, int)
+        Rows and columns.
+    kind : numpy.dtype
+        Of the values.
+    windows : iterable
+        Rows and columns of each window, and its values; together all pixels, each once.
+    transform, crs, compress
+        As for `write`.
+
+    Raises
+    ------
+    InputError
+        The compression or the coordinate system is unknown.
+    MissingDependencyError
+        rasterio is not installed.
+    OSError
+        A file cannot be written.
+    """
+    system = checked(crs, compress)
+    rasterio = load("rasterio", extra="terrain")
+    check_writable(path)
+    rows, columns = shape
+    profile = {
+        "width": columns,
+        "height": rows,
+        "count": 1,
+        "dtype": kind.name,
+        "transform": rasterio.Affine(*transform),
+        "crs": system,
+        "nodata": np.nan,
+        **_tiff(compress, rows * columns * kind.itemsize),
+    }
+    beside = Path(os.path.realpath(path)).parent
+    with TemporaryDirectory(prefix=".liftmesh-raster-", dir=beside) as folder:
+        written = Path(folder) / "raster.tif"
+        with rasterio.Env(**_ALONE), rasterio.open(written, "w", **profile) as file:
+            for (down, across), values in windows:
+                window = (down.start, down.stop), (across.start, across.stop)
+                file.write(values, 1, window=window)
+        with written.open("rb") as source, replacing(path) as stream:
+            shutil.copyfileobj(source, stream, _PIECE)
 
 
 def checked(crs: str | None, compress: str | None) -> Any:

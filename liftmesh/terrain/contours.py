@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -309,21 +309,52 @@ class Contouring:
         >>> slope.contours([2])[0].points.tolist()
         [[1.0, 3.0], [1.0, 0.0]]
         """
-        if (levels is None) == (interval is None):
-            raise InputError("give either levels or an interval")
-        if interval is None:
-            wanted = _levels("levels", levels)
-            is_index = np.zeros(len(wanted), dtype=np.bool_)
-        else:
-            wanted, is_index = _multiples(
-                self, interval, base, as_count("index_every", index_every, 1)
-            )
+        wanted, is_index = wanted_levels(
+            levels, interval, base, index_every, lambda: _heights_of(self)
+        )
         limit = as_threads(threads, len(self.faces))
         points, starts, places, closed = relief_of(self).contours(wanted, *limit)
         crs = self.crs if self.frame.name == "xy" else None
         return Contours(
             points, starts, wanted[places], closed.view(np.bool_), is_index[places], crs
         )
+
+
+def wanted_levels(
+    levels: ArrayLike | None,
+    interval: float | None,
+    base: float,
+    index_every: int,
+    heights: Callable[[], tuple[Fraction, Fraction]],
+) -> tuple[Floats, Array]:
+    """Decide which levels have lines.
+
+    Parameters
+    ----------
+    levels, interval, base, index_every
+        As for `Surface.contours`.
+    heights : callable
+        Returns the least and the greatest height of the surface.
+
+    Returns
+    -------
+    levels : (k,) ndarray of float64
+        Ascending.
+    is_index : (k,) ndarray of bool
+        Whether their lines are index contours.
+
+    Raises
+    ------
+    InputError
+        As for `Surface.contours`.
+    """
+    if (levels is None) == (interval is None):
+        raise InputError("give either levels or an interval")
+    if interval is None:
+        wanted = _levels("levels", levels)
+        return wanted, np.zeros(len(wanted), dtype=np.bool_)
+    every = as_count("index_every", index_every, 1)
+    return _multiples(heights, interval, base, every)
 
 
 def _levels(name: str, values: Any) -> Floats:
@@ -338,13 +369,16 @@ def _levels(name: str, values: Any) -> Floats:
 
 
 def _multiples(
-    surface: Surface, interval: float, base: float, index_every: int
+    heights: Callable[[], tuple[Fraction, Fraction]],
+    interval: float,
+    base: float,
+    index_every: int,
 ) -> tuple[Floats, Array]:
     """Return the levels within the heights of a surface, and which of them are index contours."""
     step, start = (_decimal(*each) for each in (("interval", interval), ("base", base)))
     if step <= 0:
         raise InputError(f"interval is {shown(interval)}: give a positive height")
-    low, high = _heights_of(surface)
+    low, high = heights()
     first, last = math.floor((low - start) / step), math.ceil((high - start) / step)
     if last - first > _MOST_LEVELS:
         raise InputError(

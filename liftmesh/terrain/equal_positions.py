@@ -57,7 +57,13 @@ class Choice:
     new_heights: Floats
 
 
-def choose_rows(duplicates: Rows, heights: Floats, planar: Floats, policy: str) -> Choice:
+def choose_rows(
+    duplicates: Rows,
+    heights: Floats,
+    planar: Floats,
+    policy: str,
+    names: Integers | None = None,
+) -> Choice:
     """Choose the row that is used as the vertex at each shared planar position.
 
     Parameters
@@ -96,7 +102,7 @@ def choose_rows(duplicates: Rows, heights: Floats, planar: Floats, policy: str) 
     """
     check_option("duplicates", policy, Duplicates)
     if policy == "error":
-        _refuse_overhangs(duplicates, heights, planar)
+        _refuse_overhangs(duplicates, heights, planar, names)
     groups = _Groups.of(duplicates, heights)
     chosen = groups.chosen(policy)
     moved, new_heights = groups.means() if policy == "mean" else (chosen[:0], heights[:0])
@@ -114,18 +120,21 @@ def choose_rows(duplicates: Rows, heights: Floats, planar: Floats, policy: str) 
     )
 
 
-def _refuse_overhangs(duplicates: Rows, heights: Floats, planar: Floats) -> None:
+def _refuse_overhangs(
+    duplicates: Rows, heights: Floats, planar: Floats, names: Integers | None
+) -> None:
     """Raise for the first row at another height than the kept row at its position."""
     unequal = heights[duplicates[:, 0]] != heights[duplicates[:, 1]]
     if not unequal.any():
         return
     row, kept = duplicates[np.argmax(unequal)].tolist()
     x, y = planar[kept].tolist()
+    low, high = (kept, row) if names is None else names[[kept, row]].tolist()
     raise DuplicateHeightError(
-        f"rows {kept} and {row} share the planar position ({x!r}, {y!r}) at the heights "
+        f"rows {low} and {high} share the planar position ({x!r}, {y!r}) at the heights "
         f"{float(heights[kept])!r} and {float(heights[row])!r}: give duplicates='first', 'last', "
         "'lowest', 'highest' or 'mean' to choose the vertex",
-        rows=(kept, row),
+        rows=(low, high),
     )
 
 

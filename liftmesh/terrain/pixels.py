@@ -136,7 +136,7 @@ def _whole(shape: Any) -> tuple[int, int]:
     return int(rows), int(columns)
 
 
-def centres_of(transform: Transform, rows: range, columns: int) -> Floats:
+def centres_of(transform: Transform, rows: range, columns: int | range) -> Floats:
     """Compute the centres of some rows of pixels.
 
     Parameters
@@ -145,8 +145,8 @@ def centres_of(transform: Transform, rows: range, columns: int) -> Floats:
         As of `Raster`.
     rows : range
         The rows.
-    columns : int
-        Pixels in a row.
+    columns : int or range
+        Pixels in a row, or some of them.
 
     Returns
     -------
@@ -159,6 +159,7 @@ def centres_of(transform: Transform, rows: range, columns: int) -> Floats:
     [[[0.5, 1.5], [1.5, 1.5]]]
     """
     a, b, c, d, e, f = transform
-    u, v = np.arange(columns) + 0.5, np.array(rows)[:, None] + 0.5
+    across = range(columns) if isinstance(columns, int) else columns
+    u, v = np.array(across) + 0.5, np.array(rows)[:, None] + 0.5
     centres: Floats = np.stack([a * u + b * v + c, d * u + e * v + f], axis=-1)
     return centres

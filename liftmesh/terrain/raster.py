@@ -7,8 +7,7 @@ them (`_core/surface/scan.hpp`). So the heights are bit for bit those of `Surfac
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,15 +16,14 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.choices import RasterQuantity, SampleMethod, check_option, shown
-from liftmesh.errors import InputError
+from liftmesh.choices import RasterQuantity, SampleMethod
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import geotiff_writer
 from liftmesh.io.atomic import replacing
 from liftmesh.io.places import check_suffix
 from liftmesh.terrain.pixels import Layout, Transform, centres_of, layout_of
-from liftmesh.terrain.sampling import aspect_of, relief_of, slope_of
-from liftmesh.terrain.units import rise_of
+from liftmesh.terrain.raster_values import Wanted
+from liftmesh.terrain.sampling import relief_of
 from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
@@ -34,7 +32,6 @@ if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
 
 _TOGETHER = 1 << 22  # pixels whose gradients are held at a time
-_TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -196,25 +193,19 @@ def rasterized(
     InputError
         An option is unknown.
     """
-    check_option("quantity", quantity, RasterQuantity)
-    check_option("method", method, SampleMethod)
-    if quantity != "height" and method != "linear":
-        raise InputError(f"{quantity} is that of faces: leave out method {method!r}")
-    kind = _checked_type(dtype)
-    sun, rise = _light_of(light), rise_of(surface, z_factor)
+    wanted = Wanted.checked(surface, quantity, method, dtype, light, z_factor)
     scan = _Scan(surface, layout, as_threads(threads, layout.rows * layout.columns))
-    values = np.empty((layout.rows, layout.columns), kind)
+    values = np.empty((layout.rows, layout.columns), wanted.kind)
     if quantity == "height":
-        _check_range(surface, kind)
+        wanted.check_range(surface.frame.heights(surface.vertices)[surface.faces])
         if method == "linear":
             scan.fill(values[:, :, None])
         else:
             _fill_by(method, surface, layout, values, threads)
     else:
         for block, gradients in scan.gradients(values):
-            block[...] = _OF_GRADIENTS[quantity](gradients * rise, sun)
-    if quantity == "aspect":
-        values[values == 360] = 0  # which is north, too, and comes from rounding to the type
+            block[...] = wanted.of_gradients(gradients)
+    wanted.finish(values)
     crs = surface.crs if surface.frame.name == "xy" else None
     return Raster(values, layout.transform, crs, quantity)
 
@@ -274,73 +265,6 @@ class _Scan:
             gradients = np.empty((*block.shape, 2))
             self.fill(gradients, first)
             yield block, gradients
-
-
-def shade_of(gradients: Floats, light: Floats) -> Floats:
-    """Compute how bright faces are under a distant light.
-
-    Parameters
-    ----------
-    gradients : (..., 2) ndarray of float64
-        As from `Surface.gradient`.
-    light : (3,) ndarray of float64
-        The unit vector towards the light.
-
-    Returns
-    -------
-    (...) ndarray of float64
-        From 0, in the shade, to 255, facing the light.
-
-    Examples
-    --------
-    >>> shade_of(np.array([[0.0, 0.0], [-1.0, 0.0]]), np.array([0.0, 0.0, 1.0])).round()
-    array([255., 180.])
-    """
-    x, y = gradients[..., 0], gradients[..., 1]
-    facing = light[2] - light[0] * x - light[1] * y
-    shades: Floats = 255 * np.maximum(facing, 0) / np.sqrt(1 + x * x + y * y)
-    return shades
-
-
-_OF_GRADIENTS: dict[str, Callable[[Floats, Floats], Floats]] = {
-    "slope": lambda gradients, _: slope_of(gradients),
-    "aspect": lambda gradients, _: aspect_of(gradients),
-    "hillshade": shade_of,
-}
-
-
-def _light_of(light: tuple[float, float]) -> Floats:
-    """Convert azimuth and altitude to the direction towards the light."""
-    try:
-        azimuth, altitude = (math.radians(float(each)) for each in light)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"light is {shown(light)}: give azimuth and altitude, in degrees"
-        ) from error
-    if not (math.isfinite(azimuth) and 0 <= altitude <= math.pi / 2):
-        raise InputError(f"light is {shown(light)}: give an altitude from 0 to 90 degrees")
-    level = math.cos(altitude)
-    return np.array([math.sin(azimuth) * level, math.cos(azimuth) * level, math.sin(altitude)])
-
-
-def _check_range(surface: Surface, kind: np.dtype[Any]) -> None:
-    """Raise if a height of a face is finite, but beyond the type."""
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
-    farthest = float(heights.ravel()[np.argmax(np.abs(heights))])
-    with np.errstate(over="ignore"):
-        is_beyond = math.isfinite(farthest) and np.isinf(kind.type(farthest))
-    if is_beyond:
-        raise InputError(f"the height {farthest} is beyond {kind.name}: give dtype='float64'")
-
-
-def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
-    try:
-        kind = np.dtype(dtype)
-    except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
-        kind = np.dtype(np.void)
-    if kind not in _TYPES:
-        raise InputError(f"dtype is {shown(dtype)}: give 'float64' or 'float32'")
-    return kind
 
 
 class Rasterizing:

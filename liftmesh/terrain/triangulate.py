@@ -181,7 +181,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     lifting = lifting_of(source, weights, radii, metric, method)
     source = lifting.cloud
     stages.finish("read")
-    _check_system(source.crs, plane)
+    check_system(source.crs, plane, stacklevel=4)
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit ignores such rows, and its errors would hide them
     frame = resolve_plane(plane, source.points)
@@ -211,8 +211,28 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     return surface
 
 
-def _check_system(crs: str | None, plane: object) -> None:
-    """Refuse coordinates that have no plane x, y, and warn of those that are no lengths."""
+def check_system(crs: str | None, plane: object, stacklevel: int = 3) -> None:
+    """Refuse coordinates that have no plane x, y, and warn of those that are no lengths.
+
+    Parameters
+    ----------
+    crs : str, optional
+        The coordinate system.
+    plane : object
+        As for `triangulate`.
+    stacklevel : int
+        Whose line a warning names, as for `warnings.warn` here.
+
+    Raises
+    ------
+    InputError
+        The coordinates are geocentric.
+
+    Warns
+    -----
+    DataWarning
+        The coordinate system has degrees, or units that differ.
+    """
     system = described(crs)
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
@@ -220,7 +240,7 @@ def _check_system(crs: str | None, plane: object) -> None:
             "read the file with to_crs= a projected system, or give the normal of a plane"
         )
     for each in warnings_of(system):
-        warnings.warn(each, DataWarning, stacklevel=4)
+        warnings.warn(each, DataWarning, stacklevel=stacklevel)
 
 
 def _table_options(columns: ColumnChoice, flat: bool) -> dict[str, Any]:

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Array, Integers
-from liftmesh.tiles.stages import Done, Folders, label, load_plan
+from liftmesh.tiles.runs import load_plan
+from liftmesh.tiles.stages import Done, Folders, label
 from liftmesh.tiles.store import save_array
 
 if TYPE_CHECKING:

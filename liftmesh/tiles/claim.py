@@ -34,13 +34,14 @@ MARKER = "scratch.json"
 SCRATCH = ".liftmesh-tiles"
 
 _SHARD = re.compile(
-    r"(tile|seam)-\d{5,}(\.(npy|parquet|ply)|-(neighbors|links)\.npy)"
+    r"(tile|seam)-\d{5,}(\.(npy|parquet|ply)|-(neighbors|links|vertices|faces)\.npy)"
     r"|(duplicates|skipped|hull)\.npy|(manifest|plan)\.json"
 )
 _TEMPORARY = r"\.liftmesh-[0-9a-f]{16}"
 _NOTE = re.compile(
-    r"points-\d{5,}(-\d{5,})?\.npy|run-\d{5,}(-begins|-boxes|-skipped|-duplicates)?\.npy|(boxes|shards|cuts)\.npy"
-    r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull|links|edges)\.npy"
+    r"points-\d{5,}(-\d{5,})?\.npy|(boxes|shards|cuts)\.npy"
+    r"|run-\d{5,}(-begins|-boxes|-skipped|-duplicates|-values|-apart)?\.npy"
+    r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull|links|edges|values|heights)\.npy"
     rf"|(job|plan|(run|tile|seam)-\d{{5,}})\.json|{_TEMPORARY}"
 )
 _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}

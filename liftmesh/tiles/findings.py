@@ -28,6 +28,10 @@ _MEANINGS = {
         "vertex of a shard is not at the position of its row",
         "vertices of shards are not at the positions of their rows",
     ),
+    "other_vertices": (
+        "file of vertices or faces is not that of the triangles and the points",
+        "files of vertices or faces are not those of the triangles and the points",
+    ),
     "damaged_files": ("file is not as it was written", "files are not as they were written"),
 }
 

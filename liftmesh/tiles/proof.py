@@ -14,19 +14,21 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.tiles.adjacency_proof import AdjacencyProof
+from liftmesh.tiles.clouds import planar_of
 from liftmesh.tiles.findings import Findings
 from liftmesh.tiles.repeated import positions_of, set_apart
 from liftmesh.tiles.runs import save_boxes, tile_records
 from liftmesh.tiles.schedule import in_order
 from liftmesh.tiles.shards import open_shard, vertices_of
 from liftmesh.tiles.stages import Folders, label
+from liftmesh.tiles.store import concatenated, save_array
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -47,11 +49,14 @@ class Loose:
         Tail, head and apex, as records, of edges with a triangle on their left only.
     is_bare : (k,) ndarray of bool
         Whether a point has no triangle yet.
+    values : (k,) structured ndarray, optional
+        Of a surface, the coordinates and values of the points.
     """
 
     records: Integers
     edges: Rows
     is_bare: Array
+    values: Any = None
 
     @property
     def points(self) -> Floats:
@@ -77,13 +82,13 @@ class Proof:
         )
         self.duplicates = 0
 
-    def read(self, chunks: Iterator[Floats]) -> tuple[int, str]:
+    def read(self, chunks: Iterator[Array]) -> tuple[int, str]:
         """Sort the points by tile; return how many rows were skipped, and the hash of all.
 
         Parameters
         ----------
-        chunks : iterator of (n, 2) ndarray of float64
-            All rows.
+        chunks : iterator of (n, 2) ndarray of float64, or of records
+            All rows; records are those of a surface.
 
         Returns
         -------
@@ -91,20 +96,25 @@ class Proof:
             The count, and the SHA-256.
         """
         digest, number, first = hashlib.sha256(), 0, 0
-        for number, rows in enumerate(chunks, 1):
+        for number, chunk in enumerate(chunks, 1):
+            rows = np.ascontiguousarray(planar_of(chunk))
             digest.update(rows.data)
             stem = self._folders.scratch / f"run-{number - 1:05d}"
-            pairs = self._set_apart(rows, first)
-            *found, skipped = self._plan.partition(rows, first)
-            found.append(np.setdiff1d(skipped, pairs[:, 0]))
-            for what, array in zip(("", "-begins", "-boxes", "-skipped"), found, strict=True):
-                np.save(f"{stem}{what}.npy", array)
+            for what, array in self._sorted(rows, chunk, first).items():
+                save_array(Path(f"{stem}{what}.npy"), array)
             first += len(rows)
         self._folders = replace(self._folders, runs=number)
         _, skipped = save_boxes(self._folders, self._plan)
         if not np.array_equal(skipped, self._tiled.skipped):
             self.found.add("other_skipped", 1)
         return len(skipped), digest.hexdigest()
+
+    def _sorted(self, rows: Floats, _: Array, first: int) -> dict[str, Array]:
+        """Sort a chunk by tile."""
+        pairs = self._set_apart(rows, first)
+        *found, skipped = self._plan.partition(rows, first)
+        found.append(np.setdiff1d(skipped, pairs[:, 0]))
+        return dict(zip(("", "-begins", "-boxes", "-skipped"), found, strict=True))
 
     def _set_apart(self, rows: Floats, first: int) -> Integers:
         """Leave out rows at positions that are repeated very often; the lowest one is known."""
@@ -138,6 +148,7 @@ class Proof:
         self._check_boundary(root)
         if self._adjacency is not None:
             self._adjacency.finish(len(root.edges))
+        self._check_apart()
         if self.duplicates != len(self._tiled.duplicates):
             self.found.add("other_duplicates", 1)
 
@@ -153,6 +164,12 @@ class Proof:
         is_bare[places[:, 0]] = False  # nothing may name them
         loose = Loose(records, np.empty((0, 3), dtype=np.int32), is_bare)
         return self._checked(loose, corners, ~tile)
+
+    def _check_apart(self) -> None:
+        """Check what no tile knows of duplicates: nothing is left, unless policies choose."""
+
+    def _check_vertices(self, loose: Loose, corners: Rows, name: int) -> None:
+        """Check the values of the corners of a shard, if it has any."""
 
     def _check_duplicates(self, pairs: Integers) -> None:
         stated = self._tiled.duplicates
@@ -170,11 +187,14 @@ class Proof:
         begins = np.cumsum([0, *(len(child.records) for child in children)])
         edges = [place[c.edges + begin] for c, begin in zip(children, begins, strict=False)]
         is_bare = np.concatenate([child.is_bare for child in children])[order]
-        loose = Loose(records[order], np.concatenate(edges), is_bare)
+        values = [child.values for child in children if child.values is not None]
+        joined = concatenated(values)[order] if values else None
+        loose = Loose(records[order], np.concatenate(edges), is_bare, joined)
         return self._checked(loose, self._corners(loose.records, name), name)
 
     def _checked(self, loose: Loose, corners: Rows, name: int) -> Loose:
         """Add the triangles of a shard, and pair edges."""
+        self._check_vertices(loose, corners, name)
         flaws, interior, opened = _kernel.verify_part(loose.points, corners, self._threads, False)
         self.found.add_flaws(flaws, corners, loose.records, f"{label(name)}.npy")
         self.found.interior_edges += interior
@@ -186,7 +206,8 @@ class Proof:
         kept = np.flatnonzero(stays)
         place = np.empty(len(stays), dtype=np.int32)
         place[kept] = np.arange(len(kept), dtype=np.int32)
-        return Loose(loose.records[kept], place[edges], is_bare[kept])
+        values = None if loose.values is None else loose.values[kept]
+        return Loose(loose.records[kept], place[edges], is_bare[kept], values)
 
     def _corners(self, records: Integers, name: int) -> Rows:
         """Read a shard, with its corners as records; triangles with others are left out."""

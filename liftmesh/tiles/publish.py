@@ -12,11 +12,12 @@ import numpy as np
 
 from liftmesh._typing import Integers
 from liftmesh.errors import DegenerateInputError
-from liftmesh.tiles.adjacency import link_all, neighbors_of
+from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
 from liftmesh.tiles.repeated import merged
 from liftmesh.tiles.stages import Done, Folders, label
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
+from liftmesh.tiles.surface_files import about_surface, extent_in_manifest
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
@@ -77,12 +78,13 @@ def publish(
     files = {f"{name}.npy": _file(folders.out, name, array) for name, array in arrays.items()}
     if folders.neighbors:
         _check_edges(folders, done[-1], len(hull))
-        files |= _neighbors(runner, folders, written)
+    files |= _beside(runner, folders, written)
     for name in (PLAN, _DUPLICATES):
         files[name] = _stated(folders.out / name)
     manifest = {
         "plan": folders.plan,
         **identity,
+        **about_surface(folders, identity, done, len(parts)),
         **counts,
         "kind": KIND,
         "source": _files(parts, folders.out),
@@ -134,15 +136,15 @@ def _by_kind(done: Sequence[Done]) -> list[Done]:
     return sorted(done, key=lambda each: (each.name >= 0, abs(each.name)))
 
 
+def _shard_name(folders: Folders, done: Done) -> str:
+    return f"{label(done.name)}.{folders.shards}"
+
+
 def _shard(folders: Folders, done: Done) -> dict[str, Any]:
-    name = f"{label(done.name)}.{folders.shards}"
+    name = _shard_name(folders, done)
     size = (folders.out / name).stat().st_size
-    return {
-        "file": name,
-        "triangles": done.triangles,
-        "bytes": size,
-        "sha256": done.shards[name],
-    }
+    found = {"file": name, "triangles": done.triangles, "bytes": size}
+    return {**found, "sha256": done.shards[name], **extent_in_manifest(done)}
 
 
 def _check_edges(folders: Folders, root: Done, hull: int) -> None:
@@ -154,14 +156,12 @@ def _check_edges(folders: Folders, root: Done, hull: int) -> None:
         )
 
 
-def _neighbors(
-    runner: Runner, folders: Folders, written: Sequence[Done]
-) -> dict[str, dict[str, Any]]:
-    """Write the links of the shards; return the sizes and hashes of all files of neighbours."""
-    digests = link_all(runner, folders, written)
+def _beside(runner: Runner, folders: Folders, written: Sequence[Done]) -> dict[str, dict[str, Any]]:
+    """Write the links of the shards; state all files beside them."""
+    digests = link_all(runner, folders, written) if folders.neighbors else {}
     for each in written:
-        beside, _ = neighbors_of(label(each.name))
-        digests[beside] = each.shards[beside]
+        digests |= each.shards
+        del digests[_shard_name(folders, each)]
     return {
         name: {"bytes": (folders.out / name).stat().st_size, "sha256": digest}
         for name, digest in digests.items()

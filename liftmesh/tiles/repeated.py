@@ -58,7 +58,9 @@ def frequent(sample: Floats) -> tuple[Floats, Floats]:
     return often.view(np.float64).reshape(-1, 2), sample[is_other]
 
 
-def set_apart(rows: Floats, repeated: Floats) -> tuple[Integers, Integers, Integers]:
+def set_apart(
+    rows: Floats, repeated: Floats, heights: Floats | None = None, policy: str = "first"
+) -> tuple[Integers, Integers, Integers]:
     """Replace all rows but the first at each of some positions by NaN.
 
     Parameters
@@ -67,6 +69,10 @@ def set_apart(rows: Floats, repeated: Floats) -> tuple[Integers, Integers, Integ
         Points, which are changed.
     repeated : (h, 2) ndarray of float64
         Ascending positions.
+    heights : (n,) ndarray of float64, optional
+        Of a surface: then rows that its policy may choose, or have to know, stay, too.
+    policy : str
+        As ``duplicates`` of `triangulate`.
 
     Returns
     -------
@@ -88,8 +94,33 @@ def set_apart(rows: Floats, repeated: Floats) -> tuple[Integers, Integers, Integ
     firsts[present] = found[first]
     is_apart = np.ones(len(found), dtype=np.bool_)
     is_apart[first] = False
+    if heights is not None and len(found):
+        is_apart[_needed(which, heights[found], policy)] = False
     rows[found[is_apart]] = np.nan
     return found[is_apart], which[is_apart], firsts
+
+
+def _needed(which: Integers, heights: Floats, policy: str) -> Integers:
+    """Find the rows of a chunk that decide what a policy makes of each position.
+
+    The first row is not among them, as it stays anyway. For the mean these are the first rows of
+    all heights, and for an error, too, which names two of them.
+    """
+    if policy == "first":
+        return np.empty(0, dtype=np.int64)
+    if policy == "last":
+        last = np.unique(which[::-1], return_index=True)[1]
+        return len(which) - 1 - last
+    order = np.lexsort((heights, which))  # and by row
+    at, height = which[order], heights[order]
+    is_new = np.r_[True, at[1:] != at[:-1]]
+    is_level = is_new | np.r_[True, height[1:] != height[:-1]]
+    levels: Integers = order[is_level]
+    if policy == "lowest":
+        levels = order[is_new]
+    elif policy == "highest":
+        levels = levels[np.r_[which[levels][1:] != which[levels][:-1], True]]
+    return levels
 
 
 def merged(files: Sequence[Path], apart: Sequence[Path], rows: int) -> Iterator[Integers]:
@@ -98,16 +129,17 @@ def merged(files: Sequence[Path], apart: Sequence[Path], rows: int) -> Iterator[
     Parameters
     ----------
     files : sequence of Path
-        Lists of tiles, (k, 2) int64 by ascending row, with the lowest row at each position.
+        Lists of tiles, (k, 2) int64 by ascending row, with the lowest row at each position, or the
+        one that a policy has chosen.
     apart : sequence of Path
-        Lists of chunks, with the lowest row at each position in the chunk.
+        Lists of chunks, with the lowest row at each position in the chunk, which is in a tile.
     rows : int
         The number of rows of the source.
 
     Yields
     ------
     (k, 2) ndarray of int64
-        Duplicates by ascending row, each with the lowest row at its position.
+        Duplicates by ascending row, each with the lowest row at its position, or the chosen one.
     """
     lowest: dict[int, int] = {}
     named = np.array(sorted({row for path in apart for row in _kept(path)}), dtype=np.int64)

@@ -17,32 +17,30 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.choices import NonFinite, ShardFormat, as_count, as_switch, check_option
+from liftmesh.choices import NonFinite, ShardFormat, as_count, as_switch, check_option, shown
 from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.terrain.triangulate import check_system
+from liftmesh.tiles.chunks import Scanned, changed, partition, scan
 from liftmesh.tiles.claim import check_apart, claimed, clear, folders_of
 from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of
 from liftmesh.tiles.plan import Plan, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.repeated import frequent
-from liftmesh.tiles.runs import save_boxes, tile_sample
+from liftmesh.tiles.runs import save_boxes, save_plan, tile_sample
 from liftmesh.tiles.shards import check_format
 from liftmesh.tiles.sources import Part, parts_of
 from liftmesh.tiles.stages import (
     JOB,
     Folders,
-    Scanned,
-    changed,
-    partition,
-    save_plan,
-    scan,
 )
 from liftmesh.tiles.store import load_record, save_record, seal
+from liftmesh.tiles.surfacing import Surfacing, schema_of_parts
 from liftmesh.tiles.tiled import Tiled, open_tiled
 
 if TYPE_CHECKING:
     from liftmesh.tiles.schedule import Runner
 
-Cut = Callable[[object, int, Path], list[Part]]
+Cut = Callable[[object, int, Path], Sequence[Part]]
 
 TILE_ROWS = 1_500_000  # about 300 MB
 _PART_ROWS = 2_000_000
@@ -52,19 +50,24 @@ _LARGE = 2  # times the rows of a tile: it is cut again
 _ROUNDS = 3  # of sorting; what is too large then stays so
 
 _PROCESS_BYTES = 100_000_000  # of a process without work
-_ROW_BYTES = 200  # of a tile
+ROW_BYTES = 200  # of a tile
+SURFACE_ROW_BYTES = 400  # with a few values
 _SHARE = 0.6  # of a limit: beyond that Dask takes measures
 _FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
 
 
 @dataclass(frozen=True)
 class Options:
-    """The options of `tile`, checked; a size of None is for the run to choose."""
+    """The options of `tile`, checked; a size of None is for the run to choose.
+
+    Those of a surface are apart.
+    """
 
     folders: Folders
     tile_rows: int | None
     skips: bool
     resumes: bool
+    surface: Surfacing | None = None
 
     @classmethod
     def checked(
@@ -76,6 +79,7 @@ class Options:
         resume: bool,
         shards: ShardFormat,
         neighbors: bool,
+        surface: Surfacing | None = None,
     ) -> Options:
         """Check the options.
 
@@ -83,6 +87,8 @@ class Options:
         ----------
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors
             As for `tile`.
+        surface : Surfacing, optional
+            What a surface takes besides.
 
         Returns
         -------
@@ -99,9 +105,11 @@ class Options:
         is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
         rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
         check_option("shards", shards, ShardFormat)
+        if surface is not None:
+            surface.check_shards(shards)
         is_linked = as_switch("neighbors", neighbors)
         folders = replace(folders_of(out, scratch), shards=shards, neighbors=is_linked)
-        return cls(folders, rows, nonfinite == "skip", resumes)
+        return cls(folders, rows, nonfinite == "skip", resumes, surface)
 
 
 def triangulated(
@@ -144,9 +152,11 @@ def triangulated(
         parts = cut(source, min(rows, _PART_ROWS), folders.scratch)
         check_apart(folders, parts)
         check_format(folders.shards, sum(part.rows for part in parts))
+        if options.surface is not None and parts:
+            check_system(schema_of_parts(parts).crs, "xy")
         if not options.resumes:
             clear(folders)
-        Run(folders, parts, rows, options.skips).finish(runner)
+        Run(folders, parts, rows, options.skips, options.surface).finish(runner)
     return open_tiled(folders.out)
 
 
@@ -158,6 +168,7 @@ class Run:
     parts: Sequence[Part]
     tile_rows: int
     skips: bool
+    surface: Surfacing | None = None
 
     def finish(self, runner: Runner) -> None:
         """Do everything, or what is left to do.
@@ -168,7 +179,7 @@ class Run:
             What calls the tasks.
         """
         scanned = self._scanned(runner)
-        identity = self._identity([each.digest for each in scanned])
+        identity = self._identity([each.as_chunk for each in scanned])
         if self._is_finished(identity):
             return
         plan = self._planned(np.concatenate([each.sample for each in scanned]))
@@ -188,11 +199,17 @@ class Run:
     ) -> tuple[Folders, list[int], Integers]:
         """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
         name = seal(_program(), identity, plan.as_dict())
-        runs = len(self.parts)
-        folders = replace(self.folders, plan=name, held=2 * self.tile_rows, runs=runs)
+        policy = "" if self.surface is None else self.surface.duplicates
+        folders = replace(
+            self.folders,
+            plan=name,
+            held=2 * self.tile_rows,
+            runs=len(self.parts),
+            policy=policy,
+        )
         save_plan(folders, plan)
         numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
-        calls = [(folders, part, i, first, found.digest) for i, (part, first, found) in numbered]
+        calls = [(folders, part, i, first, found.as_chunk) for i, (part, first, found) in numbered]
         runner.each("partition", partition, calls)
         return folders, *save_boxes(folders, plan)
 
@@ -230,19 +247,19 @@ class Run:
         found: list[Scanned] = runner.each("scan", scan, calls)
         return found
 
-    def _identity(self, digests: Sequence[str]) -> dict[str, Any]:
+    def _identity(self, chunks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         """Tell what the files of a run depend on."""
-        return {
+        said: dict[str, Any] = {
             "version": VERSION,
             "tile_rows": self.tile_rows,
             "nonfinite": "skip" if self.skips else "error",
             "shard_format": self.folders.shards,
             "neighbors": self.folders.neighbors,
-            "chunks": [
-                {"rows": part.rows, "sha256": digest}
-                for part, digest in zip(self.parts, digests, strict=True)
-            ],
+            "chunks": chunks,
         }
+        if self.surface is None:
+            return said
+        return said | {"surface": self.surface.as_dict(schema_of_parts(self.parts))}
 
     def _is_finished(self, identity: Mapping[str, Any]) -> bool:
         """Whether it is all done; raise if something else is, or was begun."""
@@ -269,11 +286,24 @@ class Run:
 
     def _check_options(self, before: Mapping[str, Any], what: str, now: Mapping[str, Any]) -> None:
         for name in ("version", "tile_rows", "nonfinite", "shard_format", "neighbors"):
-            if before[name] != now[name]:
-                raise InputError(
-                    f"{self.folders.out} holds {what} with {name} {before[name]!r}, not "
-                    f"{now[name]!r}: use the same, or begin anew with resume=False"
-                )
+            self._check_same(what, name, before[name], now[name])
+        one, other = before.get("surface"), now.get("surface")
+        if (one is None) != (other is None):
+            kinds = ("triangles alone", "a surface")
+            held, asked = kinds if one is None else kinds[::-1]
+            raise InputError(
+                f"{self.folders.out} holds {held}, not {asked}: choose another folder, or begin "
+                "anew with resume=False"
+            )
+        for name in other or {}:
+            self._check_same(what, name, (one or {})[name], (other or {})[name])
+
+    def _check_same(self, what: str, name: str, before: object, now: object) -> None:
+        if before != now:
+            raise InputError(
+                f"{self.folders.out} holds {what} with {name} {shown(before)}, not {shown(now)}: "
+                "use the same, or begin anew with resume=False"
+            )
 
     def _check_chunks(self, before: Sequence[Any], now: Sequence[Any]) -> None:
         same = [i for i, chunk in enumerate(now) if before[i : i + 1] == [chunk]]
@@ -307,7 +337,7 @@ def _program() -> str:
     return __version__
 
 
-def rows_within(memory: int, threads: int = 1) -> int:
+def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> int:
     """Return how large tiles may be.
 
     Parameters
@@ -316,6 +346,8 @@ def rows_within(memory: int, threads: int = 1) -> int:
         The bytes that a process may use.
     threads : int
         How many tiles it triangulates at a time.
+    row_bytes : int
+        What a row of a tile takes.
 
     Returns
     -------
@@ -332,10 +364,10 @@ def rows_within(memory: int, threads: int = 1) -> int:
     >>> rows_within(1_000_000_000)
     2500000
     """
-    least = int((_PROCESS_BYTES + _FEWEST * _ROW_BYTES * threads) / _SHARE)
+    least = int((_PROCESS_BYTES + _FEWEST * row_bytes * threads) / _SHARE)
     if memory < least:
         raise InputError(
             f"{memory / 1e6:,.0f} MB of memory do not hold a process with a tile for each of its "
             f"{threads} threads: {least / 1e6:,.0f} MB are needed at least"
         )
-    return int(_SHARE * memory - _PROCESS_BYTES) // (_ROW_BYTES * threads)
+    return int(_SHARE * memory - _PROCESS_BYTES) // (row_bytes * threads)

@@ -1,7 +1,7 @@
-"""Runs: the rows of each part, sorted by tile, in files of the scratch folder.
+"""What tasks read of a run: the plan, and the rows of each part, sorted by tile.
 
-No table has the tiles of all runs at once: with 10,000 of each it would have 10^8 numbers. A tile
-reads from each run where its rows are, then these rows.
+`stages.partition` writes the rows. No table has the tiles of all runs at once: with 10,000 of each
+it would have 10^8 numbers. A tile reads from each run where its rows are, then these rows.
 """
 
 from __future__ import annotations
@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Floats, Integers
-from liftmesh.tiles.store import save_array, values_of
+from liftmesh._typing import Array, Floats, Integers
+from liftmesh.errors import FormatError
+from liftmesh.tiles.manifest import PLAN
+from liftmesh.tiles.plan import Plan
+from liftmesh.tiles.store import kind_of, load_record, save_array, save_record, values_of
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.stages import Folders
 
 
@@ -36,12 +38,39 @@ def tile_records(folders: Folders, tile: int) -> Integers:
         Row number, x and y, as 64-bit words, by ascending row.
     """
     runs = [*_runs(folders, tile)]
-    records = np.empty((sum(end - begin for _, begin, end in runs), 3), dtype=np.int64)
+    records = np.empty((_count(runs), 3), dtype=np.int64)
     at = 0
-    for run, begin, end in runs:
-        records[at : at + end - begin] = values_of(run, 3 * begin, 3 * end).reshape(-1, 3)
+    for stem, begin, end in runs:
+        found = values_of(Path(f"{stem}.npy"), 3 * begin, 3 * end)
+        records[at : at + end - begin] = found.reshape(-1, 3)
         at += end - begin
     return records
+
+
+def tile_values(folders: Folders, tile: int) -> Array:
+    """Read the values of a tile's rows from all runs, in the order of `tile_records`.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where `partition` wrote the parts of a surface.
+    tile : int
+        The number of the tile.
+
+    Returns
+    -------
+    (k,) structured ndarray
+        Their coordinates and values.
+    """
+    runs = [*_runs(folders, tile)]
+    kind = kind_of(folders.scratch / f"{_stem(0)}-values.npy")  # of all runs
+    values = np.empty(_count(runs), kind)
+    at = 0
+    for stem, begin, end in runs:
+        found = values_of(Path(f"{stem}-values.npy"), begin, end, kind)
+        values[at : at + end - begin] = found
+        at += end - begin
+    return values
 
 
 def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
@@ -62,18 +91,28 @@ def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
         Points.
     """
     runs = [*_runs(folders, tile)]
-    step = max(1, sum(end - begin for _, begin, end in runs) // count)
-    found = [np.array(np.load(run, mmap_mode="r")[begin:end:step]) for run, begin, end in runs]
+    step = max(1, _count(runs) // count)
+    found = [
+        np.array(np.load(f"{stem}.npy", mmap_mode="r")[begin:end:step]) for stem, begin, end in runs
+    ]
     return np.concatenate(found).view(np.float64)[:, 1:]
 
 
+def _stem(number: int) -> str:
+    return f"run-{number:05d}"
+
+
 def _runs(folders: Folders, tile: int) -> Iterator[tuple[Path, int, int]]:
-    """Find the rows of a tile in all runs."""
+    """Find the rows of a tile in all runs: how the names of the files begin, and which rows."""
     for number in range(folders.runs):
-        stem = folders.scratch / f"run-{number:05d}"
+        stem = folders.scratch / _stem(number)
         begin, end = values_of(Path(f"{stem}-begins.npy"), tile, tile + 2).tolist()
         if begin < end:
-            yield Path(f"{stem}.npy"), begin, end
+            yield stem, begin, end
+
+
+def _count(runs: list[tuple[Path, int, int]]) -> int:
+    return sum(end - begin for _, begin, end in runs)
 
 
 def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
@@ -97,7 +136,7 @@ def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
     tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
     skipped = [np.empty(0, dtype=np.int64)]
     for number in range(folders.runs):
-        stem = folders.scratch / f"run-{number:05d}"
+        stem = folders.scratch / _stem(number)
         sizes += np.diff(np.load(f"{stem}-begins.npy"))
         boxes = np.load(f"{stem}-boxes.npy")
         tight[:, :2] = np.minimum(tight, boxes)[:, :2]
@@ -106,3 +145,40 @@ def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
     save_array(folders.scratch / "boxes.npy", plan.around(tight))
     counts: list[int] = sizes.tolist()
     return counts, np.concatenate(skipped)
+
+
+def save_plan(folders: Folders, plan: Plan) -> None:
+    """Write where the tiles are.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where to write.
+    plan : Plan
+        The plan.
+    """
+    save_record(folders.scratch / PLAN, folders.plan, plan.as_dict())
+
+
+def load_plan(folders: Folders) -> Plan:
+    """Read where the tiles are.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where `save_plan` wrote.
+
+    Returns
+    -------
+    Plan
+        The plan.
+
+    Raises
+    ------
+    FormatError
+        It is of another run, or damaged.
+    """
+    lists = load_record(folders.scratch / PLAN, folders.plan)
+    if lists is None:
+        raise FormatError(f"{folders.scratch / PLAN}: not of this run: tile the source again")
+    return Plan.from_dict(lists)

@@ -74,12 +74,17 @@ class NpyPart:
 
     def read(self) -> Array:
         """Read x and y, and no more columns than lie between."""
+        return self.columns(2)
+
+    def columns(self, wanted: int = 3) -> Array:
+        """Read the first columns, and all of them where they are not apart."""
         total, columns = self.shape
         size = np.dtype(self.dtype).itemsize
         if not self.by_columns:
             at = self.offset + self.first * columns * size
             return self._values(at, self.rows * columns).reshape(self.rows, columns)
-        begins = [self.offset + (column * total + self.first) * size for column in (0, 1)]
+        apart = range(min(wanted, columns))
+        begins = [self.offset + (column * total + self.first) * size for column in apart]
         return np.stack([self._values(at, self.rows) for at in begins], axis=1)
 
     def _values(self, at: int, count: int) -> Array:
@@ -168,7 +173,7 @@ def parts_of(source: object, rows: int, scratch: Path) -> list[Part]:
     if isinstance(source, np.memmap) and _is_plain(source):
         name = str(source.filename)
         layout = source.dtype, source.shape, False, source.offset
-        return _ranges(Origin(name), name, *layout, rows)
+        return [*_ranges(Origin(name), name, *layout, rows)]
     return _of_array(source, rows)
 
 
@@ -224,7 +229,7 @@ def parts_of_file(origin: Origin, name: str, rows: int, scratch: Path) -> list[P
     """
     suffix = Path(name).suffix.lower()
     if suffix == ".npy":
-        return _npy(origin, name, rows)
+        return [*npy_parts(origin, name, rows)]
     if suffix in (".parquet", ".pq"):
         return [*parquet_parts(origin, name, rows)]
     ranges = las_parts(origin, name, rows) if suffix == ".las" else None
@@ -292,7 +297,28 @@ def _is_plain(array: np.memmap[Any, Any]) -> bool:
     return array.ndim == 2 and array.shape[1] in (2, 3) and array.flags.c_contiguous
 
 
-def _npy(origin: Origin, name: str, rows: int) -> list[Part]:
+def npy_parts(origin: Origin, name: str, rows: int) -> list[NpyPart]:
+    """Cut an NPY file into parts.
+
+    Parameters
+    ----------
+    origin : Origin
+        The file.
+    name : str
+        Its path.
+    rows : int
+        How many rows a part may have.
+
+    Returns
+    -------
+    list of NpyPart
+        In the order of the rows.
+
+    Raises
+    ------
+    FormatError
+        It is no array of two or three columns, or truncated.
+    """
     with Path(name).open("rb") as stream:
         layout = Layout.read(stream, name)
         layout.check_size(remaining(stream), name)
@@ -310,7 +336,7 @@ def _ranges(
     by_columns: bool,
     offset: int,
     rows: int,
-) -> list[Part]:
+) -> list[NpyPart]:
     total, columns = shape
     return [
         NpyPart(

@@ -1,4 +1,4 @@
-"""The tasks of a tiled triangulation; each reads and writes files, and can be done by any process.
+"""The tasks of nodes, which are tiles and merges; each reads and writes files, in any process.
 
 A task that finds its work done, and the files sound, returns what it returned then. So a run that
 was killed goes on where it was.
@@ -6,37 +6,35 @@ was killed goes on where it was.
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers
-from liftmesh.arrays import non_finite
+from liftmesh._typing import Array, Integers
 from liftmesh.choices import ShardFormat
-from liftmesh.errors import FormatError, InputError, NonFiniteError
 from liftmesh.tiles.edges import open_edges, paired
 from liftmesh.tiles.node import Frontier, Merged, joined, merge
-from liftmesh.tiles.plan import Plan
-from liftmesh.tiles.repeated import set_apart
-from liftmesh.tiles.runs import tile_records
+from liftmesh.tiles.runs import load_plan, tile_records, tile_values
 from liftmesh.tiles.shards import save_shard
-from liftmesh.tiles.sources import Part, planar
 from liftmesh.tiles.store import (
+    concatenated,
     is_sound,
     load_record,
     names_to_disk,
     save_array,
     save_record,
 )
+from liftmesh.tiles.vertices import Vertices, extent_of, numbered, of_rows
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
 
 _HOPELESS = 0.98  # a share of rows that goes up; the next level is passed, but not two in a row
 
-
 JOB = "job.json"
-_PLAN = "plan.json"
 
 
 @dataclass(frozen=True)
@@ -57,6 +55,9 @@ class Folders:
         The format of the triangles.
     neighbors : bool
         Whether neighbours are written, too.
+    policy : str
+        Of a surface, what is done with rows at equal positions, as ``duplicates`` of `triangulate`;
+        empty for triangles alone.
     """
 
     out: Path
@@ -66,15 +67,7 @@ class Folders:
     runs: int = 0
     shards: ShardFormat = "npy"
     neighbors: bool = False
-
-
-@dataclass(frozen=True)
-class Scanned:
-    """What a first reading of a part tells."""
-
-    rows: int
-    digest: str
-    sample: Floats
+    policy: str = ""
 
 
 @dataclass(frozen=True)
@@ -100,6 +93,11 @@ class Done:
         below it.
     shards, notes : dict of str to str
         The SHA-256 of the files it wrote, in the output folder and in the scratch folder.
+    vertices, overhangs : int
+        Of a surface, how many vertices it wrote, and how many of the duplicates are at another
+        height than the row that is used.
+    extent : tuple of float
+        Of a surface, as from `extent_of`; empty if it wrote no vertices.
     """
 
     name: int
@@ -112,6 +110,15 @@ class Done:
     frontier: tuple[int, ...]
     shards: dict[str, str]
     notes: dict[str, str]
+    vertices: int = 0
+    overhangs: int = 0
+    extent: tuple[float, ...] = ()
+
+    @classmethod
+    def from_dict(cls, said: Mapping[str, Any]) -> Done:
+        """Return what a record of it says."""
+        lists = {name: tuple(said[name]) for name in ("frontier", "extent")}
+        return cls(**{**said, **lists})
 
 
 def label(name: int) -> str:
@@ -131,118 +138,6 @@ def node_of(stem: str) -> int:
     """
     kind, number = stem.split("-")
     return int(number) if kind == "seam" else ~int(number)
-
-
-def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
-    """Read a part for the first time.
-
-    Parameters
-    ----------
-    part : Part
-        Rows of the source.
-    first : int
-        The number of its first row.
-    sampled : int
-        How many of its rows to draw.
-    skips : bool
-        Whether rows that are not finite are left out.
-
-    Returns
-    -------
-    Scanned
-        A function of the rows: they also are the seed of the sample.
-
-    Raises
-    ------
-    NonFiniteError
-        A row is not finite.
-    """
-    rows = planar(part)
-    finite = np.isfinite(rows).all(axis=1)
-    if not skips and not finite.all():
-        row = int(finite.argmin())
-        raise _non_finite(part, row, first, rows[row])
-    digest = hashlib.sha256(rows.data).hexdigest()
-    pool = np.flatnonzero(finite)
-    rng = np.random.default_rng(int(digest[:16], 16))
-    drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
-    return Scanned(len(rows), digest, rows[pool[np.sort(drawn)]] + 0.0)
-
-
-def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteError:
-    """Name a row by its file, its number there, and its number among all."""
-    error = non_finite(first + row, values)
-    if part.place is None:
-        return error
-    within = part.origin.row + row
-    where = "" if within == first + row else f", its row {within}"
-    return NonFiniteError(f"{part.origin.source}{where}: {error}", row=first + row)
-
-
-def partition(folders: Folders, part: Part, number: int, first: int, digest: str) -> None:
-    """Sort the rows of a part by tile into a file of the scratch folder.
-
-    Beside it: where each tile begins in it, the box of each tile's rows, the rows that are not
-    finite, and duplicates of rows at positions that are repeated very often.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to write.
-    part : Part
-        Rows of the source.
-    number : int
-        The number of the part.
-    first : int
-        The number of its first row.
-    digest : str
-        The SHA-256 of its rows when they were first read.
-
-    Raises
-    ------
-    InputError
-        The rows have changed since.
-    """
-    stem = f"run-{number:05d}"
-    notes = [f"{stem}{what}.npy" for what in ("", "-begins", "-boxes", "-skipped", "-duplicates")]
-    record = folders.scratch / f"{stem}.json"
-    before = load_record(record, folders.plan)
-    if before is not None and is_sound(folders.scratch, before):
-        return
-    rows = planar(part)
-    if hashlib.sha256(rows.data).hexdigest() != digest:
-        raise changed(part)
-    plan = load_plan(folders)
-    apart, which, firsts = set_apart(rows, plan.repeated)
-    *found, skipped = plan.partition(rows, first)
-    del rows
-    pairs = first + np.column_stack((apart, firsts[which]))
-    arrays = *found, np.setdiff1d(skipped, pairs[:, 0]), pairs
-    digests = {
-        name: save_array(folders.scratch / name, array)
-        for name, array in zip(notes, arrays, strict=True)
-    }
-    save_record(record, folders.plan, digests)
-
-
-def changed(part: Part) -> InputError:
-    """Return the exception for rows that are not what they were.
-
-    Parameters
-    ----------
-    part : Part
-        The rows.
-
-    Returns
-    -------
-    InputError
-        Not yet raised.
-    """
-    first = part.origin.row
-    return InputError(
-        f"{part.origin.source}: rows {first:,} to {first + part.rows - 1:,} have changed since "
-        "this triangulation was begun: restore them, or begin anew with resume=False"
-    )
 
 
 def node(folders: Folders, name: int, children: Sequence[Done], threads: int) -> Done:
@@ -267,7 +162,7 @@ def node(folders: Folders, name: int, children: Sequence[Done], threads: int) ->
     record = folders.scratch / f"{label(name)}.json"
     before = load_record(record, folders.plan)
     if before is not None:
-        done = Done(**{**before, "frontier": tuple(before["frontier"])})
+        done = Done.from_dict(before)
         if is_sound(folders.out, done.shards) and is_sound(folders.scratch, done.notes):
             return done
     done = _merged(folders, name, children, threads)
@@ -278,39 +173,24 @@ def node(folders: Folders, name: int, children: Sequence[Done], threads: int) ->
 
 def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int) -> Done:
     plan = load_plan(folders)
-    is_root = name == 0 or plan.tiles == 1
+    is_root = _is_root(plan, name)
     handed, given = sum(c.rows_up for c in children), sum(c.rows for c in children)
     were_merged = all(child.frontier == (child.name,) for child in children)
     if children and not is_root and were_merged and handed > _HOPELESS * given:
         below = tuple(source for child in children for source in child.frontier)
         return Done(name, given, handed, 0, 0, 0, all(c.is_flat for c in children), below, {}, {})
-    part = Frontier(tile_records(folders, ~name)) if name < 0 else _below(folders, children)
-    rows = len(part)
-    boxes = np.load(folders.scratch / "boxes.npy")[plan.others(name)]
-    foreign = boxes[boxes[:, 0] <= boxes[:, 2]]
-    scratch = str(folders.scratch) if children and rows > folders.held else None
-    found = merge(
-        part,
-        plan.cells[name],
-        foreign,
-        is_root=is_root,
-        with_neighbors=folders.neighbors,
-        threads=threads,
-        scratch=scratch,
-    )
-    corners = part.records if folders.shards == "ply" else part.records[:0]
-    del part
-    stem = label(name)
+    rows, found, surface, corners = _decided(folders, plan, name, children, threads)
     up = found.frontier
     keeps: dict[str, Array] = {"duplicates": found.duplicates, "records": up.records, "rim": up.rim}
     if is_root:
         keeps["hull"] = found.hull
     if folders.neighbors:
         keeps["links"], keeps["edges"] = _linked(folders, name, found, children)
-    shards, notes = _saved_shard(folders, stem, found, corners), {}
-    for what, array in keeps.items():
-        notes[f"{stem}-{what}.npy"] = save_array(folders.scratch / f"{stem}-{what}.npy", array)
-    return Done(
+    if surface is not None:
+        keeps |= {"values": surface.up, "heights": surface.heights}
+    shards = _saved_shard(folders, label(name), found, surface, corners)
+    notes = _saved(folders.scratch, label(name), keeps)
+    done = Done(
         name,
         rows,
         len(up),
@@ -322,18 +202,72 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
         shards,
         notes,
     )
+    return done if surface is None else _with_vertices(done, surface)
 
 
-def _saved_shard(folders: Folders, stem: str, found: Merged, corners: Integers) -> dict[str, str]:
-    """Write what a node has decided; return the SHA-256 of the files."""
+def _decided(
+    folders: Folders, plan: Plan, name: int, children: Sequence[Done], threads: int
+) -> tuple[int, Merged, Vertices | None, Integers]:
+    """Merge what comes to a node; return how much that is, and what writing shards needs of it."""
+    part = Frontier(tile_records(folders, ~name)) if name < 0 else _below(folders, children)
+    rows = len(part)
+    corners = part.records if folders.shards == "ply" else part.records[:0]
+    if folders.policy:
+        part, corners = numbered(part)
+    boxes = np.load(folders.scratch / "boxes.npy")[plan.others(name)]
+    found = merge(
+        part,
+        plan.cells[name],
+        boxes[boxes[:, 0] <= boxes[:, 2]],
+        is_root=_is_root(plan, name),
+        with_neighbors=folders.neighbors,
+        threads=threads,
+        scratch=str(folders.scratch) if children and rows > folders.held else None,
+    )
+    del part
+    if not folders.policy:
+        return rows, found, None, corners
+    values = tile_values(folders, ~name) if name < 0 else _values_below(folders, children)
+    repeated = plan.repeated if name < 0 else plan.repeated[:0]
+    surface = of_rows(found, corners, values, folders.policy, repeated)
+    return rows, surface.merged, surface, corners
+
+
+def _is_root(plan: Plan, name: int) -> bool:
+    return name == 0 or plan.tiles == 1
+
+
+def _with_vertices(done: Done, surface: Vertices) -> Done:
+    """Add what a node of a surface has done besides."""
+    return replace(
+        done,
+        bytes_up=done.bytes_up + surface.up.nbytes,
+        vertices=len(surface.shard),
+        overhangs=surface.overhangs,
+        extent=extent_of(surface.shard) if len(surface.shard) else (),
+    )
+
+
+def _saved_shard(
+    folders: Folders, stem: str, found: Merged, surface: Vertices | None, corners: Integers
+) -> dict[str, str]:
+    """Write triangles and what stands beside them; return the SHA-256 of the files."""
     if not len(found.triangles):
         return {}
     shard = f"{stem}.{folders.shards}"
     saved = {shard: save_shard(folders.out / shard, found.triangles, corners)}
-    if folders.neighbors:
-        beside = f"{stem}-neighbors.npy"
-        saved[beside] = save_array(folders.out / beside, found.neighbors)
-    return saved
+    beside: dict[str, Array] = {"neighbors": found.neighbors} if folders.neighbors else {}
+    if surface is not None:
+        beside |= {"vertices": surface.shard, "faces": surface.faces}
+    return saved | _saved(folders.out, stem, beside)
+
+
+def _saved(folder: Path, stem: str, arrays: Mapping[str, Array]) -> dict[str, str]:
+    """Write arrays, each with the name of the node and its own; return the SHA-256 of the files."""
+    return {
+        f"{stem}-{what}.npy": save_array(folder / f"{stem}-{what}.npy", array)
+        for what, array in arrays.items()
+    }
 
 
 def _linked(
@@ -355,38 +289,7 @@ def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
     return joined(parts)
 
 
-def save_plan(folders: Folders, plan: Plan) -> None:
-    """Write where the tiles are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to write.
-    plan : Plan
-        The plan.
-    """
-    save_record(folders.scratch / _PLAN, folders.plan, plan.as_dict())
-
-
-def load_plan(folders: Folders) -> Plan:
-    """Read where the tiles are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_plan` wrote.
-
-    Returns
-    -------
-    Plan
-        The plan.
-
-    Raises
-    ------
-    FormatError
-        It is of another run, or damaged.
-    """
-    lists = load_record(folders.scratch / _PLAN, folders.plan)
-    if lists is None:
-        raise FormatError(f"{folders.scratch / _PLAN}: not of this run: tile the source again")
-    return Plan.from_dict(lists)
+def _values_below(folders: Folders, children: Sequence[Done]) -> Array:
+    """Read the values of what the children handed up."""
+    names = [label(source) for child in children for source in child.frontier]
+    return concatenated([np.load(folders.scratch / f"{name}-values.npy") for name in names])

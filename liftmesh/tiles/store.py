@@ -14,7 +14,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -26,7 +26,9 @@ from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22
-_NPY_LENGTH = 8  # the byte of an NPY file of version 1 where the length of its header stands
+_NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
+_NPY_ALIGNED = 64
+_WORD = np.dtype(np.int64)
 
 
 class Hashed:
@@ -99,13 +101,27 @@ def save_array(path: Path, array: Array) -> str:
     OSError
         The file cannot be written.
     """
-    header = io.BytesIO()
     plain = np.ascontiguousarray(array)
-    np.lib.format.write_array_header_1_0(header, np.lib.format.header_data_from_array_1_0(plain))
     with saving(path) as stream:
-        stream.write(header.getvalue())
+        stream.write(_header(plain))
         stream.write(plain.reshape(-1).view(np.uint8).data)
         return stream.digest
+
+
+def _header(array: Array) -> bytes:
+    """Return what an NPY file begins with: of version 3 if fields have names beyond Latin-1."""
+    said = np.lib.format.header_data_from_array_1_0(array)
+    if array.dtype.isbuiltin or all(_is_latin(name) for name in array.dtype.names or ()):
+        header = io.BytesIO()
+        np.lib.format.write_array_header_1_0(header, said)
+        return header.getvalue()
+    text = repr(said).encode()
+    text += b" " * (-(_NPY_LENGTH + 4 + len(text) + 1) % _NPY_ALIGNED) + b"\n"
+    return np.lib.format.magic(3, 0) + len(text).to_bytes(4, "little") + text
+
+
+def _is_latin(name: str) -> bool:
+    return all(ord(letter) < 256 for letter in name)
 
 
 def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) -> None:
@@ -164,22 +180,24 @@ def mapped(path: Path) -> Integers:
     return found
 
 
-def values_of(path: Path, begin: int, end: int) -> Integers:
-    """Read some numbers of an NPY file that `save_array` has written, and nothing else.
+def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> Array:
+    """Read some values of an NPY file that `save_array` has written, and nothing else.
 
     A tile reads from every run, so this has to be quick: the header is not parsed.
 
     Parameters
     ----------
     path : Path
-        A file of int64.
+        A file of one type.
     begin, end : int
-        The first number, and the one after the last, counted through all rows.
+        The first value, and the one after the last, counted through all rows.
+    kind : dtype, default int64
+        The type, as from `kind_of`.
 
     Returns
     -------
-    (end - begin,) ndarray of int64
-        The numbers.
+    (end - begin,) ndarray
+        The values.
 
     Raises
     ------
@@ -188,11 +206,14 @@ def values_of(path: Path, begin: int, end: int) -> Integers:
     OSError
         The file cannot be read.
     """
-    values = np.empty(end - begin, dtype=np.int64)
+    values = np.empty(end - begin, dtype=kind)
     opened = os.open(path, os.O_RDONLY)
     try:
-        length = int.from_bytes(os.pread(opened, 2, _NPY_LENGTH), "little")
-        at, rest = _NPY_LENGTH + 2 + length + 8 * begin, values.view(np.uint8).data
+        begun = os.pread(opened, _NPY_LENGTH + 4, 0)
+        size = 2 if begun[_NPY_VERSION : _NPY_VERSION + 1] == b"\1" else 4
+        length = int.from_bytes(begun[_NPY_LENGTH : _NPY_LENGTH + size], "little")
+        at = _NPY_LENGTH + size + length + kind.itemsize * begin
+        rest = values.view(np.uint8).data
         while len(rest) and (count := os.preadv(opened, [rest], at)):
             at, rest = at + count, rest[count:]
     finally:
@@ -200,6 +221,46 @@ def values_of(path: Path, begin: int, end: int) -> Integers:
     if len(rest):
         raise FormatError(f"{path}: truncated: tile the source again")
     return values
+
+
+def kind_of(path: Path) -> np.dtype[Any]:
+    """Read the type of the values in an NPY file that `save_array` has written.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    dtype
+        That of each value, or record.
+
+    Raises
+    ------
+    FormatError
+        It is damaged.
+    OSError
+        The file cannot be read.
+    """
+    return mapped(path).dtype
+
+
+def concatenated(parts: Sequence[Array]) -> Array:
+    """Put arrays of one type side by side; NumPy would change the order of bytes in records.
+
+    Parameters
+    ----------
+    parts : sequence of ndarray
+        One or more.
+
+    Returns
+    -------
+    ndarray
+        Their rows, of the same type.
+    """
+    shape = (sum(map(len, parts)), *parts[0].shape[1:])
+    return np.concatenate(parts, out=np.empty(shape, parts[0].dtype))
 
 
 def save_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -254,7 +254,9 @@ class Tiled:
 
         The checks are those of `liftmesh.verify`, and so is the certificate, but neither points nor
         triangles are held at once. Also checked are the hull, the duplicates, the skipped rows,
-        the neighbours, if there are any, and the SHA-256 of every file.
+        the neighbours, if there are any, and the SHA-256 of every file; of a surface also which row
+        stands for each position, by the policy, and every height and value of a vertex against the
+        source.
 
         Parameters
         ----------
@@ -320,7 +322,9 @@ class Tiled:
         Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
         """
         delayed = load("dask", extra="dask").delayed
-        keys = (f"neighbors-{each['sha256'][:16]}-{i}" for i, each in enumerate(self._entries))
+        keys = (
+            f"neighbors-{each['sha256'][:16]}-{i}" for i, each in enumerate(self.manifest["shards"])
+        )
         return self._of_dask(
             [delayed(self._pairs)(i, dask_key_name=key) for i, key in enumerate(keys)], 3, 2
         )
@@ -335,13 +339,8 @@ class Tiled:
         )
 
     @property
-    def _entries(self) -> Sequence[Mapping[str, Any]]:
-        entries: Sequence[Mapping[str, Any]] = self.manifest["shards"]
-        return entries
-
-    @property
     def _counts(self) -> list[int]:
-        return [each["triangles"] for each in self._entries]
+        return [each["triangles"] for each in self.manifest["shards"]]
 
     def to_delayed(self) -> list[Any]:
         """Return the shards as delayed objects of Dask, which read them.
@@ -367,7 +366,7 @@ class Tiled:
         delayed = load("dask", extra="dask").delayed
         return [
             delayed(read_shard)(path, dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}")
-            for path, shard in zip(self.shards, self._entries, strict=True)
+            for path, shard in zip(self.shards, self.manifest["shards"], strict=True)
         ]
 
     def to_dask_dataframe(self) -> Any:
@@ -399,7 +398,7 @@ class Tiled:
 
 
 def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
-    """Open the triangles that `tile` has written.
+    """Open what `tile` or `tile_surface` has written.
 
     Parameters
     ----------
@@ -409,7 +408,8 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     Returns
     -------
     Tiled
-        The triangulation; its files are read when they are asked for.
+        The triangulation; its files are read when they are asked for. A `TiledSurface` if there
+        are heights.
 
     Raises
     ------
@@ -431,7 +431,8 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     [[0, 1], [1, 2], [2, 0]]
     """
     folder = Path(as_folder("directory", directory))
-    tiled = Tiled(folder, manifest_of(folder))
+    manifest = manifest_of(folder)
+    tiled = _surface(folder, manifest) if "surface" in manifest else Tiled(folder, manifest)
     for file, each in tiled._written().items():  # noqa: SLF001 - its other half
         path = folder / file
         size = path.stat().st_size if path.is_file() else 0
@@ -441,3 +442,9 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
                 "source again, into the same folder"
             )
     return tiled
+
+
+def _surface(folder: Path, manifest: dict[str, Any]) -> Tiled:
+    from liftmesh.tiles.tiled_surface import TiledSurface  # noqa: PLC0415 - it is one of these
+
+    return TiledSurface(folder, manifest)

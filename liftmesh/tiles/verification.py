@@ -12,18 +12,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Progress
+from liftmesh._typing import Array, Progress
 from liftmesh.choices import as_folder, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.threads import as_threads
+from liftmesh.tiles.chunks import digests_of
+from liftmesh.tiles.clouds import Reading, planar_of, valued_parts
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
-from liftmesh.tiles.proof import Proof
-from liftmesh.tiles.sources import Part, parts_of, planar
-from liftmesh.tiles.store import digest_of, load_json
+from liftmesh.tiles.sources import files_of, parts_of, planar
+from liftmesh.tiles.store import concatenated, digest_of, load_json
+from liftmesh.tiles.surface_proof import proof_of
 
 if TYPE_CHECKING:
+    from liftmesh.tiles.proof import Proof
     from liftmesh.tiles.tiled import Tiled
 
 _MANY = 1 << 30  # rows: enough for any number of threads
@@ -58,10 +61,10 @@ def verified(
     place = tiled.directory if scratch is None else as_folder("scratch", scratch)
     with tempfile.TemporaryDirectory(prefix=".liftmesh-verify-", dir=place) as folder:
         plan = _plan_of(tiled)
-        proof = Proof(tiled, plan, Path(folder), count)
+        proof = proof_of(tiled, plan, Path(folder), count)
         sizes = [chunk["rows"] for chunk in tiled.manifest["chunks"]]
-        parts = parts_of(source, max(1, *sizes), Path(folder))
-        chunks = _as_first_read(_regrouped(parts, sizes), tiled.manifest["chunks"])
+        rows = _rows(tiled, source, max(1, *sizes), Path(folder))
+        chunks = _as_first_read(_regrouped(rows, sizes), tiled.manifest["chunks"])
         skipped, digest = proof.read(_shown(chunks, len(sizes), show))
         for number, _ in enumerate(proof.parts(), 1):
             show(_READ + (1 - _READ) * number / (2 * plan.tiles))
@@ -89,13 +92,24 @@ def _source_of(tiled: Tiled) -> list[str]:
     return paths
 
 
-def _regrouped(parts: Iterable[Part], sizes: Sequence[int]) -> Iterator[Floats]:
+def _rows(tiled: Tiled, source: object, most: int, scratch: Path) -> Iterator[Array]:
+    """Read the source part by part: planar positions, or the records of a surface."""
+    said = tiled.manifest.get("surface")
+    if said is None:
+        yield from map(planar, parts_of(source, most, scratch))
+        return
+    options = said["reading"] if files_of(source) is not None else {}
+    reading = Reading(said["crs"], options)
+    yield from (part.records() for part in valued_parts(source, most, scratch, reading))
+
+
+def _regrouped(parts: Iterable[Array], sizes: Sequence[int]) -> Iterator[Array]:
     """Yield chunks of the stated sizes, and one more if there are more rows."""
-    held = np.empty((0, 2))
+    held = np.empty(0)
     wanted = iter(sizes)
     size = next(wanted, None)
     for part in parts:
-        held = np.concatenate((held, planar(part))) if len(held) else planar(part)
+        held = concatenated((held, part)) if len(held) else part
         while size is not None and len(held) >= size:
             yield np.ascontiguousarray(held[:size])
             held, size = held[size:], next(wanted, None)
@@ -103,14 +117,11 @@ def _regrouped(parts: Iterable[Part], sizes: Sequence[int]) -> Iterator[Floats]:
         yield np.ascontiguousarray(held)
 
 
-def _as_first_read(
-    chunks: Iterable[Floats], stated: Sequence[Mapping[str, Any]]
-) -> Iterator[Floats]:
+def _as_first_read(chunks: Iterable[Array], stated: Sequence[Mapping[str, Any]]) -> Iterator[Array]:
     """Raise if a chunk is not what was tiled, or if there are more or fewer."""
     number, first = 0, 0
     for number, rows in enumerate(chunks, 1):
-        digest = hashlib.sha256(rows.data).hexdigest()
-        if number > len(stated) or digest != stated[number - 1]["sha256"]:
+        if number > len(stated) or not _is_as_stated(rows, stated[number - 1]):
             raise InputError(
                 f"rows {first:,} to {first + len(rows) - 1:,} are not the points that were tiled: "
                 "give the same source, in the same order"
@@ -121,7 +132,13 @@ def _as_first_read(
         raise InputError(f"there are {first:,} rows, fewer than were tiled: give the same source")
 
 
-def _shown(chunks: Iterable[Floats], count: int, show: Progress) -> Iterator[Floats]:
+def _is_as_stated(rows: Array, chunk: Mapping[str, Any]) -> bool:
+    values = None if rows.dtype.names is None else rows
+    digests = digests_of(np.ascontiguousarray(planar_of(rows)), values)
+    return digests == (chunk["sha256"], chunk.get("values", ""))
+
+
+def _shown(chunks: Iterable[Array], count: int, show: Progress) -> Iterator[Array]:
     for number, rows in enumerate(chunks):
         yield rows
         show(_READ * (number + 1) / count)

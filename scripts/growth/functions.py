@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import io
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -22,6 +21,7 @@ from growth.counting import Work
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
+from growth.tiled import tiled_functions
 from liftmesh import Cloud, Triangulation
 
 Prepare = Callable[[Any], Work]
@@ -288,46 +288,6 @@ def thinned(way: str) -> Prepare:
         return Work(lambda: liftmesh.thin(points, **options), len(points))
 
     return prepare
-
-
-def tiles(points: Points) -> Work:
-    """Prepare a triangulation in eight tiles, in a folder of its own."""
-    rows = max(16, len(points) // 8)
-
-    def call() -> object:
-        with tempfile.TemporaryDirectory() as folder:
-            return liftmesh.tile(points, folder, tile_rows=rows, threads=1)
-
-    return Work(call, len(points))
-
-
-def on_tiles(call: Callable[[liftmesh.Tiled], object]) -> Prepare:
-    """Prepare a call on triangles in shards."""
-
-    def prepare(points: Points) -> Work:
-        folder = tempfile.TemporaryDirectory()
-        found = liftmesh.tile(points, folder.name, tile_rows=max(16, len(points) // 8), threads=1)
-        return Work(lambda: (folder, call(found)), len(points))
-
-    return prepare
-
-
-def proved(points: Points) -> Work:
-    """Prepare the proof of triangles in shards."""
-    return on_tiles(lambda tiled: tiled.verify(points, threads=1))(points)
-
-
-def tiled_functions() -> Iterator[tuple[Any, ...]]:
-    """Name, families, preparation and counted families of what works in tiles."""
-    yield "tile", PLANAR, tiles, ("uniform", "circle and centre", "two columns", "few positions")
-    opened = on_tiles(lambda tiled: liftmesh.open_tiled(tiled.directory))
-    yield "open_tiled", PLANAR, opened, ("uniform",)
-    yield "Tiled.compute", PLANAR, on_tiles(liftmesh.Tiled.compute), ("uniform",)
-    yield "Tiled.verify", PLANAR, proved, ("uniform", "circle and centre", "few positions")
-    yield "Tiled.is_sound", PLANAR, on_tiles(liftmesh.Tiled.is_sound), ("uniform",)
-    yield "Tiled.blocks", PLANAR, on_tiles(lambda tiled: list(tiled.blocks())), ("uniform",)
-    for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
-        yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
 
 
 def planar_functions() -> Iterator[tuple[Any, ...]]:

@@ -120,6 +120,7 @@ WITHOUT_DATA = {
     "Report": "a result, made by triangulate",
     "Surface": "a result, made by triangulate; its methods are watched",
     "Tiled": "a result, made by tile; its methods are watched",
+    "TiledSurface": "a result, made by tile_surface; its methods are watched",
     "Triangulation": "a result, made by delaunay; its methods and properties are watched",
     "Volume": "a result, made by Surface.volume",
 }

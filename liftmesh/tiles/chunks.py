@@ -1,0 +1,215 @@
+"""The tasks of chunks, which are parts of a source: a first reading, and rows sorted by tile.
+
+As in `stages.py`, what is done and sound is not done again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import non_finite
+from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.tiles.clouds import read_part
+from liftmesh.tiles.repeated import set_apart
+from liftmesh.tiles.runs import load_plan
+from liftmesh.tiles.store import is_sound, load_record, save_array, save_record
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.sources import Part
+    from liftmesh.tiles.stages import Folders
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """What a first reading of a part tells; of a surface, its values have a digest, too."""
+
+    rows: int
+    digest: str
+    sample: Floats
+    values: str = ""
+
+    @property
+    def as_chunk(self) -> dict[str, Any]:
+        """What a manifest says of the part."""
+        said: dict[str, Any] = {"rows": self.rows, "sha256": self.digest}
+        return said | ({"values": self.values} if self.values else {})
+
+
+def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
+    """Read a part for the first time.
+
+    Parameters
+    ----------
+    part : Part
+        Rows of the source.
+    first : int
+        The number of its first row.
+    sampled : int
+        How many of its rows to draw.
+    skips : bool
+        Whether rows that are not finite are left out.
+
+    Returns
+    -------
+    Scanned
+        A function of the rows: they also are the seed of the sample.
+
+    Raises
+    ------
+    NonFiniteError
+        A row is not finite.
+    """
+    rows, values = read_part(part)
+    digest, others = digests_of(rows, values)
+    finite = np.isfinite(rows).all(axis=1)
+    if values is not None:
+        finite &= np.isfinite(values["z"])
+    if not skips and not finite.all():
+        row = int(finite.argmin())
+        place = rows[row] if values is None else np.append(rows[row], values["z"][row])
+        raise _non_finite(part, row, first, place)
+    pool = np.flatnonzero(finite)
+    rng = np.random.default_rng(int(digest[:16], 16))
+    drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
+    return Scanned(len(rows), digest, rows[pool[np.sort(drawn)]] + 0.0, others)
+
+
+def digests_of(rows: Floats, values: Array | None) -> tuple[str, str]:
+    """Hash planar positions, and the values of a surface.
+
+    Parameters
+    ----------
+    rows : (n, 2) ndarray of float64
+        Contiguous.
+    values : (n,) structured ndarray, optional
+        Contiguous.
+
+    Returns
+    -------
+    (str, str)
+        SHA-256 in hexadecimal digits; the second is empty without values.
+    """
+    others = "" if values is None else hashlib.sha256(values.view(np.uint8).data).hexdigest()
+    return hashlib.sha256(rows.data).hexdigest(), others
+
+
+def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteError:
+    """Name a row by its file, its number there, and its number among all."""
+    error = non_finite(first + row, values)
+    if part.place is None:
+        return error
+    within = part.origin.row + row
+    where = "" if within == first + row else f", its row {within}"
+    return NonFiniteError(f"{part.origin.source}{where}: {error}", row=first + row)
+
+
+def partition(
+    folders: Folders, part: Part, number: int, first: int, chunk: Mapping[str, Any]
+) -> None:
+    """Sort the rows of a part by tile into a file of the scratch folder.
+
+    Beside it: where each tile begins in it, the box of each tile's rows, the rows that are not
+    finite, and duplicates of rows at positions that are repeated very often. Of a surface also the
+    values of the rows, and the position and height of those duplicates.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where to write.
+    part : Part
+        Rows of the source.
+    number : int
+        The number of the part.
+    first : int
+        The number of its first row.
+    chunk : mapping
+        What its rows were when they were first read, as of `Scanned`.
+
+    Raises
+    ------
+    InputError
+        The rows have changed since.
+    """
+    stem = f"run-{number:05d}"
+    record = folders.scratch / f"{stem}.json"
+    before = load_record(record, folders.plan)
+    if before is not None and is_sound(folders.scratch, before):
+        return
+    rows, values = read_part(part)
+    if digests_of(rows, values) != (chunk["sha256"], chunk.get("values", "")):
+        raise changed(part)
+    arrays = sorted_by_tile(load_plan(folders), rows, first, values, folders.policy)
+    digests = {
+        f"{stem}{what}.npy": save_array(folders.scratch / f"{stem}{what}.npy", array)
+        for what, array in arrays.items()
+    }
+    save_record(record, folders.plan, digests)
+
+
+def sorted_by_tile(
+    plan: Plan, rows: Floats, first: int, values: Array | None, policy: str
+) -> dict[str, Array]:
+    """Sort rows by tile.
+
+    Parameters
+    ----------
+    plan : Plan
+        Where the tiles are.
+    rows : (n, 2) ndarray of float64
+        Points, which are changed.
+    first : int
+        The number of the first row.
+    values : (n,) structured ndarray, optional
+        Of a surface, its rows with their values.
+    policy : str
+        As of `Folders`.
+
+    Returns
+    -------
+    dict of str to ndarray
+        What `partition` writes, by the ends of the names.
+    """
+    if values is not None:
+        rows[~np.isfinite(values["z"])] = np.nan
+    heights = None if values is None else values["z"]
+    apart, which, firsts = set_apart(rows, plan.repeated, heights, policy)
+    records, begins, boxes, skipped = plan.partition(rows, first)
+    pairs = first + np.column_stack((apart, firsts[which]))
+    found = {
+        "": records,
+        "-begins": begins,
+        "-boxes": boxes,
+        "-skipped": np.setdiff1d(skipped, pairs[:, 0]),
+        "-duplicates": pairs,
+    }
+    if values is not None:
+        found["-values"] = values[records[:, 0] - first]
+        found["-apart"] = np.column_stack((which.astype(np.float64), values["z"][apart]))
+    return found
+
+
+def changed(part: Part) -> InputError:
+    """Return the exception for rows that are not what they were.
+
+    Parameters
+    ----------
+    part : Part
+        The rows.
+
+    Returns
+    -------
+    InputError
+        Not yet raised.
+    """
+    first = part.origin.row
+    return InputError(
+        f"{part.origin.source}: rows {first:,} to {first + part.rows - 1:,} have changed since "
+        "this triangulation was begun: restore them, or begin anew with resume=False"
+    )

@@ -1,0 +1,440 @@
+"""Sources of surfaces: parts whose rows have heights, colours, normals and named values.
+
+NPY files are read by ranges, as for triangles alone; all other files, and what comes once, are
+written to the scratch folder first, as records (`schema.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import as_coordinates, widened
+from liftmesh.choices import shown
+from liftmesh.errors import InputError
+from liftmesh.frozen import FrozenDict
+from liftmesh.io.files import read_chunks
+from liftmesh.io.registry import as_cloud
+from liftmesh.optional import load
+from liftmesh.tiles.parquet import parquet_parts
+from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
+from liftmesh.tiles.sources import NpyPart, Origin, Part, files_of, npy_parts, parts_of, planar
+from liftmesh.tiles.store import concatenated, kind_of, save_array, values_of
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+
+_DEPTH = "give color_depth= 8 or 16, which decides it for all rows"
+
+
+class Valued(Part, Protocol):
+    """Consecutive rows of a source, with their values."""
+
+    @property
+    def schema(self) -> Schema:
+        """What the values are."""
+
+    def records(self) -> Array:
+        """Read the rows and their values; nobody else writes to the result."""
+
+
+@dataclass(frozen=True)
+class HeldPart:
+    """Rows in memory, with their values."""
+
+    held: Array
+    schema: Schema
+    origin: Origin
+    place: None = None
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        return len(self.held)
+
+    def read(self) -> Array:
+        """Copy the planar positions."""
+        return _planar(self.held)
+
+    def records(self) -> Array:
+        """Copy the records."""
+        copied: Array = self.held.copy()
+        return copied
+
+
+@dataclass(frozen=True)
+class FilePart:
+    """Rows in a file of records, with their values."""
+
+    place: str
+    rows: int
+    schema: Schema
+    origin: Origin
+
+    def read(self) -> Array:
+        """Read the planar positions."""
+        return _planar(self.records())
+
+    def records(self) -> Array:
+        """Read the records."""
+        path = Path(self.place)
+        return values_of(path, 0, self.rows, kind_of(path))
+
+
+@dataclass(frozen=True)
+class NpyHeightPart:
+    """Rows of an NPY file: the third column, if there is one, holds their heights."""
+
+    part: NpyPart
+    schema: Schema
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        return self.part.rows
+
+    @property
+    def origin(self) -> Origin:
+        """Where they are from."""
+        return self.part.origin
+
+    @property
+    def place(self) -> str:
+        """The file."""
+        return self.part.place
+
+    def read(self) -> Array:
+        """Read the planar positions."""
+        return self.part.read()
+
+    def records(self) -> Array:
+        """Read the coordinates."""
+        try:
+            points = widened(as_coordinates(self.part.columns()))
+        except InputError as error:
+            raise type(error)(f"{self.origin.source}: {error}") from error
+        found = np.zeros(len(points), self.schema.dtype)
+        for (name, _), column in zip(POSITION, points.T, strict=False):
+            found[name] = column
+        return found
+
+
+def read_part(part: Part) -> tuple[Floats, Array | None]:
+    """Read the planar positions of a part, and its records if it has values.
+
+    Parameters
+    ----------
+    part : Part
+        Rows of a source.
+
+    Returns
+    -------
+    rows : (n, 2) ndarray of float64
+        Contiguous, and nobody else's.
+    records : (n,) structured ndarray or None
+        As of `Valued.records`.
+
+    Raises
+    ------
+    InputError, FormatError
+        As for `planar`.
+    """
+    if not hasattr(part, "records"):
+        return planar(part), None
+    records = cast("Valued", part).records()
+    return _planar(records), records
+
+
+def planar_of(rows: Array) -> Floats:
+    """Return planar positions.
+
+    Parameters
+    ----------
+    rows : (n, 2) ndarray of float64, or (n,) structured ndarray
+        Positions themselves, or records.
+
+    Returns
+    -------
+    (n, 2) ndarray of float64
+        Those of records are a copy.
+    """
+    return rows if rows.dtype.names is None else _planar(rows)
+
+
+def _planar(records: Array) -> Floats:
+    return np.stack([records["x"], records["y"]], axis=1)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the rows of a surface are read.
+
+    Attributes
+    ----------
+    crs : str or None
+        The coordinate system, in place of that of the source.
+    options : mapping
+        Those of `read_chunks`, for files.
+    """
+
+    crs: str | None = None
+    options: Mapping[str, Any] = field(default_factory=FrozenDict)
+
+    def changed(self, cloud: Cloud) -> Cloud:
+        """Give a cloud the coordinate system that the caller says."""
+        return cloud if self.crs is None else replace(cloud, crs=self.crs)
+
+
+def valued_parts(source: object, rows: int, scratch: Path, reading: Reading) -> list[Valued]:
+    """Cut a source into parts with values.
+
+    Parameters
+    ----------
+    source : path, array_like, cloud, table, iterator, or a list of paths
+        What `tile_surface` accepts.
+    rows : int
+        How many rows a part may have.
+    scratch : Path
+        Where to write what cannot be read by ranges.
+    reading : Reading
+        How files are read.
+
+    Returns
+    -------
+    list of Part
+        In the order of the rows, all with the same schema.
+
+    Raises
+    ------
+    InputError, FormatError, UnsupportedTypeError, OSError
+        The source cannot be read, or its parts do not go together.
+    """
+    files = files_of(source)
+    if files is not None:
+        each = (valued_parts_of_file(file, file.source, rows, scratch, reading) for file in files)
+        return alike([part for parts in each for part in parts])
+    if reading.options:
+        raise InputError(f"{', '.join(reading.options)}: options of files, and there is no file")
+    if isinstance(source, Iterator):
+        clouds = (reading.changed(as_cloud(chunk)) for chunk in source)
+        return alike(spooled(clouds, rows, scratch, Origin("iterator")))
+    if isinstance(source, np.memmap) and reading.crs is None:
+        found = parts_of(source, rows, scratch)
+        if all(isinstance(part, NpyPart) for part in found):
+            return [NpyHeightPart(cast("NpyPart", part), Schema()) for part in found]
+    return _of_cloud(reading.changed(as_cloud(source)), rows)
+
+
+def valued_parts_of_file(
+    origin: Origin, name: str, rows: int, scratch: Path, reading: Reading
+) -> list[Valued]:
+    """Cut a file into parts with values.
+
+    Parameters
+    ----------
+    origin : Origin
+        The file, as the caller knows it.
+    name : str
+        The path to open.
+    rows, scratch, reading
+        As for `valued_parts`.
+
+    Returns
+    -------
+    list of Part
+        In the order of the rows.
+
+    Raises
+    ------
+    InputError, FormatError, OSError
+        It cannot be read, or holds no points.
+    """
+    suffix = Path(name).suffix.lower()
+    if suffix == ".npy" and not reading.options:
+        schema = Schema(crs=reading.crs)
+        return [NpyHeightPart(part, schema) for part in npy_parts(origin, name, rows)]
+    if suffix in (".parquet", ".pq"):
+        if reading.options:
+            given = ", ".join(reading.options)
+            raise InputError(f"{name}: rows of Parquet are read as they are: leave out {given}")
+        clouds: Iterable[Cloud] = _of_parquet(origin, name, rows)
+    else:
+        clouds = read_chunks(name, rows=rows, **reading.options)
+    return spooled(map(reading.changed, clouds), rows, scratch, origin)
+
+
+def _of_parquet(origin: Origin, name: str, rows: int) -> Iterator[Cloud]:
+    """Read row groups as tables, with the depth of colours that all of them have."""
+    read = partial(_tables, parquet_parts(origin, name, rows), name)
+    depths = [cloud.color_depth for cloud in read() if cloud.colors is not None]
+    depth = None if None in depths else max(filter(None, depths), default=None)
+    for cloud in read():
+        yield cloud if depth is None else cloud.with_color_depth(depth)
+
+
+def _tables(parts: Iterable[Any], name: str) -> Iterator[Cloud]:
+    parquet = load("pyarrow.parquet", extra="dask")
+    for part in parts:
+        with parquet.ParquetFile(part.place) as file:
+            table = file.read_row_groups(list(part.groups))
+        try:
+            yield as_cloud(table.to_pandas())
+        except InputError as error:
+            raise type(error)(f"{name}: {error}") from error
+
+
+def _of_cloud(cloud: Cloud, rows: int) -> list[Valued]:
+    schema = schema_of(cloud)
+    return [
+        HeldPart(records_from(cloud.select(slice(i, i + rows))), schema, Origin("array", row=i))
+        for i in range(0, len(cloud), rows)
+    ]
+
+
+def spooled(clouds: Iterable[Cloud], rows: int, scratch: Path, origin: Origin) -> list[Valued]:
+    """Write clouds, which come once, to files of so many records.
+
+    Parameters
+    ----------
+    clouds : iterable of Cloud
+        Consecutive rows.
+    rows : int
+        How many rows a file has.
+    scratch : Path
+        Where to write.
+    origin : Origin
+        Where they are from.
+
+    Returns
+    -------
+    list of Part
+        The same rows.
+
+    Raises
+    ------
+    InputError
+        The clouds have not the same values.
+    OSError
+        A file cannot be written.
+    """
+    found: list[Valued] = []
+    for records, schema in _regrouped(clouds, rows, origin.source):
+        path = scratch / f"points-{origin.number:05d}-{len(found):05d}.npy"
+        first = found[-1].origin.row + found[-1].rows if found else 0
+        found.append(in_record_file(records, path, schema, replace(origin, row=first)))
+    return found
+
+
+def _regrouped(clouds: Iterable[Cloud], rows: int, name: str) -> Iterator[tuple[Array, Schema]]:
+    held: list[Array] = []
+    schema = Schema()
+    for number, cloud in enumerate(each for each in clouds if len(each)):
+        before, schema = schema, schema_of(cloud)
+        if number:
+            _check_alike(before, schema, name, "what came before")
+        held.append(records_from(cloud))
+        if sum(map(len, held)) >= rows:
+            whole = concatenated(held)
+            full = len(whole) // rows * rows
+            yield from ((whole[i : i + rows], schema) for i in range(0, full, rows))
+            held = [whole[full:].copy()]
+    if sum(map(len, held)):
+        yield concatenated(held), schema
+
+
+def in_record_file(records: Array, path: Path, schema: Schema, origin: Origin) -> FilePart:
+    """Write records to a file.
+
+    Parameters
+    ----------
+    records : (n,) structured ndarray
+        Rows with values.
+    path : Path
+        The file.
+    schema : Schema
+        What they are.
+    origin : Origin
+        Where they are from.
+
+    Returns
+    -------
+    Part
+        Its rows.
+    """
+    save_array(path, records)
+    return FilePart(str(path), len(records), schema, origin)
+
+
+def in_record_files(parts: Sequence[Valued], folder: Path) -> list[Valued]:
+    """Write the parts that are in memory to files, for other processes.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Parts of a source.
+    folder : Path
+        Where to write.
+
+    Returns
+    -------
+    list of Part
+        The same rows.
+    """
+    return [
+        in_record_file(part.held, folder / f"points-{number:05d}.npy", part.schema, part.origin)
+        if isinstance(part, HeldPart)
+        else part
+        for number, part in enumerate(parts)
+    ]
+
+
+def alike(parts: list[Valued]) -> list[Valued]:
+    """Return parts whose rows all have the same values.
+
+    Parameters
+    ----------
+    parts : list of Part
+        Of one source.
+
+    Returns
+    -------
+    list of Part
+        The same.
+
+    Raises
+    ------
+    InputError
+        Values differ in name, type or shape, or coordinate systems do.
+    """
+    for part in parts[1:]:
+        first = parts[0]
+        _check_alike(first.schema, part.schema, part.origin.source, first.origin.source)
+    return parts
+
+
+def _check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
+    if other.crs != first.crs:
+        raise InputError(
+            f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: give to_crs= or crs="
+        )
+    if other.names == first.names and other.color_depth != first.color_depth:
+        raise InputError(
+            f"{name} has colours of {other.color_depth} bits, {before} of {first.color_depth}: "
+            f"{_DEPTH}"
+        )
+    if other.fields != first.fields:
+        raise InputError(
+            f"{name} has the values {_listed(other)}, {before} has {_listed(first)}: "
+            "all rows need the same"
+        )
+
+
+def _listed(schema: Schema) -> str:
+    names = [f"{name} ({np.dtype(kind)}{shape or ''})" for name, kind, shape in schema.fields]
+    return ", ".join(names) or "no names"

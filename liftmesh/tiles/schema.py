@@ -1,0 +1,170 @@
+"""Rows with values as records: which fields they have, and clouds as records and back.
+
+A record is x, y and z as doubles, then what else the cloud has, each value of its own type, without
+padding. So the bytes of records depend on the values alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.cloud import Cloud
+from liftmesh.errors import InputError
+from liftmesh.frozen import FrozenDict
+from liftmesh.io.metadata import found_columns
+
+POSITION = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
+ROW = ("row", "<i8")  # before the position, in what is written for a shard
+_PARTS = ("colors", "normals")
+_RESERVED = {ROW[0], *(name for name, _ in POSITION), *_PARTS}
+
+
+@dataclass(frozen=True)
+class Schema:
+    """What the rows of a cloud have besides a position.
+
+    Attributes
+    ----------
+    fields : tuple
+        Name, type and shape of each, as of a structured type of NumPy.
+    crs : str or None
+        The coordinate system.
+    color_depth : int or None
+        As of a `Cloud`.
+    columns : mapping of str to str
+        As of a `Report`.
+    """
+
+    fields: tuple[tuple[Any, ...], ...] = ()
+    crs: str | None = None
+    color_depth: int | None = None
+    columns: Mapping[str, str] = field(default_factory=FrozenDict)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the values."""
+        return [name for name, _, _ in self.fields]
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type of a record."""
+        return np.dtype([*POSITION, *self.fields])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what JSON holds.
+
+        Returns
+        -------
+        dict
+            The attributes.
+        """
+        fields = [[name, kind, list(shape)] for name, kind, shape in self.fields]
+        return {
+            "fields": fields,
+            "crs": self.crs,
+            "color_depth": self.color_depth,
+            "columns": dict(self.columns),
+        }
+
+    @classmethod
+    def from_dict(cls, said: Mapping[str, Any]) -> Schema:
+        """Return the schema of such a dictionary.
+
+        Parameters
+        ----------
+        said : mapping
+            What `as_dict` returned; it may hold more.
+
+        Returns
+        -------
+        Schema
+            The same.
+        """
+        fields = tuple((name, kind, tuple(shape)) for name, kind, shape in said["fields"])
+        columns = FrozenDict(said["columns"])
+        return cls(fields, said["crs"], said["color_depth"], columns)
+
+
+def schema_of(cloud: Cloud) -> Schema:
+    """Tell what the rows of a cloud have.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Any.
+
+    Returns
+    -------
+    Schema
+        Colours first, then normals, then named values in their order.
+
+    Raises
+    ------
+    InputError
+        Values have names that the position has, or are objects of Python.
+    """
+    fields = []
+    for name, values in _values_of(cloud).items():
+        if name in _RESERVED and name not in _PARTS:
+            raise InputError(f"values named {name!r} cannot be kept beside a position: rename them")
+        if values.dtype.hasobject:
+            raise InputError(f"the values {name!r} are objects of Python: convert them to numbers")
+        fields.append((name, values.dtype.str, values.shape[1:]))
+    columns = FrozenDict(found_columns(cloud.metadata))
+    return Schema(tuple(fields), cloud.crs, cloud.color_depth, columns)
+
+
+def records_from(cloud: Cloud) -> Array:
+    """Put the rows of a cloud and their values into records.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Any.
+
+    Returns
+    -------
+    (n,) structured ndarray
+        Of the type of its schema.
+    """
+    found = np.empty(len(cloud), schema_of(cloud).dtype)
+    for k, (name, _) in enumerate(POSITION):
+        found[name] = cloud.points[:, k]
+    for name, values in _values_of(cloud).items():
+        found[name] = values
+    return found
+
+
+def cloud_from(records: Array, schema: Schema) -> Cloud:
+    """Make a cloud of records.
+
+    Parameters
+    ----------
+    records : (n,) structured ndarray
+        With the fields of a schema.
+    schema : Schema
+        What they are.
+
+    Returns
+    -------
+    Cloud
+        Copies of their values.
+    """
+    values = {name: np.ascontiguousarray(records[name]) for name, _, _ in schema.fields}
+    parts: dict[str, Any] = {name: values.pop(name) for name in _PARTS if name in values}
+    points = np.stack([records[name] for name, _ in POSITION], axis=1)
+    depth = schema.color_depth
+    return Cloud(points, **parts, attributes=values, crs=schema.crs, color_depth=depth)
+
+
+def _values_of(cloud: Cloud) -> dict[str, Array]:
+    parts = {"colors": cloud.colors, "normals": cloud.normals}
+    named = {name: values for name, values in cloud.attributes.items() if name not in _PARTS}
+    if len(named) < len(cloud.attributes):
+        raise InputError("values named 'colors' or 'normals' cannot be kept: rename them")
+    return {name: values for name, values in parts.items() if values is not None} | named

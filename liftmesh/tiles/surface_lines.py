@@ -1,0 +1,258 @@
+"""Contours of tiled surfaces: line for line those of `Surface.contours`.
+
+A level crosses a face by one side and leaves it by another. Such steps are collected from one shard
+after the other; sides, named by the rows of their ends, join them to lines, also across shards.
+Memory is that of the lines, some 200 bytes a point, whatever the number of faces. The rules for the
+point on a side, and for the first point and the order of lines, are those of the kernel
+(`_core/surface/contours.hpp`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats, Integers
+from liftmesh.terrain.contours import Contours, wanted_levels
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.tiled_surface import TiledSurface
+
+_BLOCK = 1 << 18  # triangles that are looked at at once
+
+
+class Contouring:
+    """The method of a `TiledSurface` that makes contours."""
+
+    def contours(
+        self: Any,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        base: float = 0.0,
+        index_every: int = 5,
+    ) -> Contours:
+        """Compute lines of equal height, reading one shard after the other.
+
+        The lines are those of `Surface.contours`, point for point and in the same order.
+
+        Parameters
+        ----------
+        levels, interval, base, index_every
+            As for `Surface.contours`.
+
+        Returns
+        -------
+        Contours
+            The lines, which are held in memory, by ascending level.
+
+        Raises
+        ------
+        InputError
+            As for `Surface.contours`.
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> slope = liftmesh.tile_surface([[0, 0, 0], [4, 0, 8], [0, 4, 0]], tempfile.mkdtemp())
+        >>> slope.contours([2])[0].points.tolist()
+        [[1.0, 3.0], [1.0, 0.0]]
+        """
+        low, high = (Fraction(self.extent[k]) for k in (2, 5))
+        wanted, is_index = wanted_levels(levels, interval, base, index_every, lambda: (low, high))
+        lines = _lines(_Steps.of(self, wanted))
+        starts = np.cumsum([0, *(len(line.points) for line in lines)], dtype=np.int64)
+        places = np.array([line.level for line in lines], dtype=np.int64)
+        return Contours(
+            np.concatenate([np.empty((0, 2)), *(line.points for line in lines)]),
+            starts,
+            wanted[places],
+            np.array([line.is_closed for line in lines], dtype=np.bool_),
+            is_index[places],
+            self.crs,
+        )
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """Faces that levels cross: the sides where they enter and leave.
+
+    Attributes
+    ----------
+    levels : (n,) ndarray of int64
+        Places in the list of levels.
+    sides : (n, 2, 2) ndarray of int64
+        The rows of the ends, the lower first, of the first and of the second side.
+    points : (n, 2, 2) ndarray of float64
+        Where the level crosses both.
+    """
+
+    levels: Integers
+    sides: Integers
+    points: Floats
+
+    @classmethod
+    def of(cls, tiled: TiledSurface, levels: Floats) -> _Steps:
+        found = [cls(np.empty(0, np.int64), np.empty((0, 2, 2), np.int64), np.empty((0, 2, 2)))]
+        found += _steps_of_shards(tiled, levels)
+        parts = zip(*((each.levels, each.sides, each.points) for each in found), strict=True)
+        return cls(*(np.concatenate(part) for part in parts))
+
+
+def _steps_of_shards(tiled: TiledSurface, levels: Floats) -> Iterator[_Steps]:
+    for vertices, faces in zip(tiled.vertices(), tiled.faces(), strict=True):
+        rows = np.ascontiguousarray(vertices["row"])
+        corners = np.stack([vertices[name] for name in ("x", "y", "z")], axis=1) + 0.0
+        for begin in range(0, len(faces), _BLOCK):
+            block = np.array(faces[begin : begin + _BLOCK])
+            yield _steps(rows[block], corners[block], levels)
+
+
+def _steps(triangles: Integers, corners: Floats, levels: Floats) -> _Steps:
+    """Find the steps of all levels through some faces, given the corners of each."""
+    heights = corners[:, :, 2]
+    first = np.searchsorted(levels, heights.min(axis=1), side="right")
+    end = np.searchsorted(levels, heights.max(axis=1), side="right")
+    counts = np.maximum(end - first, 0)
+    face = np.repeat(np.arange(len(triangles)), counts)
+    level = np.arange(len(face)) - np.repeat(np.cumsum(counts) - counts - first, counts)
+    above = heights[face] >= levels[level][:, None]
+    alone = np.where(above[:, 1] == above[:, 2], 0, np.where(above[:, 0] == above[:, 2], 1, 2))
+    is_above = above[np.arange(len(face)), alone]
+    one, other = (alone + 1) % 3, (alone + 2) % 3
+    opposite = np.where(is_above[:, None], np.stack([other, one], 1), np.stack([one, other], 1))
+    ends = np.stack([(opposite + 1) % 3, (opposite + 2) % 3], axis=2)
+    sides = np.sort(triangles[face[:, None, None], ends], axis=2)
+    points = _crossings(corners[face[:, None, None], ends], levels[level][:, None])
+    return _Steps(level, sides, points)
+
+
+def _crossings(ends: Floats, levels: Floats) -> Floats:
+    """Compute where levels cross sides, (..., 2, 3), on the way from the lesser end."""
+    u, v = ends[..., 0, :], ends[..., 1, :]
+    is_swapped = (v[..., 0] < u[..., 0]) | ((v[..., 0] == u[..., 0]) & (v[..., 1] < u[..., 1]))
+    u, v = (np.where(is_swapped[..., None], *pair) for pair in ((v, u), (u, v)))
+    low, high = u[..., 2], v[..., 2]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        share = (levels - low) / (high - low)
+        halved = (levels / 2 - low / 2) / (high / 2 - low / 2)
+        share = np.where(np.isfinite(high - low), share, halved)
+        found = np.stack([_between(u[..., k], v[..., k], share) for k in (0, 1)], axis=-1)
+    found = np.where((high == levels)[..., None], v[..., :2], found)
+    result: Floats = np.where((low == levels)[..., None], u[..., :2], found)
+    return result
+
+
+def _between(begin: Floats, end: Floats, share: Floats) -> Floats:
+    at = begin + share * (end - begin)
+    at = np.where(np.isfinite(at), at, (begin / 2 + share * (end / 2 - begin / 2)) * 2)
+    kept: Floats = np.clip(at, np.minimum(begin, end), np.maximum(begin, end)) + 0.0
+    return kept
+
+
+@dataclass(frozen=True)
+class _Line:
+    level: int
+    points: Floats
+    is_closed: bool
+
+
+def _lines(steps: _Steps) -> list[_Line]:
+    """Join steps to lines, by level and then in lexicographic order."""
+    follows, levels, points = _joined(steps)
+    found = []
+    for nodes, is_closed in _chains(follows):
+        line = points[nodes]
+        is_new = np.r_[True, (line[1:] != line[:-1]).any(axis=1)]
+        line = line[is_new]
+        if is_closed:
+            line = _from_least(line)
+        if len(line) > 1:
+            found.append(_Line(int(levels[nodes[0]]), line, is_closed))
+    return sorted(found, key=lambda line: (line.level, _Sequence(line.points)))
+
+
+class _Sequence:
+    """Compares lines point by point; most differ in the first."""
+
+    __slots__ = ("first", "points")
+
+    def __init__(self, points: Floats) -> None:
+        self.points = points
+        self.first = tuple(points[0].tolist())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Sequence) and np.array_equal(self.points, other.points)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __lt__(self, other: _Sequence) -> bool:
+        if self.first != other.first:
+            return self.first < other.first
+        return bool(self.points.tolist() < other.points.tolist())
+
+
+def _from_least(line: Floats) -> Floats:
+    """Let a closed line begin and end at its least point, by x, then y, then the next point."""
+    if len(line) > 1 and (line[0] == line[-1]).all():
+        line = line[:-1]
+    following = np.roll(line, -1, axis=0)
+    least = np.lexsort((following[:, 1], following[:, 0], line[:, 1], line[:, 0]))[0]
+    line = np.roll(line, -least, axis=0)
+    return np.concatenate((line, line[:1])) if len(line) > 1 else line
+
+
+def _joined(steps: _Steps) -> tuple[Integers, Integers, Floats]:
+    """Number the crossings; return the next of each, or itself, and their levels and points."""
+    count = len(steps.levels)
+    level = np.concatenate((steps.levels, steps.levels))
+    a, b = np.concatenate((steps.sides[:, 0], steps.sides[:, 1])).T
+    order = np.lexsort((b, a, level))
+    level, a, b = level[order], a[order], b[order]
+    is_new = np.ones(2 * count, dtype=np.bool_)
+    is_new[1:] = (level[1:] != level[:-1]) | (a[1:] != a[:-1]) | (b[1:] != b[:-1])
+    number = np.empty(2 * count, dtype=np.int64)
+    number[order] = np.cumsum(is_new) - 1
+    first = order[is_new]
+    points = np.concatenate((steps.points[:, 0], steps.points[:, 1]))[first]
+    follows = np.arange(len(first))
+    follows[number[:count]] = number[count:]
+    return follows, level[is_new], points
+
+
+def _chains(follows: Integers) -> Iterator[tuple[Integers, bool]]:
+    """Yield the chains of a list of successors, and whether they are closed.
+
+    The last of an open chain follows itself. Successors of successors are taken again and again, so
+    the number of rounds is the logarithm of the longest chain.
+    """
+    count = len(follows)
+    if count == 0:
+        return
+    rounds = count.bit_length()
+    ends, least = follows, np.arange(count)
+    for _ in range(rounds):
+        least = np.minimum(least, least[ends])
+        ends = ends[ends]
+    is_closed = follows[ends] != ends
+    follows = np.where(is_closed & (follows == least), np.arange(count), follows)  # cut before it
+    left = (follows != np.arange(count)).astype(np.int64)
+    ends = follows
+    for _ in range(rounds):
+        left = left + left[ends]
+        ends = ends[ends]
+    order = np.lexsort((-left, ends))
+    begins = np.flatnonzero(np.r_[True, ends[order][1:] != ends[order][:-1]])
+    for begin, end in zip(begins, np.r_[begins[1:], count], strict=True):
+        nodes = order[begin:end]
+        yield nodes, bool(is_closed[nodes[0]])

@@ -1,0 +1,146 @@
+"""Parts of a tiled surface: the faces that touch a box, as a surface of their own.
+
+By heredity (ARCHITECTURE.md), the triangulation of the corners of some faces has all these faces;
+what else it has is masked. What a surface answers at a point depends on the faces that contain the
+point, and on nothing else. So within the box, the part answers as the whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.report import Report
+from liftmesh.terrain.surface import Surface
+from liftmesh.tiles.store import mapped
+from liftmesh.tiles.surface_files import faces_name, vertices_name
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.tiled_surface import TiledSurface
+
+_BLOCK = 1 << 19  # triangles that are looked at at once
+
+
+def part_of(
+    tiled: TiledSurface, box: tuple[float, float, float, float], most: int, threads: int | None
+) -> Surface | int:
+    """Make a surface of the faces that touch a box.
+
+    Parameters
+    ----------
+    tiled : TiledSurface
+        The whole.
+    box : tuple of float
+        xmin, ymin, xmax and ymax.
+    most : int
+        How many faces it may have.
+    threads : int, optional
+        As for `delaunay`.
+
+    Returns
+    -------
+    Surface or int
+        The part, with the rows of its corners in ascending order as vertices; or how many faces
+        there are, if that is none or too many. Then the count may end with those that are too many.
+
+    Raises
+    ------
+    FormatError
+        A file is damaged.
+    OSError
+        A file cannot be read.
+    """
+    held: list[Rows] = []
+    corners: list[Any] = []
+    count = 0
+    for vertices, faces in _touching(tiled, box):
+        count += len(faces)
+        if count > most:
+            return count
+        held.append(faces)
+        corners.append(vertices)
+    if not count:
+        return 0
+    rows = np.concatenate([each["row"] for each in corners])
+    _, first, place = np.unique(rows, return_index=True, return_inverse=True)
+    points = np.concatenate([_points_of(each) for each in corners])[first]
+    begins = np.cumsum([0, *(len(each) for each in corners)])
+    parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
+    return _surface(points, np.concatenate(parts), tiled.crs, threads)
+
+
+def _touching(
+    tiled: TiledSurface, box: tuple[float, float, float, float]
+) -> Iterator[tuple[Any, Rows]]:
+    """Yield the faces whose own boxes touch a box, and their corners."""
+    for shard in tiled.manifest["shards"]:
+        west, south, _, east, north, _ = shard["extent"]
+        if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
+            continue
+        vertices: Any = mapped(tiled.directory / vertices_name(shard["file"]))
+        faces: Rows = mapped(tiled.directory / faces_name(shard["file"])).view(np.int32)
+        xs, ys = (np.ascontiguousarray(vertices[name]) for name in ("x", "y"))
+        for begin in range(0, len(faces), _BLOCK):
+            block = np.array(faces[begin : begin + _BLOCK])
+            touches = _overlaps(xs[block], box[0], box[2])
+            touches &= _overlaps(ys[block], box[1], box[3])
+            if touches.any():
+                yield _apart(vertices, block[touches])
+
+
+def _apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
+    """Take some faces and their corners out of a shard."""
+    is_corner = np.zeros(len(vertices), dtype=np.bool_)
+    is_corner[faces.reshape(-1)] = True
+    number = np.cumsum(is_corner, dtype=np.int32) - np.int32(1)
+    return vertices[is_corner], number[faces]
+
+
+def _overlaps(along: Floats, low: float, high: float) -> Array:
+    """Whether the corners of each triangle reach into a range."""
+    a, b, c = along.T
+    least, greatest = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    found: Array = (least <= high) & (greatest >= low)
+    return found
+
+
+def _points_of(vertices: Array) -> Floats:
+    return np.stack([vertices[name] for name in ("x", "y", "z")], axis=1)
+
+
+def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None) -> Surface:
+    frame = resolve_plane("xy", points)
+    solved = delaunay(frame.planar(points), threads=threads)
+    mask = ~np.isin(_names(solved.simplices), _names(faces))
+    if len(mask) - np.count_nonzero(mask) != len(faces):
+        raise RuntimeError("faces are no part of the triangulation of their corners: a bug")
+    return Surface(
+        vertices=points,
+        faces=solved.simplices[~mask],
+        triangulation=solved,
+        frame=frame,
+        report=_report(len(points), len(faces)),
+        crs=crs,
+        mask=mask if mask.any() else None,
+    )
+
+
+def _names(triangles: Array) -> Integers:
+    """Name triangles by their least corner and the next: no others have this directed edge."""
+    first, every = np.argmin(triangles, axis=1), np.arange(len(triangles))
+    following = triangles[every, (first + 1) % 3].astype(np.int64)
+    names: Integers = triangles[every, first].astype(np.int64) << 32 | following
+    return names
+
+
+def _report(rows: int, faces: int) -> Report:
+    none: dict[str, Any] = {
+        "left_out": np.empty(0, np.int32),
+        "representatives": np.empty(0, np.int32),
+    }
+    return Report(rows, rows, 0, 0, 0, faces, "error", {}, **none)

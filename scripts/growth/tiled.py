@@ -1,0 +1,123 @@
+"""Triangles and surfaces in tiles, and what is made of them, as subjects to watch."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from distributions import Points
+
+import liftmesh
+from growth.counting import Work
+from growth.planar import PLANAR
+from growth.spatial import SPATIAL
+
+Prepare = Callable[[Any], Work]
+
+
+def tiles(points: Points) -> Work:
+    """Prepare a triangulation in eight tiles, in a folder of its own."""
+    rows = max(16, len(points) // 8)
+
+    def call() -> object:
+        with tempfile.TemporaryDirectory() as folder:
+            return liftmesh.tile(points, folder, tile_rows=rows, threads=1)
+
+    return Work(call, len(points))
+
+
+def on_tiles(call: Callable[[liftmesh.Tiled], object], *, neighbors: bool = False) -> Prepare:
+    """Prepare a call on triangles in shards."""
+
+    def prepare(points: Points) -> Work:
+        folder, rows = tempfile.TemporaryDirectory(), max(16, len(points) // 8)
+        found = liftmesh.tile(points, folder.name, tile_rows=rows, neighbors=neighbors, threads=1)
+        return Work(lambda: (folder, call(found)), len(points))
+
+    return prepare
+
+
+def proved(points: Points) -> Work:
+    """Prepare the proof of triangles in shards."""
+    return on_tiles(lambda tiled: tiled.verify(points, threads=1))(points)
+
+
+def surface_tiles(points: Points) -> Work:
+    """Prepare a surface in eight tiles, in a folder of its own."""
+    rows = max(16, len(points) // 8)
+
+    def call() -> object:
+        with tempfile.TemporaryDirectory() as folder:
+            return liftmesh.tile_surface(points, folder, tile_rows=rows, threads=1)
+
+    return Work(call, len(points))
+
+
+def on_surface_tiles(call: Callable[[liftmesh.TiledSurface], object]) -> Prepare:
+    """Prepare a call on a surface in shards."""
+
+    def prepare(points: Points) -> Work:
+        folder, rows = tempfile.TemporaryDirectory(), max(16, len(points) // 8)
+        found = liftmesh.tile_surface(points, folder.name, tile_rows=rows, threads=1)
+        return Work(lambda: (folder, call(found)), len(points))
+
+    return prepare
+
+
+def pixels(tiled: liftmesh.TiledSurface) -> dict[str, Any]:
+    """Lay about one pixel over each row."""
+    west, south, _, east, north, _ = tiled.extent
+    count = int(tiled.npoints**0.5) + 1
+    transform = ((east - west) / count, 0, west, 0, (south - north) / count, north)
+    return {"transform": transform, "shape": (count, count), "threads": 1}
+
+
+def saved(tiled: liftmesh.TiledSurface) -> object:
+    """Write a raster beside the shards."""
+    return tiled.save_raster(Path(tiled.directory) / "raster.tif", **pixels(tiled))
+
+
+def lines(tiled: liftmesh.TiledSurface) -> object:
+    """Find lines at four levels."""
+    return tiled.contours(np.linspace(tiled.extent[2], tiled.extent[5], 6)[1:-1])
+
+
+def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation and counted families."""
+    yield "tile_surface", PLANAR, surface_tiles, ("uniform", "few positions")
+    heights = ("random heights",)
+    for name in ("report", "vertices", "faces", "meshes"):
+        yield f"TiledSurface.{name}", SPATIAL, on_surface_tiles(PARTS[name]), heights
+    raster = on_surface_tiles(lambda tiled: tiled.raster(**pixels(tiled)))
+    yield "TiledSurface.raster", SPATIAL, raster, heights
+    yield "TiledSurface.save_raster", SPATIAL, on_surface_tiles(saved), ()
+    yield "TiledSurface.contours", SPATIAL, on_surface_tiles(lines), heights
+
+
+PARTS: dict[str, Callable[[liftmesh.TiledSurface], object]] = {
+    "report": lambda tiled: tiled.report,
+    "vertices": lambda tiled: list(tiled.vertices()),
+    "faces": lambda tiled: list(tiled.faces()),
+    "meshes": lambda tiled: list(tiled.meshes()),
+}
+
+
+def tiled_functions() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation and counted families of what works in tiles."""
+    yield "tile", PLANAR, tiles, ("uniform", "circle and centre", "two columns", "few positions")
+    opened = on_tiles(lambda tiled: liftmesh.open_tiled(tiled.directory))
+    yield "open_tiled", PLANAR, opened, ("uniform",)
+    yield "Tiled.compute", PLANAR, on_tiles(liftmesh.Tiled.compute), ("uniform",)
+    yield "Tiled.verify", PLANAR, proved, ("uniform", "circle and centre", "few positions")
+    yield "Tiled.is_sound", PLANAR, on_tiles(liftmesh.Tiled.is_sound), ("uniform",)
+    linked = on_tiles(liftmesh.Tiled.compute_neighbors, neighbors=True)
+    yield "Tiled.compute_neighbors", PLANAR, linked, ("uniform",)
+    blocks = on_tiles(lambda tiled: list(tiled.neighbor_blocks()), neighbors=True)
+    yield "Tiled.neighbor_blocks", PLANAR, blocks, ("uniform",)
+    yield "Tiled.blocks", PLANAR, on_tiles(lambda tiled: list(tiled.blocks())), ("uniform",)
+    for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
+        yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
+    yield from tiled_surface_functions()

@@ -1,0 +1,218 @@
+"""Rasters and contours of surfaces in tiles: the bits and the lines of one call."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rasterio
+from commands import liftmesh as command
+from tiled_surfaces import steep_cloud
+
+import liftmesh
+from liftmesh import Surface, TiledSurface
+from liftmesh.errors import FormatError, InputError
+from liftmesh.tiles import surface_raster, windows
+
+CLOUD = steep_cloud()
+SMOOTH = np.random.default_rng(2).random((3_000, 2)) * 20
+CLOUDS: dict[str, Any] = {
+    "ties": CLOUD,  # corners at levels, and at the centres of pixels
+    "terrain": np.column_stack((SMOOTH, np.sin(SMOOTH[:, 0]) * np.cos(SMOOTH[:, 1]))),
+    "circle": np.column_stack([wave(np.linspace(0, 6, 400)) for wave in (np.cos, np.sin, np.cos)]),
+}
+
+
+@pytest.fixture(scope="module", params=CLOUDS)
+def both(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[TiledSurface, Surface]:
+    cloud, out = CLOUDS[request.param], tmp_path_factory.mktemp("tiles")
+    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, duplicates="mean")
+    return tiled, liftmesh.triangulate(cloud, duplicates="mean")
+
+
+LAYOUTS: list[dict[str, Any]] = [
+    {"resolution": 0.31},
+    {"resolution": (0.3, 0.7), "bounds": (-3, 2, 29, 17), "dtype": "float32"},
+    {"transform": (0.5, 0.2, 1, 0.1, -0.5, 20), "shape": (50, 33)},
+    {"transform": (1, 0, -0.5, 0, -1, 24.5), "shape": (25, 25)},
+]
+
+
+@pytest.mark.parametrize("quantity", ["height", "slope", "aspect", "hillshade"])
+def test_rasters_have_the_bits_of_one_call(
+    both: tuple[TiledSurface, Surface], quantity: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of windows with few pixels and few faces, some of which are cut again, down to one pixel."""
+    monkeypatch.setattr(surface_raster, "_SIDE", 24)
+    monkeypatch.setattr(surface_raster, "_FACES", 40)
+    monkeypatch.setattr(windows, "_BLOCK", 100)
+    tiled, surface = both
+    for layout in LAYOUTS:
+        found = tiled.raster(**layout, quantity=quantity, z_factor=1.5)
+        expected = surface.raster(**layout, quantity=quantity, z_factor=1.5)
+        assert (found.transform, found.crs, found.quantity) == (
+            *(expected.transform, expected.crs, expected.quantity),
+        )
+        assert found.values.dtype == expected.values.dtype
+        assert found.values.tobytes() == expected.values.tobytes(), layout
+
+
+def test_a_window_reads_few_faces(
+    both: tuple[TiledSurface, Surface], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[int] = []
+    part_of = surface_raster.part_of
+
+    def counted(tiled: TiledSurface, box: Any, most: int, threads: int | None) -> Any:
+        found = part_of(tiled, box, most, threads)
+        seen.append(0 if isinstance(found, int) else len(found.faces))
+        assert most >= 1 << 31 or seen[-1] <= most
+        return found
+
+    monkeypatch.setattr(surface_raster, "part_of", counted)
+    monkeypatch.setattr(surface_raster, "_SIDE", 8)
+    monkeypatch.setattr(surface_raster, "_FACES", 1)
+    tiled, _ = both
+    tiled.raster(0.2)
+    most = 2 * max(shard["triangles"] for shard in tiled.manifest["shards"])
+    assert 0 < max(seen) <= most
+    assert len(tiled.shards) == 1 or max(seen) < tiled.nsimplex / 2
+
+
+def test_a_file_holds_the_values_of_one_call(
+    both: tuple[TiledSurface, Surface], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(surface_raster, "_SIDE", 256)
+    tiled, surface = both
+    shown: list[float] = []
+    for compress in ("deflate", None):
+        path = tiled.save_raster(
+            tmp_path / "tiled.tif", 0.05, compress=compress, progress=shown.append
+        )
+        expected = surface.raster(0.05, dtype="float32")
+        with rasterio.open(path) as file, rasterio.open(expected.save(tmp_path / "a.tif")) as other:
+            assert file.read(1).tobytes() == other.read(1).tobytes() == expected.values.tobytes()
+            assert (file.transform, file.crs, file.nodata) == (
+                *(other.transform, other.crs, pytest.approx(np.nan, nan_ok=True)),
+            )
+    assert shown[-1] == 1.0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.tif", "tiled.tif"]
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {"interval": 0.3},
+        {"interval": 0.1, "base": 0.05, "index_every": 2},
+        {"levels": [0.5, 0, -0.3]},
+        {"levels": [99]},
+    ],
+)
+def test_contours_are_the_lines_of_one_call(
+    both: tuple[TiledSurface, Surface], wanted: dict[str, Any]
+) -> None:
+    tiled, surface = both
+    found, expected = tiled.contours(**wanted), surface.contours(**wanted)
+    for name in ("points", "starts", "levels", "closed", "index"):
+        one, other = getattr(found, name), getattr(expected, name)
+        assert one.dtype == other.dtype, name
+        assert one.tobytes() == other.tobytes(), name
+    assert found.crs == expected.crs
+    assert len(found) > 0 or wanted == {"levels": [99]}
+
+
+def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
+    points = np.random.default_rng(6).random((300, 3)) * 2 - 1
+    points[:, 2] *= 1.7e308
+    tiled = liftmesh.tile_surface(points, tmp_path, tile_rows=60)
+    expected = liftmesh.triangulate(points).contours([-1e308, 0, 1e307])
+    assert np.array_equal(tiled.contours([-1e308, 0, 1e307]).points, expected.points)
+    with pytest.raises(InputError, match="is beyond float32: give dtype='float64'"):
+        tiled.raster(0.1, dtype="float32")
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda t, _: t.raster(0), InputError, "resolution is 0"),
+        (lambda t, _: t.raster(), InputError, "give either the resolution, or transform"),
+        (lambda t, _: t.raster(1, quantity="depth"), InputError, "quantity is 'depth'"),
+        (lambda t, _: t.raster(1, progress=3), InputError, "progress is 3"),
+        (lambda t, to: t.save_raster(to / "a.png", 1), FormatError, "written as GeoTIFF"),
+        (lambda t, to: t.save_raster(to / "a.tif", 1, compress="x"), InputError, "compress is 'x'"),
+        (lambda t, to: t.save_raster(to / "b" / "a.tif", 1), FileNotFoundError, "does not exist"),
+        (lambda t, _: t.contours(), InputError, "give either levels or an interval"),
+        (lambda t, _: t.contours(interval=0), InputError, "interval is 0"),
+    ],
+)
+def test_what_is_refused(call: Any, error: type[Exception], message: str, tmp_path: Path) -> None:
+    tiled = liftmesh.tile_surface([[0, 0, 1], [4, 0, 2], [0, 4, 3]], tmp_path / "tiles")
+    with pytest.raises(error, match=message):
+        call(tiled, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["tiles"]
+
+
+def test_a_raster_that_breaks_off_leaves_no_file(tmp_path: Path) -> None:
+    tiled = liftmesh.tile_surface([[0, 0, 1], [4, 0, 2], [0, 4, 3]], tmp_path / "tiles")
+
+    def stop(_: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        tiled.save_raster(tmp_path / "a.tif", 1, progress=stop)
+    assert [path.name for path in tmp_path.iterdir()] == ["tiles"]
+
+
+def test_the_commands(tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "a.las", liftmesh.Cloud(CLOUD.points, crs=CLOUD.crs))
+    options = ("--surface", "--duplicates", "lowest", "--tile-rows", 400, "--bbox", "0,0,20,20")
+    options += ("--neighbors",)
+    done = command("tile", "a.las", "out", *options, cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
+    cloud = liftmesh.read(tmp_path / "a.las", bbox=[0, 0, 20, 20])
+    surface = liftmesh.triangulate(cloud, duplicates="lowest")
+    assert f"overhangs   {surface.report.overhangs:,}\n" in done.stdout
+    assert f"duplicates  {surface.report.duplicates:,}\n" in done.stdout
+    assert command("verify", "out", cwd=tmp_path).returncode == 0
+    assert liftmesh.open_tiled(tmp_path / "out").compute_neighbors().shape == surface.faces.shape
+    done = command("raster", "out", "a.tif", "--resolution", "0.5", "--json", cwd=tmp_path)
+    expected = surface.raster(0.5, dtype="float32")
+    told = json.loads(done.stdout)
+    assert (told["rows"], told["columns"]) == expected.values.shape
+    with rasterio.open(tmp_path / "a.tif") as file:
+        assert file.read(1).tobytes() == expected.values.tobytes()
+    command("contour", "out", "a.geojson", "--interval", "0.25", cwd=tmp_path)
+    surface.contours(interval=0.25).save(tmp_path / "b.geojson")
+    written = [(tmp_path / name).read_bytes() for name in ("a.geojson", "b.geojson")]
+    assert written[0] == written[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("raster", "out", "a.tif", "--resolution", 1, "--max-edge", 3), "--max-edge is for files"),
+        (("raster", "out", "a.tif", "--resolution", 1, "--method", "nearest"), "--method is for"),
+        (("raster", "out", "a.tif", "--resolution", 1, "--cog"), "--cog is for files"),
+        (("contour", "out", "a.gpkg", "--interval", 1, "--plane", "xz"), "--plane is for files"),
+        (("raster", "flat", "a.tif", "--resolution", 1), "flat holds triangles without heights"),
+        (("raster", "none", "a.tif", "--resolution", 1), "no finished triangulation is here"),
+        (("tile", "a.npy", "b", "--duplicates", "mean"), "--duplicates is for surfaces"),
+        (("tile", "a.npy", "b", "--classes", "2"), "--classes is for surfaces"),
+        (("tile", "a.npy", "b", "--surface", "--shards", "ply"), "--shards ply is for triangles"),
+    ],
+)
+def test_commands_that_are_refused(words: Any, message: str, tmp_path: Path) -> None:
+    liftmesh.tile_surface([[0, 0, 1], [4, 0, 2], [0, 4, 3]], tmp_path / "out")
+    liftmesh.tile([[0, 0], [4, 0], [0, 4]], tmp_path / "flat")
+    (tmp_path / "none").mkdir()
+    np.save(tmp_path / "a.npy", CLOUD.points)
+    done = command(*words, cwd=tmp_path)
+    assert done.returncode in (2, 3)
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"out", "flat", "none", "a.npy"}
