@@ -28,6 +28,7 @@ def main(folder: Path) -> None:
     liftmesh.write(folder / "jacksboro.ply", jacksboro())
     liftmesh.write(folder / "overhang.ply", overhang())
     (folder / "hill.csv").write_text(hill(), "utf-8")
+    (folder / "masts.csv").write_text(masts(), "utf-8")
     (folder / "quad.xyz").write_text(quad(), "utf-8")
 
 
@@ -63,6 +64,19 @@ def hill() -> str:
         shade = int(10 * z)
         lines.append(f"{x},{y},{z:.2f},{55 + shade},{105 + shade // 2},{40 + shade}")
     return "\n".join(lines) + "\n"
+
+
+def masts() -> str:
+    """Return six masts with how far they reach, of which one is within another's disk."""
+    rows = [
+        "2,2,1.5,harbour",
+        "7,2,0.2,mill",
+        "8,6,1,hill",
+        "2.5,2,0.5,pier",
+        "4,6.5,0.6,church",
+        "5.5,4,0.1,bridge",
+    ]
+    return "\n".join(["x,y,reach,name", *rows]) + "\n"
 
 
 def overhang() -> liftmesh.Cloud:

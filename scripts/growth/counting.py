@@ -109,7 +109,9 @@ def _run(words: list[str], seconds: float | None) -> list[str]:
     except FileNotFoundError as error:
         raise SystemExit("valgrind is missing: install it (Debian: valgrind)") from error
     if done.returncode:
-        raise SystemExit(f"the counted process failed:\n{done.stderr[-3000:]}")
+        raise SystemExit(
+            f"the counted process ended with {done.returncode}:\n{done.stderr[-3000:]}"
+        )
     return done.stdout.splitlines()
 
 

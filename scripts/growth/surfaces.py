@@ -19,6 +19,17 @@ from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from liftmesh import Surface, Triangulation
 
 Prepare = Callable[[Any], Work]
+HALVES = {
+    "type": "FeatureCollection",
+    "features": [
+        {
+            "type": "Feature",
+            "properties": {"name": name},
+            "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [1, 1], corner, [0, 0]]]},
+        }
+        for name, corner in (("above", [0, 1]), ("below", [1, 0]))
+    ],
+}  # of the unit square
 LEAST = 256  # rows, from which on walks are long enough in all families
 
 
@@ -93,6 +104,12 @@ def compared(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
+def compared_within(points: Points) -> Work:
+    """Prepare two such surfaces, in two polygons."""
+    one, other = surface_over(points), surface_over(points[::2])
+    return Work(lambda: one.cut_and_fill_by_polygon(other, HALVES), len(points))
+
+
 def contoured(call: Callable[[liftmesh.Contours], object]) -> Prepare:
     """Prepare a call on the contours of a surface with random heights."""
 
@@ -145,9 +162,12 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
     inside = on_surface(lambda found: found.volume(0.5, polygon=[[0, 0], [1, 0], [0.5, 1]]))
     yield "Surface.volume in a polygon", PLANAR, inside, ("uniform",), LEAST
+    each = on_surface(lambda found: found.volume_by_polygon(HALVES, 0.5))
+    yield "Surface.volume_by_polygon", PLANAR, each, (), LEAST
     line = on_surface(lambda found: found.profile([[0, 0], [1, 1], [0, 1]]))
     yield "Surface.profile", PLANAR, line, ("uniform", "lattice"), LEAST
     yield "Surface.cut_and_fill", PLANAR, compared, ("uniform", "lattice"), LEAST
+    yield "Surface.cut_and_fill_by_polygon", PLANAR, compared_within, (), LEAST
     closed = on_surface(lambda found: found.solid(thickness=1.0))
     yield "Surface.solid", PLANAR, closed, ("uniform", "lattice"), LEAST
     found_again = on_surface(lambda found: liftmesh.as_surface(found.to_cloud(), threads=1))
