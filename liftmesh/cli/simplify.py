@@ -153,11 +153,7 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
         cloud = surface.to_cloud()
         terminal.as_json(
             {
-                "path": str(written.path or "-"),
-                "format": written.format,
-                "bytes": written.bytes,
-                "dropped": list(written.dropped),
-                "renamed": dict(written.renamed),
+                **outputs.values(written),
                 "triangles": len(surface.faces),
                 **told,
                 "notes": list(files.notes(cloud)),
@@ -166,12 +162,9 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
             }
         )
         return
-    size = terminal.bytes_text(written.bytes)
-    line = f"{written.path or '-'}: {told['kept']:,} of {told['positions']:,} positions, "
-    line += f"{len(surface.faces):,} triangles, {size}"
-    if written.dropped:
-        line += f"; {written.format} does not keep {', '.join(written.dropped)}"
-    terminal.sentence(line, "good")
+    content = f"{told['kept']:,} of {told['positions']:,} positions"
+    content += f", {len(surface.faces):,} triangles"
+    terminal.sentence(outputs.headline(written, content), "good")
     lines = [("largest distance", f"{told['error']:.6g}")]
     if told["max_error"] is not None and not told["within"]:
         lines.append(("asked for", f"{told['max_error']:.6g}: --max-points came first"))
