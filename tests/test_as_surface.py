@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from clouds import FAMILIES
+from commands import liftmesh as run
 from hypothesis import given, settings
 from test_sampling import LATTICE, with_heights
 from test_trimming import LIMITS, drawn, meadow, trimmed
@@ -70,7 +73,7 @@ def test_other_planes_and_rows_in_no_face() -> None:
         (
             [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
             [[0, 1, 2], [0, 2, 3]],
-            r"face 0, of the rows \[0, 1, 2\], is no triangle of the Delaunay",
+            r"face 0, of the rows \[0, 1, 2\], is no triangle of .*: triangulate the vertices$",
         ),
         (
             [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 5], [1, 1, 0]],
@@ -86,6 +89,24 @@ def test_other_meshes_are_refused(points, faces, said: str) -> None:
     corners = None if faces is None else np.array(faces, dtype=np.int32)
     with pytest.raises(liftmesh.LiftmeshError, match=said):
         liftmesh.as_surface(liftmesh.Cloud(np.array(points, dtype=float), faces=corners))
+
+
+@pytest.mark.parametrize("kind", ["glb", "stl"])
+def test_a_mesh_that_was_rounded_is_refused_with_the_reason(tmp_path, kind: str) -> None:
+    x, y = (each.ravel() for each in np.mgrid[:9, :9])
+    # Turned squares: rounding decides which diagonal each has.
+    points = np.column_stack([0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y, x * y]) / 3
+    path, exact = tmp_path / f"tin.{kind}", tmp_path / "tin.ply"
+    surface = liftmesh.triangulate(points)
+    for each in (path, exact):
+        surface.save(each)
+    assert names(liftmesh.as_surface(exact)) == names(surface)
+    said = r"is no triangle of .*: triangulate the vertices; .* single precision, .*: write PLY"
+    with pytest.raises(liftmesh.InputError, match=said):
+        liftmesh.as_surface(path)
+    done = run("contour", path.name, "a.geojson", "--interval", "1", cwd=tmp_path)
+    assert done.returncode == 3
+    assert re.search(said, done.stderr)
 
 
 @pytest.mark.parametrize("given", ["weights", "radii", "metric"])

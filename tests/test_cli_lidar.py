@@ -229,7 +229,7 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
     done = liftmesh("info", "tile.laz", "--resolution", "0", cwd=folder)
-    assert "--resolution is 0.0: give a positive number" in done.stderr
+    assert "--resolution '0' is not a positive number" in done.stderr
 
 
 @pytest.mark.parametrize(

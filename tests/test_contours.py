@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import sys
 from collections import Counter
 from decimal import Context, localcontext
 from fractions import Fraction
@@ -343,6 +344,12 @@ class TestResult:
             assert [*map(list, shape.coords)] == line.points.tolist()
         assert (None if crs is None else frame.crs.to_epsg()) == (crs and 25832)
         assert [each.name for each in tmp_path.iterdir()] == ["lines.gpkg"]
+
+    def test_geopackage_needs_what_geopandas_writes_by(self, lines, tmp_path, monkeypatch) -> None:
+        monkeypatch.setitem(sys.modules, "pyogrio", None)
+        with pytest.raises(liftmesh.MissingDependencyError, match=r"pyogrio.*liftmesh\[shapes\]"):
+            lines.save(tmp_path / "lines.gpkg")
+        assert list(tmp_path.iterdir()) == []
 
     @pytest.mark.parametrize("length", [np.nan, -1, "a", [1, 2], None])
     def test_what_is_no_length_is_refused(self, lines, length) -> None:

@@ -117,6 +117,8 @@ def test_rows_that_are_not_finite_stay(options: dict[str, Any]) -> None:
         ({"distance": float("nan")}, "distance is nan"),
         ({"every": 0}, "every is 0"),
         ({"random": 1, "seed": -1}, "seed is -1"),
+        ({"random": 1, "keep": "lowest"}, "keep is of cell only: give both, or neither"),
+        ({"cell": 1.0, "seed": 0}, "seed is of random only: give both, or neither"),
         ({"cell": 1.0, "keep": "middle"}, "keep is 'middle': give one of 'lowest'"),
         ({"cell": 1e-12}, r"cell is 1e-12, too small for coordinates such as \[5000"),
     ],
@@ -134,6 +136,7 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
     assert f"thinned to {kept} of 500 rows: cell 10.0, keep highest" in done.stderr
     assert f'"kept": {kept}' in done.stdout
     assert len(liftmesh.read(tmp_path / "b.ply")) == kept
+    assert "cell 10.0, keep lowest" in command(*words[:5], cwd=tmp_path).stderr
 
 
 @pytest.mark.parametrize(
@@ -142,6 +145,9 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
         (("--cell", "0"), "--cell '0' is not a positive number"),
         (("--min-distance", "near"), "--min-distance 'near' is not a positive number"),
         (("--random", "0"), "--random is 0"),
+        (("--keep", "lowest"), "--keep is of --cell only: give both, or neither"),
+        (("--random", "3", "--keep", "lowest"), "--keep is of --cell only"),
+        (("--cell", "1", "--seed", "0"), "--seed is of --random only: give both, or neither"),
         (
             ("--random", "3", "--cell", "1"),
             "give one of --random, --cell, --min-distance and --adaptive",

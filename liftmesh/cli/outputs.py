@@ -132,4 +132,65 @@ def write(
             return writing.write(stream, mesh, format=file_format, **options)
 
 
+def headline(written: Written, content: str) -> str:
+    """Say in a line what was written, and how the file differs from the mesh.
+
+    Parameters
+    ----------
+    written : Written
+        The summary.
+    content : str
+        What the file holds, with counts.
+
+    Returns
+    -------
+    str
+        The line.
+
+    Examples
+    --------
+    >>> from liftmesh.io.writing import Written
+    >>> headline(Written(None, "stl", 684, origin=(450000.0, 5200000.0, 0.0)), "12 triangles")
+    '-: 12 triangles, 684 B; float32, so the origin (450000, 5200000, 0) was subtracted'
+    """
+    line = f"{written.path or '-'}: {content}, {terminal.bytes_text(written.bytes)}"
+    if written.dropped:
+        line += f"; {written.format} does not keep {', '.join(written.dropped)}"
+    if written.renamed:
+        line += f"; renamed: {', '.join(f'{name!r} to {new}' for name, new in written.renamed)}"
+    if written.origin is None:
+        return line
+    moved = ", ".join(f"{value:.10g}" for value in written.origin)
+    return f"{line}; float32, so the origin ({moved}) was subtracted"
+
+
+def values(written: Written) -> dict[str, Any]:
+    """Return what `--json` prints of a file that was written.
+
+    Parameters
+    ----------
+    written : Written
+        The summary.
+
+    Returns
+    -------
+    dict
+        Its path, format, bytes, origin, and what was dropped and renamed.
+
+    Examples
+    --------
+    >>> from liftmesh.io.writing import Written
+    >>> values(Written(None, "ply", 684, origin=None))["path"]
+    '-'
+    """
+    return {
+        "path": str(written.path or "-"),
+        "format": written.format,
+        "bytes": written.bytes,
+        "origin": written.origin,
+        "dropped": list(written.dropped),
+        "renamed": dict(written.renamed),
+    }
+
+
 with_options = groups.taking("writing", parse)

@@ -8,7 +8,7 @@ import typer
 
 from liftmesh.choices import Returns
 from liftmesh.cli import groups
-from liftmesh.cli.options import parse_count
+from liftmesh.cli.options import parse_count, parse_length
 from liftmesh.errors import InputError
 
 
@@ -94,7 +94,7 @@ def parse(
     given |= {"every": count} if count > 1 else {}
     given |= {"withheld": True} if withheld else {}
     if resolution is not None:
-        given["resolution"] = _numbers("--resolution", resolution)[0]
+        given["resolution"] = parse_length("--resolution", resolution)
     system: dict[str, Any] = {} if to_crs is None else {"to_crs": to_crs}
     system |= {} if from_crs is None else {"crs": from_crs}
     system |= {} if band is None else {"band": parse_count("--band", band, 1)}

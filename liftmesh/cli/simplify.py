@@ -40,11 +40,11 @@ def run(
     max_error: Annotated[
         str | None,
         typer.Option(
-            "--max-error",
-            "--tolerance",
-            metavar="Z",
-            help="The largest distance along z, in the units of the heights.",
+            metavar="Z", help="The largest distance along z, in the units of the heights."
         ),
+    ] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(metavar="Z", help="Another name of --max-error.")
     ] = None,
     max_points: Annotated[
         str | None, typer.Option(metavar="N", help="The most vertices of the mesh.")
@@ -76,6 +76,8 @@ def run(
         IN... and OUT.
     max_error, max_points : str, optional
         As in `liftmesh.simplify`.
+    tolerance : str, optional
+        `max_error` by another name.
     prune : bool
         As in `liftmesh.simplify`.
     plane, duplicates, nonfinite : str
@@ -93,7 +95,7 @@ def run(
     json : bool
         Print JSON.
     """
-    frame, limits = options.parse_plane(plane), _limits(max_error, max_points)
+    frame, limits = options.parse_plane(plane), _limits(max_error, tolerance, max_points)
     if json:
         standard_streams.check_stdout()
     depth, limit = options.parse_color_depth(color_depth), options.parse_size(max_bytes)
@@ -129,8 +131,12 @@ def run(
         _print_report(written, surface, perf_counter() - start, as_json=json)
 
 
-def _limits(max_error: str | None, max_points: str | None) -> dict[str, Any]:
+def _limits(max_error: str | None, tolerance: str | None, max_points: str | None) -> dict[str, Any]:
     """Convert the options, of which there must be one."""
+    if max_error is not None and tolerance is not None:
+        raise typer.BadParameter("--max-error and --tolerance are the same: give one")
+    option = "--max-error" if tolerance is None else "--tolerance"
+    max_error = max_error if tolerance is None else tolerance
     if max_error is None and max_points is None:
         raise typer.BadParameter("give --max-error or --max-points")
     found: dict[str, Any] = {}
@@ -143,7 +149,7 @@ def _limits(max_error: str | None, max_points: str | None) -> dict[str, Any]:
     except ValueError:
         value = -1.0
     if not 0 <= value < float("inf"):
-        raise typer.BadParameter(f"--max-error {max_error!r} is not a distance: 0, or more")
+        raise typer.BadParameter(f"{option} {max_error!r} is not a distance: 0, or more")
     return found | {"max_error": value}
 
 
@@ -153,11 +159,7 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
         cloud = surface.to_cloud()
         terminal.as_json(
             {
-                "path": str(written.path or "-"),
-                "format": written.format,
-                "bytes": written.bytes,
-                "dropped": list(written.dropped),
-                "renamed": dict(written.renamed),
+                **outputs.values(written),
                 "triangles": len(surface.faces),
                 **told,
                 "notes": list(files.notes(cloud)),
@@ -166,12 +168,9 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
             }
         )
         return
-    size = terminal.bytes_text(written.bytes)
-    line = f"{written.path or '-'}: {told['kept']:,} of {told['positions']:,} positions, "
-    line += f"{len(surface.faces):,} triangles, {size}"
-    if written.dropped:
-        line += f"; {written.format} does not keep {', '.join(written.dropped)}"
-    terminal.sentence(line, "good")
+    content = f"{told['kept']:,} of {told['positions']:,} positions"
+    content += f", {len(surface.faces):,} triangles"
+    terminal.sentence(outputs.headline(written, content), "good")
     lines = [("largest distance", f"{told['error']:.6g}")]
     if told["max_error"] is not None and not told["within"]:
         lines.append(("asked for", f"{told['max_error']:.6g}: --max-points came first"))

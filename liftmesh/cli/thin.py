@@ -90,10 +90,7 @@ def run(
         kept = thinning.thinned(cloud, thin)
     written = outputs.write(target, kept, target_format, writing)
     told = {
-        "path": str(written.path or "-"),
-        "format": written.format,
-        "bytes": written.bytes,
-        "dropped": list(written.dropped),
+        **outputs.values(written),
         "thinning": kept.metadata["thinning"],
         "seconds": perf_counter() - start,
     }
@@ -103,7 +100,4 @@ def run(
         if json:
             terminal.as_json(told)
             return
-        line = f"{told['path']}: {len(kept):,} rows, {terminal.bytes_text(written.bytes)}"
-        if written.dropped:
-            line += f"; {written.format} does not keep {', '.join(written.dropped)}"
-        terminal.sentence(line, "good")
+        terminal.sentence(outputs.headline(written, f"{len(kept):,} rows"), "good")

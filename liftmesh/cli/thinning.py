@@ -21,15 +21,19 @@ def parse(
         str | None, typer.Option(metavar="N", help="Thin: n rows, chosen at random.")
     ] = None,
     seed: Annotated[
-        str, typer.Option(metavar="N", help="Of --random; the same rows on every machine.")
-    ] = "0",
+        str | None,
+        typer.Option(
+            metavar="N", help="Of --random, 0 by default; the same rows on every machine."
+        ),
+    ] = None,
     cell: Annotated[
         str | None,
         typer.Option(metavar="SIZE", help="Thin: one row of each square of this size."),
     ] = None,
     keep: Annotated[
-        CellRow, typer.Option(help="Of --cell: by height, or nearest to the centre.")
-    ] = "lowest",
+        CellRow | None,
+        typer.Option(help="Of --cell: by height (lowest by default), or nearest to the centre."),
+    ] = None,
     distance: Annotated[
         str | None,
         typer.Option(
@@ -58,12 +62,13 @@ def parse(
     Raises
     ------
     typer.BadParameter
-        A value is not one that the option can have, or several ways are given.
+        A value is not one that the option can have, several ways are given, or one that
+        a seed or a row to keep does not belong to.
 
     Examples
     --------
-    >>> parse(cell="0.5")
-    {'cell': 0.5, 'keep': 'lowest'}
+    >>> parse(cell="0.5", keep="highest")
+    {'cell': 0.5, 'keep': 'highest'}
     """
     found: dict[str, Any] = {}
     if random is not None:
@@ -75,9 +80,15 @@ def parse(
     if len(found) > 1:
         message = "give one of --random, --cell, --min-distance and --adaptive"
         raise typer.BadParameter(message)
-    if "random" in found:
+    if seed is not None:
+        if "random" not in found:
+            raise typer.BadParameter("--seed is of --random only: give both, or neither")
         found["seed"] = parse_count("--seed", seed, 0)
-    return found | ({"keep": keep} if "cell" in found else {})
+    if keep is not None:
+        if "cell" not in found:
+            raise typer.BadParameter("--keep is of --cell only: give both, or neither")
+        found["keep"] = keep
+    return found
 
 
 def thinned(cloud: Cloud, options: Mapping[str, Any]) -> Cloud:
@@ -106,7 +117,8 @@ def thinned(cloud: Cloud, options: Mapping[str, Any]) -> Cloud:
 
     with stage(f"thinning {len(cloud):,} rows"):
         found = thin(cloud, **options)
-    how = ", ".join(f"{key} {value}" for key, value in options.items())
+    told = found.metadata["thinning"].items()
+    how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
     note(f"thinned to {len(found):,} of {len(cloud):,} rows: {how}")
     return found
 

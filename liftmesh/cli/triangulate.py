@@ -250,17 +250,8 @@ def _print_report(
 
 
 def _headline(written: Written, report: Report, faces: int) -> str:
-    size = terminal.bytes_text(written.bytes)
     triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
-    line = f"{written.path or '-'}: {report.rows:,} vertices, {triangles}, {size}"
-    if written.dropped:
-        line += f"; {written.format} does not keep {', '.join(written.dropped)}"
-    if written.renamed:
-        line += f"; renamed: {', '.join(f'{name!r} to {new}' for name, new in written.renamed)}"
-    if written.origin is None:
-        return line
-    moved = ", ".join(f"{value:.10g}" for value in written.origin)
-    return f"{line}; float32, so the origin ({moved}) was subtracted"
+    return outputs.headline(written, f"{report.rows:,} vertices, {triangles}")
 
 
 def _counts(report: Report) -> dict[str, int]:
@@ -277,12 +268,7 @@ def _counts(report: Report) -> dict[str, int]:
 
 def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
-        "path": str(written.path or "-"),
-        "format": written.format,
-        "bytes": written.bytes,
-        "origin": written.origin,
-        "dropped": list(written.dropped),
-        "renamed": dict(written.renamed),
+        **outputs.values(written),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),

@@ -44,7 +44,7 @@ def write(
     Raises
     ------
     MissingDependencyError
-        geopandas is not installed.
+        geopandas or pyogrio, by which it writes, is not installed.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def write_shapes(
     Raises
     ------
     MissingDependencyError
-        geopandas is not installed.
+        geopandas or pyogrio, by which it writes, is not installed.
 
     Examples
     --------
@@ -98,6 +98,7 @@ def write_shapes(
     >>> file.getvalue()[:6]
     b'SQLite'
     """
+    load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
     geopandas = load("geopandas", extra="shapes")
     frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=crs)
     content = io.BytesIO()

@@ -3,7 +3,9 @@
 A float has 24 bits: at 5,200,000 m its steps are half a metre. If rounding the coordinates along an
 axis would move a vertex by more than a millionth of the model's size, an origin near the smallest
 coordinate is subtracted first: a round number, a multiple of one unit, or of a power of ten for
-models smaller than one unit. The file records it, and its reader adds it again.
+models smaller than one unit. x and y get it together: both are of one map, where a small easting
+next to a large northing would else be rounded far more than the northing. The file records the
+origin, and its reader adds it again.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ def needed_origin(points: Floats, what: str) -> Origin | None:
     Returns
     -------
     tuple of float, or None
-        x, y and z of the origin, 0 along axes that need none; None if no axis needs one.
+        x, y and z of the origin, 0 where none is needed, which x and y decide together; None if no
+        axis needs one.
 
     Raises
     ------
@@ -60,6 +63,7 @@ def needed_origin(points: Floats, what: str) -> Origin | None:
     needed = _moved(points) > TOLERANCE * size
     if np.isfinite(size) and not needed.any():
         return None
+    needed[:2] = needed[:2].any()
     origin = np.where(needed, _round_below(low, size), 0.0)
     fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
     if not fits:

@@ -19,6 +19,7 @@ from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import lifted_by
+from liftmesh.io.registry import known_formats
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 from liftmesh.planar.weights import named_values
@@ -56,7 +57,8 @@ def as_surface(
     InputError
         The mesh has no faces, faces share a planar position but no row, or one is no triangle of
         the triangulation of their corners: the Delaunay triangulation, or the one by the weights,
-        radii or metric that the metadata say.
+        radii or metric that the metadata say. So are most meshes of more than a few faces that a
+        format in single precision (GLB, glTF, STL) has rounded.
     UnsupportedTypeError
         No adapter can convert the object to a cloud.
     FormatError
@@ -87,9 +89,9 @@ def as_surface(
     if len(solved.duplicates):
         row, kept = solved.duplicates[0].tolist()
         raise InputError(
-            f"rows {kept} and {row} of faces are at one planar position: triangulate the points"
+            f"rows {kept} and {row} of faces are at one planar position: {_remedy(cloud, 'points')}"
         )
-    mask = _absent(solved.simplices, faces, len(cloud))
+    mask = _absent(solved.simplices, faces, cloud)
     kept_faces = solved.simplices if mask is None else solved.simplices[~mask]
     return Surface(
         vertices=cloud.points,
@@ -125,9 +127,9 @@ def _check(cloud: Cloud, planar: Floats, used: Rows) -> None:
         raise InputError(f"row {row} of a face is not finite: {cloud.points[row].tolist()}")
 
 
-def _absent(simplices: Rows, faces: Rows, rows: int) -> Array | None:
+def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
     """Tell which triangles the mesh does not have; raise if it has others."""
-    ours, theirs = (_names(each, rows) for each in (simplices, faces))
+    ours, theirs = (_names(each, len(cloud)) for each in (simplices, faces))
     order = np.argsort(ours)
     place = np.minimum(np.searchsorted(ours[order], theirs), len(ours) - 1)
     strange = np.flatnonzero(ours[order][place] != theirs)
@@ -135,11 +137,22 @@ def _absent(simplices: Rows, faces: Rows, rows: int) -> Array | None:
         number = int(strange[0])
         raise InputError(
             f"face {number}, of the rows {faces[number].tolist()}, is no triangle of the Delaunay "
-            "triangulation of the vertices: triangulate them"
+            f"triangulation of the vertices: {_remedy(cloud, 'vertices')}"
         )
     absent = np.ones(len(simplices), dtype=np.bool_)
     absent[order[place]] = False
     return absent if absent.any() else None
+
+
+def _remedy(cloud: Cloud, points: str) -> str:
+    """Say what to do about faces; of a format that rounds, why they are not those written."""
+    found = known_formats().get(str(cloud.metadata.get("format")))
+    if found is None or "float64" in found.keeps:
+        return f"triangulate the {points}"
+    return (
+        f"triangulate the {points}; the file holds single precision, which has moved them: write "
+        "PLY for faces that are found again"
+    )
 
 
 def _names(triangles: Rows, rows: int) -> Array:

@@ -37,9 +37,9 @@ def thin(
     *,
     every: int | None = None,
     random: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     cell: float | None = None,
-    keep: CellRow = "lowest",
+    keep: CellRow | None = None,
     distance: float | None = None,
     adaptive: int | None = None,
 ) -> Cloud:
@@ -53,12 +53,13 @@ def thin(
         Keep every k-th row, the first one among them.
     random : int, optional
         Keep so many rows, chosen at random.
-    seed : int, default 0
-        Of the choice, which is the same on every machine.
+    seed : int, optional
+        Of the choice at random, which is the same on every machine; 0 by default.
     cell : float, optional
         Keep one row of each square of this size in the plane.
-    keep : {"lowest", "highest", "center"}, default "lowest"
-        Which row of a cell: by its height, or the nearest to the centre of the cell.
+    keep : {"lowest", "highest", "center"}, optional
+        Which row of a cell: by its height, or the nearest to the centre of the cell; the lowest by
+        default.
     distance : float, optional
         Keep rows so that no two are nearer to each other in the plane, and no other fits between.
     adaptive : int, optional
@@ -76,8 +77,8 @@ def thin(
     Raises
     ------
     InputError
-        None or several of the five are given, a value is invalid, or `adaptive` is less than the
-        number of corners of the hull.
+        None or several of the five are given, a value is invalid, `seed` is given without `random`
+        or `keep` without `cell`, or `adaptive` is less than the number of corners of the hull.
     NonFiniteError, DegenerateInputError
         Of `adaptive`: as for `triangulate`.
     FormatError, UnsupportedTypeError
@@ -92,8 +93,12 @@ def thin(
     given = {"every": every, "random": random, "cell": cell, "distance": distance}
     given["adaptive"] = adaptive
     way, value = _one_of(given)
+    for name, owner, option in (("seed", "random", seed), ("keep", "cell", keep)):
+        if option is not None and owner != way:
+            raise InputError(f"{name} is of {owner} only: give both, or neither")
+    seed = 0 if seed is None else as_count("seed", seed, 0)
+    keep = "lowest" if keep is None else keep
     check_option("keep", keep, CellRow)
-    seed = as_count("seed", seed, 0)
     source = read_cloud(cloud)
     how: dict[str, object] = {way: value}
     rows: Array

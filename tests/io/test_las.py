@@ -302,9 +302,7 @@ def test_an_error_of_the_disk_is_no_damage(kind: str, part: float) -> None:
     las = tile(3000, point_format=6, version="1.4")
     data = copc(las) if kind == "copc" else encoded(las, compressed=kind == "laz")
     error = OSError(errno.EIO, "Input/output error")
-    for place in range(int((len(data) - 2) * part), len(data), 7):
-        stream = Failing(data, range(place, place + 1), error)
-        with pytest.raises(OSError, match="Input/output error"):
-            liftmesh.read(stream, format="las")
-        if part < 1:
-            break
+    place = int((len(data) - 2) * part)
+    stream = Failing(data, range(place, place + 1), error)
+    with pytest.raises(OSError, match="Input/output error"):
+        liftmesh.read(stream, format="las")
