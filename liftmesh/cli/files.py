@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _MOST_LISTED = 8
 _LONGEST = 80  # characters of each
+_TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 _ABOUT_A_FILE = (
     *("row ", "the coordinates ", "weights are ", "radii are "),
@@ -174,7 +175,7 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     """
     from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
-    first = (*_about_rows(cloud), *_about_system(cloud.crs))
+    first = (*_about_rows(cloud), *_about_system(cloud))
     names = found_columns(cloud.metadata)
     if not names:
         said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
@@ -185,11 +186,12 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     return (*first, *([said] if said else []), *cloud.metadata.get("notes", ()))
 
 
-def _about_system(crs: str | None) -> tuple[str, ...]:
+def _about_system(cloud: Cloud) -> tuple[str, ...]:
     """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs import described, is_system, warnings_of  # noqa: PLC0415 - as above
+    from liftmesh.crs import is_system, warnings_of  # noqa: PLC0415 - as above
+    from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
 
-    found = described(crs)
+    crs, found = cloud.crs, system_of(cloud)
     if crs is None or found is not None:
         return tuple(each.replace("to_crs=", "--to-crs") for each in warnings_of(found))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
@@ -403,7 +405,11 @@ def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
-    check_before(find_format(file_format or path.suffix, str(path)), cloud)
+    found = find_format(file_format or path.suffix, str(path))
+    check_before(found, cloud)
+    if cloud.crs is None and found.name in _TAKEN_UNITS:
+        unit = _TAKEN_UNITS[found.name]
+        note(f"{path}: no coordinate system says the unit: {found.name} states {unit}")
 
 
 def check_place(path: Path | None) -> None:

@@ -147,6 +147,10 @@ def test_the_unit_of_a_band_is_said(tmp_path: Path) -> None:
     (tmp_path / "a.tif").write_bytes(geotiff(units=("ft",)))
     done = liftmesh("triangulate", "a.tif", "a.ply", cwd=tmp_path)
     assert "a.tif: band 1 says that heights are in ft" in done.stderr
+    (tmp_path / "a.tif").write_bytes(geotiff(units=("ft",), crs="EPSG:25832"))
+    done = liftmesh("info", "a.tif", cwd=tmp_path)
+    assert "units       x: metre, y: metre, z: foot\n" in done.stdout
+    assert "the units differ: x is in metre, y in metre, z in foot" in done.stderr
 
 
 def test_bands() -> None:
