@@ -109,6 +109,8 @@ def read(  # noqa: PLR0913 - options are keywords
         - ``end``: the line that ends the table.
         - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
 
+        Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
+
     Returns
     -------
     Cloud
