@@ -169,6 +169,28 @@ def urn_of(crs: str) -> str:
     return f"urn:ogc:def:crs:{authority}::{code}"
 
 
+def named(crs: str | None) -> str:
+    """Name a system for a message.
+
+    Parameters
+    ----------
+    crs : str, optional
+        WKT or a number.
+
+    Returns
+    -------
+    str
+        Its name, or the text if it is not understood.
+
+    Examples
+    --------
+    >>> named("EPSG:25832"), named('PROJCS["mine"]')
+    ('ETRS89 / UTM zone 32N', 'mine')
+    """
+    system = described(crs)
+    return shown(crs) if system is None else system.name
+
+
 def warnings_of(system: System | None) -> tuple[str, ...]:
     """Say what most users do not want of coordinates.
 
@@ -289,6 +311,37 @@ def looked_up(pyproj: Any, crs: str) -> Any:
         return pyproj.CRS.from_user_input(crs)
     except (pyproj.exceptions.CRSError, UnicodeError) as error:
         raise unknown from error
+
+
+def check_system(crs: object) -> None:
+    """Raise for what is given as a coordinate system, and is none.
+
+    Parameters
+    ----------
+    crs : object
+        What the caller gives; numbers are looked up if pyproj is installed.
+
+    Raises
+    ------
+    InputError
+        It is neither WKT nor a number, or unknown.
+
+    Examples
+    --------
+    >>> check_system("EPSG:25832")
+    >>> check_system("foo")
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: the coordinate system 'foo' is unknown: give WKT or EPSG:n
+    """
+    if not isinstance(crs, str) or not is_system(crs):
+        raise InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
+    if described(crs) is not None:
+        return
+    try:
+        pyproj = load("pyproj", extra="terrain")
+    except MissingDependencyError:
+        return
+    looked_up(pyproj, crs)
 
 
 def as_wkt(crs: str) -> str | None:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _MOST_LISTED = 8
 _LONGEST = 80  # characters of each
+CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 _ABOUT_A_FILE = (
@@ -85,7 +86,7 @@ def read(
         cloud = _read_quietly(
             source, format=file_format, max_bytes=max_bytes, color_depth=color_depth, **choices
         )
-    for each in notes(cloud):
+    for each in notes(cloud, is_transformed="to_crs" in selection):
         note(f"{name}: {each}")
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {listed(not_read)}")
@@ -146,10 +147,16 @@ def found_selection(cloud: Cloud) -> dict[str, int]:
 
 def _read_quietly(source: Any, **choices: Any) -> Cloud:
     """Read without warnings: they are among the notes."""
-    from liftmesh.io import files as io_files  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs import check_system  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import files as io_files  # noqa: PLC0415 - as above
 
     with without_warnings():
-        return io_files.read(source, **choices)
+        if CRS_OF_OTHERS not in choices:
+            return io_files.read(source, **choices)
+        crs, target = choices.pop(CRS_OF_OTHERS), choices.pop("to_crs", None)
+        check_system(crs)
+        cloud = io_files.read(source, **choices)
+        return io_files.placed(cloud, crs if cloud.crs is None else None, target)
 
 
 @contextmanager
@@ -160,13 +167,15 @@ def without_warnings() -> Iterator[None]:
         yield
 
 
-def notes(cloud: Cloud) -> tuple[str, ...]:
+def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Return what is worth knowing about how a file was read.
 
     Parameters
     ----------
     cloud : Cloud
         What was read.
+    is_transformed : bool
+        Whether the caller chose its coordinate system.
 
     Returns
     -------
@@ -175,7 +184,7 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     """
     from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
-    first = (*_about_rows(cloud), *_about_system(cloud))
+    first = (*_about_rows(cloud), *_about_system(cloud, is_transformed))
     names = found_columns(cloud.metadata)
     if not names:
         said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
@@ -186,17 +195,25 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     return (*first, *([said] if said else []), *cloud.metadata.get("notes", ()))
 
 
-def _about_system(cloud: Cloud) -> tuple[str, ...]:
+def _about_system(cloud: Cloud, is_transformed: bool) -> tuple[str, ...]:
     """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs import is_system, warnings_of  # noqa: PLC0415 - as above
+    from liftmesh.crs import is_system, named, warnings_of  # noqa: PLC0415 - as above
     from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
 
     crs, found = cloud.crs, system_of(cloud)
+    stated = cloud.metadata.get("stated_crs")
+    taken = (f"states {named(stated)}; taken as {named(crs)}",) if isinstance(stated, str) else ()
     if crs is None or found is not None:
-        return tuple(each.replace("to_crs=", "--to-crs") for each in warnings_of(found))
+        remedy = "name a projected system with --to-crs" if is_transformed else "{} --to-crs"
+        words = "transform them with"
+        said = (
+            each.replace(f"{words} to_crs=", remedy.format(words)) for each in warnings_of(found)
+        )
+        return (*taken, *said)
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
-    return (f"{text} (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else text,)
+    hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""
+    return (*taken, f"{text}{hint}")
 
 
 def _about_rows(cloud: Cloud) -> tuple[str, ...]:

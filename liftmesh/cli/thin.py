@@ -84,7 +84,7 @@ def run(
         files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth, selection=selection))
+    cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)
     with inputs.about(sources, cloud):
         files.check_content(target, target_format, cloud)
         kept = thinning.thinned(cloud, thin)

@@ -142,7 +142,7 @@ def run(
     start = perf_counter()
     first, later = (selection, {}) if not ground else classifying.parted(selection)
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth, selection=first))
+    cloud = inputs.merged(sources, partial(read, color_depth=depth), first)
     cloud = cloud if not ground else classifying.classified(cloud, ground, later)
     cloud = thinning.thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
