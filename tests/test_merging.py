@@ -234,3 +234,8 @@ def test_an_error_names_the_row_of_the_file(tmp_path: Path) -> None:
     done = command("triangulate", "a.csv", "b.csv", "tin.ply", cwd=tmp_path)
     assert done.returncode == 3
     assert "row 1 of b.csv" in done.stderr
+
+
+def test_rows_left_out_by_a_step_are_said(folder: Path) -> None:
+    done = command("triangulate", "tile0.las", "tin.ply", "--every", "10", cwd=folder)
+    assert "left out: 100 of other classes, 90 by --every\n" in done.stderr

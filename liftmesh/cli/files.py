@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from liftmesh.cli import systems
 from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import note, reading, stage
 from liftmesh.errors import (
@@ -184,7 +185,7 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """
     from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
-    first = (*_about_rows(cloud), *_about_system(cloud, is_transformed))
+    first = (*_about_rows(cloud), *systems.notes(cloud, is_transformed=is_transformed))
     names = found_columns(cloud.metadata)
     if not names:
         said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
@@ -195,27 +196,6 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     return (*first, *([said] if said else []), *cloud.metadata.get("notes", ()))
 
 
-def _about_system(cloud: Cloud, is_transformed: bool) -> tuple[str, ...]:
-    """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs import is_system, named, warnings_of  # noqa: PLC0415 - as above
-    from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
-
-    crs, found = cloud.crs, system_of(cloud)
-    stated = cloud.metadata.get("stated_crs")
-    taken = (f"states {named(stated)}; taken as {named(crs)}",) if isinstance(stated, str) else ()
-    if crs is None or found is not None:
-        remedy = "name a projected system with --to-crs" if is_transformed else "{} --to-crs"
-        words = "transform them with"
-        said = (
-            each.replace(f"{words} to_crs=", remedy.format(words)) for each in warnings_of(found)
-        )
-        return (*taken, *said)
-    text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
-    is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
-    hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""
-    return (*taken, f"{text}{hint}")
-
-
 def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     """Say which rows were selected, and which of lidar are among them."""
     counts = found_selection(cloud)
@@ -224,7 +204,8 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     from liftmesh.cli.lidar import flagged  # noqa: PLC0415 - most files are read whole
     from liftmesh.io.selection import described  # noqa: PLC0415 - as above
 
-    return tuple(filter(None, (described(counts), flagged(cloud))))
+    said = described(counts).replace("by every=", "by --every")
+    return tuple(filter(None, (said, flagged(cloud))))
 
 
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
@@ -400,7 +381,9 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     check_place(path)
 
 
-def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
+def check_content(
+    path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
+) -> None:
     """Raise before the work starts if a file cannot hold what a mesh of these rows would have.
 
     Parameters
@@ -411,6 +394,8 @@ def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
         Its format; by default that of its suffix.
     cloud : Cloud
         The rows.
+    writing : mapping
+        Options of `liftmesh.write`; a unit that is given is not looked for.
 
     Raises
     ------
@@ -423,8 +408,8 @@ def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
     found = find_format(file_format or path.suffix, str(path))
-    check_before(found, cloud)
-    if cloud.crs is None and found.name in _TAKEN_UNITS:
+    check_before(replace(found, check=None) if "unit" in writing else found, cloud)
+    if cloud.crs is None and "unit" not in writing and found.name in _TAKEN_UNITS:
         unit = _TAKEN_UNITS[found.name]
         note(f"{path}: no coordinate system says the unit: {found.name} states {unit}")
 

@@ -106,10 +106,14 @@ def merged(
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
     from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.report import counted  # noqa: PLC0415 - as above
 
     for each in parts_of(cloud):
         inside = f", {each['overlap']:,} of them where an earlier file has some"
-        note(f"{each['source']}: {each['rows']:,} rows" + (inside if each["overlap"] else ""))
+        note(
+            f"{each['source']}: {counted(each['rows'], 'row')}"
+            + (inside if each["overlap"] else "")
+        )
     flown = cloud.metadata.get("flight_lines")
     if flown and flown["lines"] > 1:
         where = f"in cells of size {flown['cell']:.3g} where several lines have some"

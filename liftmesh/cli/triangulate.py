@@ -147,7 +147,7 @@ def run(
     cloud = thinning.thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud)
+        files.check_content(target, target_format, cloud, writing)
         surface = _triangulate(
             cloud,
             plane=frame,

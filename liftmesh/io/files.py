@@ -383,7 +383,9 @@ def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
 
 def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
     if found.read is None:
-        raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
+        raise FormatError(
+            f"{name}: {found.name} files are written, not read: keep the mesh as PLY, too"
+        )
     return _limited(configured(found.read, found, name, options), found, limit)
 
 

@@ -155,8 +155,12 @@ def _decoding(name: str) -> Iterator[None]:
             warnings.simplefilter("ignore", errors.NotGeoreferencedWarning)  # ours to say
             yield
     except (errors.RasterioError, inner.CPLE_BaseError) as error:
-        cause = _OWN_NAME.sub("it", " ".join(str(error.__cause__ or error).split()))[:200]
-        raise FormatError(f"{name}: the raster cannot be decoded: {cause}") from error
+        cause = _OWN_NAME.sub("the file", " ".join(str(error.__cause__ or error).split()))[:200]
+        cause = cause.replace("the file: the file:", "the file: ")
+        raise FormatError(
+            f"{name}: the raster cannot be decoded, truncated or damaged, or of a kind that GDAL "
+            f"does not know: {cause}"
+        ) from error
 
 
 class _Raster:
