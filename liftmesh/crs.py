@@ -11,6 +11,7 @@ Source: OGC 01-009 (WKT 1), OGC 18-010r7 (WKT 2).
 
 from __future__ import annotations
 
+import importlib.util
 import re
 from dataclasses import dataclass
 from functools import lru_cache
@@ -168,6 +169,28 @@ def urn_of(crs: str) -> str:
     return f"urn:ogc:def:crs:{authority}::{code}"
 
 
+def named(crs: str | None) -> str:
+    """Name a system for a message.
+
+    Parameters
+    ----------
+    crs : str, optional
+        WKT or a number.
+
+    Returns
+    -------
+    str
+        Its name, or the text if it is not understood.
+
+    Examples
+    --------
+    >>> named("EPSG:25832"), named('PROJCS["mine"]')
+    ('ETRS89 / UTM zone 32N', 'mine')
+    """
+    system = described(crs)
+    return shown(crs) if system is None else system.name
+
+
 def warnings_of(system: System | None) -> tuple[str, ...]:
     """Say what most users do not want of coordinates.
 
@@ -199,7 +222,7 @@ def warnings_of(system: System | None) -> tuple[str, ...]:
     return ()
 
 
-def length_unit(crs: str | None, what: str) -> str | None:
+def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str | None:
     """Return the unit that all coordinates have, for a format that has one for all.
 
     Parameters
@@ -208,31 +231,46 @@ def length_unit(crs: str | None, what: str) -> str | None:
         Their system.
     what : str
         The format for messages.
+    heights : Unit, optional
+        The unit of z, as a raster says it of its band.
 
     Returns
     -------
     str or None
-        Its name; None if the system says nothing.
+        Its name; None if there is no system.
 
     Raises
     ------
     FormatError
-        Coordinates are no lengths, or have different units.
+        Coordinates are no lengths, or have different units, or the system does not say which.
 
     Examples
     --------
-    >>> length_unit("EPSG:25832", "LandXML")
-    'metre'
+    >>> length_unit("EPSG:25832", "LandXML"), length_unit(None, "LandXML")
+    ('metre', None)
     """
     system = described(crs)
-    if system is None:
+    if crs is None and heights is not None and heights != METRE:
+        raise FormatError(
+            f"z is in {heights.name}, and the unit of x and y is not known, but {what} has one for "
+            "all: state their system with crs="
+        )
+    if crs is None:
         return None
+    if system is None or system.units[0] is None:
+        is_lookup = is_number(crs) and importlib.util.find_spec("pyproj") is None
+        remedy = "install liftmesh[terrain], or " if is_lookup else ""
+        raise FormatError(
+            f"the unit of {shown(crs)} is not known, but {what} states one: {remedy}state another "
+            "system with crs="
+        )
     if system.kind in {"geographic", "geocentric"}:
         raise FormatError(
             f"the coordinates are {system.kind} ({system.name}), but {what} holds lengths: "
             "transform them with to_crs="
         )
-    found = dict.fromkeys(each.name for each in system.units if each is not None)
+    units = (*system.units, heights)
+    found = dict.fromkeys(each.name for each in units if each is not None)
     if len(found) > 1:
         raise FormatError(
             f"the units of x, y and z are {' and '.join(found)}, but {what} has one for all: "
@@ -273,6 +311,37 @@ def looked_up(pyproj: Any, crs: str) -> Any:
         return pyproj.CRS.from_user_input(crs)
     except (pyproj.exceptions.CRSError, UnicodeError) as error:
         raise unknown from error
+
+
+def check_system(crs: object) -> None:
+    """Raise for what is given as a coordinate system, and is none.
+
+    Parameters
+    ----------
+    crs : object
+        What the caller gives; numbers are looked up if pyproj is installed.
+
+    Raises
+    ------
+    InputError
+        It is neither WKT nor a number, or unknown.
+
+    Examples
+    --------
+    >>> check_system("EPSG:25832")
+    >>> check_system("foo")
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: the coordinate system 'foo' is unknown: give WKT or EPSG:n
+    """
+    if not isinstance(crs, str) or not is_system(crs):
+        raise InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
+    if described(crs) is not None:
+        return
+    try:
+        pyproj = load("pyproj", extra="terrain")
+    except MissingDependencyError:
+        return
+    looked_up(pyproj, crs)
 
 
 def as_wkt(crs: str) -> str | None:

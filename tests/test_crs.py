@@ -6,6 +6,7 @@ import io
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyproj
@@ -163,7 +164,7 @@ def test_a_system_that_the_file_does_not_state(tmp_path: Path) -> None:
     with pytest.warns(DataWarning, match="x and y are degrees"):
         lm.triangulate(part)
     assert part.crs == "EPSG:4326"
-    with pytest.raises(InputError, match=r"<stream>: crs"):
+    with pytest.raises(InputError, match="the coordinate system '' is unknown"):
         lm.read(io.BytesIO(rows), format="xyz", crs="")
     (tmp_path / "a.xyz").write_bytes(rows)
     words = ("triangulate", "a.xyz", "a.ply", "--to-crs", "EPSG:25832")
@@ -231,6 +232,38 @@ def test_formats_that_cannot_hold_a_system_say_so() -> None:
         assert lm.read(stream, format=kind).crs == "EPSG:25832"
     for kind in ("stl", "off", "csv"):
         assert "crs" in lm.write(io.BytesIO(), surface, format=kind).dropped
+
+
+@pytest.mark.parametrize("crs", ["foo", "EPSG:999999", "foo[bar]", "/etc/passwd", 25832])
+def test_what_is_given_must_be_a_system(crs: Any, tmp_path: Path) -> None:
+    for read in (lm.read, lm.read_chunks):
+        with pytest.raises(InputError, match=r"^the coordinate system .* is unknown: give WKT or"):
+            read(io.BytesIO(b"0 0 1\n"), format="xyz", crs=crs)
+    (tmp_path / "a.csv").write_text("x,y,z\n0,0,1\n1,0,1\n0,1,1\n")
+    done = liftmesh("triangulate", "a.csv", "a.ply", "--from-crs", str(crs), cwd=tmp_path)
+    assert done.returncode == 3
+    assert "is unknown: give WKT or EPSG:n" in done.stderr
+
+
+def test_a_system_in_place_of_the_stated_one_is_said(tmp_path: Path) -> None:
+    cloud = Cloud(np.array([[5e5, 5e6, 1], [5e5 + 9, 5e6, 1], [5e5, 5e6 + 9, 1]]), crs="EPSG:25832")
+    lm.write(tmp_path / "a.ply", cloud)
+    words = "a.ply: states ETRS89 / UTM zone 32N; taken as ETRS89 / UTM zone 33N"
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25833", cwd=tmp_path)
+    assert words in done.stderr
+    assert lm.read(tmp_path / "a.ply", crs="EPSG:25833").metadata["stated_crs"] == "EPSG:25832"
+    assert "stated_crs" not in lm.read(tmp_path / "b.ply").metadata
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25832", cwd=tmp_path)
+    assert "taken as" not in done.stderr
+
+
+def test_degrees_that_were_asked_for(tmp_path: Path) -> None:
+    cloud = Cloud(np.array([[5e5, 5e6, 1], [5e5 + 9, 5e6, 1], [5e5, 5e6 + 9, 1]]), crs="EPSG:25832")
+    lm.write(tmp_path / "a.ply", cloud)
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--to-crs", "EPSG:4326", cwd=tmp_path)
+    assert "are no lengths: name a projected system with --to-crs\n" in done.stderr
+    done = liftmesh("triangulate", "b.ply", "c.ply", cwd=tmp_path)
+    assert "are no lengths: transform them with --to-crs\n" in done.stderr
 
 
 def test_no_system_is_no_error() -> None:

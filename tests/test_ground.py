@@ -217,3 +217,9 @@ def test_options_of_the_cloth(tmp_path: Path) -> None:
         "triangulate", "a.las", "a.ply", *words[:2], "--cloth-resolution", "0.001", cwd=tmp_path
     )
     assert "remove rows that are far away, or give a larger --cloth-resolution" in done.stderr
+
+
+def test_a_method_that_is_unknown(tmp_path: Path) -> None:
+    done = command("triangulate", "raw.las", "tin.ply", "--ground", "smrf", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--ground 'smrf' is unknown: give csf (" in done.stderr

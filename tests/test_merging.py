@@ -190,6 +190,37 @@ def test_the_command_refuses_mixed_systems_and_files_twice(folder: Path) -> None
     assert (done.returncode, f"{other} is given twice, as tile0.las" in done.stderr) == (2, True)
 
 
+def test_the_system_of_files_that_state_none(folder: Path) -> None:
+    plain = replace(liftmesh.read(folder / "tile0.las"), crs=None)
+    liftmesh.write(folder / "plain.las", plain)
+    words = ("triangulate", "tile1.las", "plain.las", "tin.ply", "--from-crs")
+    assert command(*words, "EPSG:25832", cwd=folder).returncode == 0
+    done = command(*words, "EPSG:25833", cwd=folder)
+    assert done.returncode == 3
+    assert "tile1.las and plain.las have different coordinate systems" in done.stderr
+    both = command(*words, "EPSG:25833", "--to-crs", "EPSG:25832", cwd=folder)
+    assert both.returncode == 0
+    moved = liftmesh.read(folder / "plain.las", classes=2, crs="EPSG:25833", to_crs="EPSG:25832")
+    kept = liftmesh.read(folder / "tile1.las", classes=2)
+    expected = np.vstack([kept.points, moved.points])
+    assert np.array_equal(liftmesh.read(folder / "tin.ply").points, expected)
+
+
+def test_only_one_states_heights(folder: Path) -> None:
+    high = replace(liftmesh.read(folder / "tile0.las"), crs="EPSG:25832+7837")
+    liftmesh.write(folder / "high.las", high)
+    for words in ((), ("--to-crs", "EPSG:25833")):
+        done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
+        assert done.returncode == 3
+        assert done.stderr.splitlines()[-1].endswith(
+            "are the same in the plane, but only high.las states what heights are: give --to-crs "
+            "with heights, such as EPSG:7415"
+        )
+    words = ("--to-crs", "EPSG:25832+7837")
+    done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
+    assert done.returncode == 0
+
+
 def test_an_input_is_never_overwritten(folder: Path) -> None:
     shutil.copy(folder / "tile0.las", folder / "kept.las")
     done = command("triangulate", "tile0.las", "kept.las", "kept.las", cwd=folder)
@@ -203,3 +234,8 @@ def test_an_error_names_the_row_of_the_file(tmp_path: Path) -> None:
     done = command("triangulate", "a.csv", "b.csv", "tin.ply", cwd=tmp_path)
     assert done.returncode == 3
     assert "row 1 of b.csv" in done.stderr
+
+
+def test_rows_left_out_by_a_step_are_said(folder: Path) -> None:
+    done = command("triangulate", "tile0.las", "tin.ply", "--every", "10", cwd=folder)
+    assert "left out: 100 of other classes, 90 by --every\n" in done.stderr

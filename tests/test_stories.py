@@ -205,6 +205,23 @@ def test_a_modeller_asks_for_heights(tmp_path: Path) -> None:
     assert "units       x: foot, y: foot, z: not stated\n" in told
 
 
+@pytest.mark.parametrize(("kind", "unit"), [("xml", "metres"), ("3mf", "millimetres")])
+def test_a_unit_that_nobody_states_is_said(kind: str, unit: str, tmp_path: Path) -> None:
+    elevation_model(tmp_path / "a.tif", hills(4, 5), 1.0)
+    found = run("triangulate", "a.tif", f"o.{kind}", cwd=tmp_path)
+    assert f"o.{kind}: no coordinate system says the unit: " in found.stderr
+    assert f" states {unit}\n" in found.stderr
+
+
+def test_a_unit_that_is_given_is_not_looked_for(tmp_path: Path) -> None:
+    elevation_model(tmp_path / "a.tif", hills(4, 5), 1.0)
+    liftmesh.write(tmp_path / "odd.ply", liftmesh.Cloud(np.eye(3), crs="EPSG:999999"))
+    for source in ("a.tif", "odd.ply"):
+        found = run("triangulate", source, "o.3mf", "--unit", "inch", cwd=tmp_path)
+        assert found.returncode == 0
+        assert "says the unit" not in found.stderr
+
+
 @pytest.fixture
 def flawed(tmp_path: Path) -> Path:
     """A folder of files that are wrong in one way each."""
@@ -218,9 +235,13 @@ def flawed(tmp_path: Path) -> Path:
         tile(tmp_path / f"{name}.laz", crs, (500_000.0, 5_000_000.0))
     whole = (tmp_path / "utm.laz").read_bytes()
     (tmp_path / "cut.laz").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "head.laz").write_bytes(whole[:300])
     (tmp_path / "lies.laz").write_bytes(whole[:100] + b"\xff\xff\xff\x7f" + whole[104:])
     odd = liftmesh.Cloud(np.eye(3), crs="EPSG:999999")
     liftmesh.write(tmp_path / "odd.ply", odd)
+    elevation_model(tmp_path / "band.tif", hills(4, 5), 1.0, "EPSG:25832")
+    with rasterio.open(tmp_path / "band.tif", "r+") as file:
+        file.units = ("ft",)
     return tmp_path
 
 
@@ -230,7 +251,11 @@ FLAWS = {
     "triangulate utm.laz o.ply --classes 40": "utm.laz: none of 3,638 rows meets",
     "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --to-crs",
     "triangulate feet.laz o.xml": "x, y and z are foot and metre, but LandXML has one for all",
+    "triangulate band.tif o.xml": "x, y and z are metre and foot, but LandXML has one for all",
+    "triangulate band.tif o.3mf": "x, y and z are metre and foot, but 3MF has one for all",
+    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --from-crs$",
     "triangulate cut.laz o.ply": "cut.laz: LAZ: the table of chunks should begin at byte .* trunc",
+    "triangulate head.laz o.ply": r"begin at byte [\d,]+, but the file has 300: it is truncated",
     "triangulate lies.laz o.ply": "lies.laz: byte 100: the header states 2,147,483,647 records",
     "triangulate odd.ply o.ply --to-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG:n",
 }

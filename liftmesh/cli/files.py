@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from liftmesh.cli import systems
 from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import note, reading, stage
 from liftmesh.errors import (
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 _MOST_LISTED = 8
 _LONGEST = 80  # characters of each
+CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
+_TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 _ABOUT_A_FILE = (
     *("row ", "the coordinates ", "weights are ", "radii are "),
@@ -84,7 +87,7 @@ def read(
         cloud = _read_quietly(
             source, format=file_format, max_bytes=max_bytes, color_depth=color_depth, **choices
         )
-    for each in notes(cloud):
+    for each in notes(cloud, is_transformed="to_crs" in selection):
         note(f"{name}: {each}")
     if not_read := parts_not_read(cloud):
         note(f"{name}: not read: {listed(not_read)}")
@@ -145,10 +148,16 @@ def found_selection(cloud: Cloud) -> dict[str, int]:
 
 def _read_quietly(source: Any, **choices: Any) -> Cloud:
     """Read without warnings: they are among the notes."""
-    from liftmesh.io import files as io_files  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs import check_system  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import files as io_files  # noqa: PLC0415 - as above
 
     with without_warnings():
-        return io_files.read(source, **choices)
+        if CRS_OF_OTHERS not in choices:
+            return io_files.read(source, **choices)
+        crs, target = choices.pop(CRS_OF_OTHERS), choices.pop("to_crs", None)
+        check_system(crs)
+        cloud = io_files.read(source, **choices)
+        return io_files.placed(cloud, crs if cloud.crs is None else None, target)
 
 
 @contextmanager
@@ -159,13 +168,15 @@ def without_warnings() -> Iterator[None]:
         yield
 
 
-def notes(cloud: Cloud) -> tuple[str, ...]:
+def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Return what is worth knowing about how a file was read.
 
     Parameters
     ----------
     cloud : Cloud
         What was read.
+    is_transformed : bool
+        Whether the caller chose its coordinate system.
 
     Returns
     -------
@@ -174,7 +185,7 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     """
     from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
-    first = (*_about_rows(cloud), *_about_system(cloud.crs))
+    first = (*_about_rows(cloud), *systems.notes(cloud, is_transformed=is_transformed))
     names = found_columns(cloud.metadata)
     if not names:
         said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
@@ -185,18 +196,6 @@ def notes(cloud: Cloud) -> tuple[str, ...]:
     return (*first, *([said] if said else []), *cloud.metadata.get("notes", ()))
 
 
-def _about_system(crs: str | None) -> tuple[str, ...]:
-    """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs import described, is_system, warnings_of  # noqa: PLC0415 - as above
-
-    found = described(crs)
-    if crs is None or found is not None:
-        return tuple(each.replace("to_crs=", "--to-crs") for each in warnings_of(found))
-    text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
-    is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
-    return (f"{text} (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else text,)
-
-
 def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     """Say which rows were selected, and which of lidar are among them."""
     counts = found_selection(cloud)
@@ -205,7 +204,8 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     from liftmesh.cli.lidar import flagged  # noqa: PLC0415 - most files are read whole
     from liftmesh.io.selection import described  # noqa: PLC0415 - as above
 
-    return tuple(filter(None, (described(counts), flagged(cloud))))
+    said = described(counts).replace("by every=", "by --every")
+    return tuple(filter(None, (said, flagged(cloud))))
 
 
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
@@ -381,7 +381,9 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
     check_place(path)
 
 
-def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
+def check_content(
+    path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
+) -> None:
     """Raise before the work starts if a file cannot hold what a mesh of these rows would have.
 
     Parameters
@@ -392,6 +394,8 @@ def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
         Its format; by default that of its suffix.
     cloud : Cloud
         The rows.
+    writing : mapping
+        Options of `liftmesh.write`; a unit that is given is not looked for.
 
     Raises
     ------
@@ -403,7 +407,11 @@ def check_content(path: Path, file_format: str | None, cloud: Cloud) -> None:
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
-    check_before(find_format(file_format or path.suffix, str(path)), cloud)
+    found = find_format(file_format or path.suffix, str(path))
+    check_before(replace(found, check=None) if "unit" in writing else found, cloud)
+    if cloud.crs is None and "unit" not in writing and found.name in _TAKEN_UNITS:
+        unit = _TAKEN_UNITS[found.name]
+        note(f"{path}: no coordinate system says the unit: {found.name} states {unit}")
 
 
 def check_place(path: Path | None) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -50,7 +50,9 @@ def _identity(path: Path) -> object:
     return path if found is None or not found.st_ino else (found.st_dev, found.st_ino)
 
 
-def merged(sources: Sequence[Path], read: Callable[[Path], Cloud]) -> Cloud:
+def merged(
+    sources: Sequence[Path], read: Callable[..., Cloud], selection: Mapping[str, Any]
+) -> Cloud:
     """Read files and merge them; say on stderr how many rows each adds.
 
     Parameters
@@ -58,7 +60,10 @@ def merged(sources: Sequence[Path], read: Callable[[Path], Cloud]) -> Cloud:
     sources : sequence of Path
         The files.
     read : callable
-        Reads one.
+        Reads one, and takes ``selection=``.
+    selection : mapping
+        Options of `liftmesh.read`; of several files, ``crs`` is the system of those that state
+        none.
 
     Returns
     -------
@@ -71,13 +76,16 @@ def merged(sources: Sequence[Path], read: Callable[[Path], Cloud]) -> Cloud:
         Two have different coordinate systems.
     """
     if len(sources) == 1:
-        return read(sources[0])
+        return read(sources[0], selection=selection)
     for path in sources:
         if not files.is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
     from liftmesh.terrain.merging import merge  # noqa: PLC0415 - help does without
 
-    clouds = [read(each) for each in sources]
+    if "crs" in selection:
+        rest = {key: each for key, each in selection.items() if key != "crs"}
+        selection = {**rest, files.CRS_OF_OTHERS: selection["crs"]}
+    clouds = [read(each, selection=selection) for each in sources]
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
     before = {name for each in clouds for name in files.parts_not_read(each)}
     with stage(f"merging {len(sources)} files"), files.without_warnings():
@@ -98,10 +106,14 @@ def merged(sources: Sequence[Path], read: Callable[[Path], Cloud]) -> Cloud:
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
     from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.report import counted  # noqa: PLC0415 - as above
 
     for each in parts_of(cloud):
         inside = f", {each['overlap']:,} of them where an earlier file has some"
-        note(f"{each['source']}: {each['rows']:,} rows" + (inside if each["overlap"] else ""))
+        note(
+            f"{each['source']}: {counted(each['rows'], 'row')}"
+            + (inside if each["overlap"] else "")
+        )
     flown = cloud.metadata.get("flight_lines")
     if flown and flown["lines"] > 1:
         where = f"in cells of size {flown['cell']:.3g} where several lines have some"

@@ -50,7 +50,8 @@ def parse(
         typer.Option(
             "--from-crs",
             metavar="CRS",
-            help="The coordinate system of the file, as EPSG:25832, in place of what it states.",
+            help="The coordinate system of the file, as EPSG:25832, in place of what it states; of "
+            "several, of those that state none.",
         ),
     ] = None,
     to_crs: Annotated[

@@ -106,9 +106,9 @@ def run(
         files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth, selection=selection))
+    cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)
     with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud)
+        files.check_content(target, target_format, cloud, writing)
         import liftmesh  # noqa: PLC0415 - help and --version do without
 
         with terminal.bar(1.0, len(cloud)) as bar, files.without_warnings():

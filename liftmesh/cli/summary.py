@@ -12,7 +12,7 @@ import numpy as np
 from liftmesh._typing import Floats, Rows
 from liftmesh.cli.files import notes, parts_not_read
 from liftmesh.cli.lidar import counted
-from liftmesh.crs import described
+from liftmesh.height_units import system_of
 from liftmesh.io.metadata import found_columns
 from liftmesh.planar.positions import find_positions, pieces
 
@@ -137,7 +137,7 @@ def summarise(cloud: Cloud) -> Summary:
         faces=0 if cloud.faces is None else len(cloud.faces),
         not_finite=len(cloud) - len(points),
         crs=cloud.crs,
-        units=_units(cloud.crs),
+        units=_units(cloud),
         holds=_holds(cloud),
         not_read=parts_not_read(cloud),
         columns=found_columns(cloud.metadata),
@@ -161,8 +161,8 @@ def _raster(cloud: Cloud) -> dict[str, Any]:
     return dict(found) if isinstance(found, Mapping) and "transform" in found else {}
 
 
-def _units(crs: str | None) -> tuple[str | None, ...]:
-    system = described(crs)
+def _units(cloud: Cloud) -> tuple[str | None, ...]:
+    system = system_of(cloud)
     return () if system is None else tuple(each.name if each else None for each in system.units)
 
 

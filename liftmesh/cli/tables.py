@@ -40,7 +40,8 @@ def parse(
         str | None,
         typer.Option(
             metavar="VALUE",
-            help="Tables: what stands for a missing value, as -9999; none if nothing does.",
+            help="Tables and rasters: what stands for a missing value, as -9999; none if nothing "
+            "does.",
         ),
     ] = None,
     end: Annotated[

@@ -84,9 +84,9 @@ def run(
         files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth, selection=selection))
+    cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)
     with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud)
+        files.check_content(target, target_format, cloud, writing)
         kept = thinning.thinned(cloud, thin)
     written = outputs.write(target, kept, target_format, writing)
     told = {

@@ -142,12 +142,12 @@ def run(
     start = perf_counter()
     first, later = (selection, {}) if not ground else classifying.parted(selection)
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth, selection=first))
+    cloud = inputs.merged(sources, partial(read, color_depth=depth), first)
     cloud = cloud if not ground else classifying.classified(cloud, ground, later)
     cloud = thinning.thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud)
+        files.check_content(target, target_format, cloud, writing)
         surface = _triangulate(
             cloud,
             plane=frame,

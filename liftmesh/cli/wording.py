@@ -106,7 +106,8 @@ def _about_value(error: Any) -> str:
     name, choices = _name(error.param), _choices(error.param)
     given = name if typed is None else f"{name} {typed!r}"
     if choices:
-        return f"{given} is unknown: give {', '.join(choices[:-1])} or {choices[-1]}"
+        listed = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
+        return f"{given} is unknown: give {listed}"
     return f"{given} is not a value that it takes"
 
 

@@ -1,7 +1,8 @@
 """ASCII grids of Esri: lines of keywords, then the heights row by row, the northern row first.
 
 GDAL holds such heights in 32 bits, and takes words for zeros; so the numbers are parsed here, as
-those of all text files, and there must be as many as the keywords say. Lines need not be rows.
+those of all text files, and there must be as many as the keywords say. Lines need not be rows. What
+stands for a missing height may be left unsaid: Esri's programs then take -9999.
 """
 
 from __future__ import annotations
@@ -43,6 +44,8 @@ class AsciiGrid:
         The file.
     name : str
         The file for messages.
+    missing : float, optional
+        What stands for a missing value if no keyword says it; by default none does.
 
     Raises
     ------
@@ -55,13 +58,14 @@ class AsciiGrid:
     gcps: tuple[list[Any], None] = ([], None)
     driver, compression, interleaving = "AAIGrid", None, None
 
-    def __init__(self, data: bytes, name: str) -> None:
+    def __init__(self, data: bytes, name: str, missing: float | None = None) -> None:
         self._name = name
         self._lines = Lines(BytesIO(data.removeprefix(_MARK)), name)
         self._said: dict[str, float] = {}
         block = self._keywords()
         self.width, self.height = (self._count(key) for key in ("ncols", "nrows"))
         self.nodata = self._said.get("nodata_value")
+        self._mark = self._said.get("nodata_value", missing)
         self.transform = self._placed()
         self._values = self._numbers(block).reshape(self.height, self.width)
 
@@ -77,12 +81,12 @@ class AsciiGrid:
     def read_masks(self, band: int, *, window: Section) -> Mask:
         """Return which samples of some rows and columns have a value."""
         values = self.read(band, window=window)
-        if self.nodata is None:
+        if self._mark is None:
             return np.ones(values.shape, np.bool_)
-        if _HUGE < abs(self.nodata) < math.inf:
+        if _HUGE < abs(self._mark) < math.inf:
             with np.errstate(over="ignore"):
-                return np.asarray(values.astype(np.float32) != np.float32(self.nodata))
-        return np.asarray(values != self.nodata)
+                return np.asarray(values.astype(np.float32) != np.float32(self._mark))
+        return np.asarray(values != self._mark)
 
     def _keywords(self) -> Block:
         """Take the lines of keywords; return the lines behind."""

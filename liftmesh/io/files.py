@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 from liftmesh.choices import Returns, as_count
 from liftmesh.color_depth import check_depth
+from liftmesh.crs import check_system
 from liftmesh.errors import FormatError, InputError
 from liftmesh.interruption import kept
 from liftmesh.io.chunks import of_one_depth, split
@@ -18,6 +19,7 @@ from liftmesh.io.format import configured
 from liftmesh.io.places import PathOrStream, at_home, format_of, name_of, opened
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.same_crs import is_same
 from liftmesh.transformation import transformed, with_heights
 
 if TYPE_CHECKING:
@@ -109,6 +111,8 @@ def read(  # noqa: PLR0913 - options are keywords
         - ``end``: the line that ends the table.
         - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
 
+        Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
+
     Returns
     -------
     Cloud
@@ -126,7 +130,7 @@ def read(  # noqa: PLR0913 - options are keywords
         the cause.
     InputError
         `max_bytes` is not a positive whole number, `color_depth` is no depth, or too small, an
-        option is invalid, `crs` is no text, or the coordinates cannot be transformed.
+        option is invalid, `crs` is unknown, or the coordinates cannot be transformed.
     MissingDependencyError
         The format, or `to_crs`, needs a package that is not installed; the message names it.
     OSError
@@ -155,6 +159,8 @@ def read(  # noqa: PLR0913 - options are keywords
         withheld=withheld,
         resolution=resolution,
     )
+    if crs is not None:
+        check_system(crs)
     source = at_home(source)
     name = name_of(source)
     found = format_of(source, format, name, find_format)
@@ -234,6 +240,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     )
     if chosen is not None and chosen.classes == "ground":
         raise InputError("classes is 'ground', which the whole file decides: give classes=2")
+    if crs is not None:
+        check_system(crs)
     source = at_home(source)
     name = name_of(source)
     found = format_of(source, format, name, find_format)
@@ -325,13 +333,41 @@ def _changed(
     """Set the depth of colours and the system of coordinates, if given; errors name the file."""
     try:
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
-        cloud = cloud if crs is None else replace(cloud, crs=crs)
-        if target is None:
-            return cloud
-        target = with_heights(cloud.crs, target)
-        points = transformed(cloud.points, cloud.crs, target)
+        return placed(cloud, crs, target)
     except InputError as error:
         raise InputError(f"{name}: {error}") from error
+
+
+def placed(cloud: Cloud, crs: str | None, target: str | None) -> Cloud:
+    """Set the coordinate system of a cloud in place of what its file states, or transform it.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        The rows.
+    crs : str, optional
+        Their system.
+    target : str, optional
+        The system that they are to have.
+
+    Returns
+    -------
+    Cloud
+        The rows; ``metadata["stated_crs"]`` is the system that was replaced, if it was another.
+
+    Raises
+    ------
+    InputError
+        The coordinates cannot be transformed.
+    """
+    if crs is not None:
+        is_other = cloud.crs is not None and not is_same(cloud.crs, crs)
+        entry = {"stated_crs": cloud.crs} if is_other else {}
+        cloud = replace(cloud, crs=crs, metadata={**cloud.metadata, **entry})
+    if target is None:
+        return cloud
+    target = with_heights(cloud.crs, target)
+    points = transformed(cloud.points, cloud.crs, target)
     layout = cloud.metadata.get("las")  # its scales are those of other coordinates
     entries = {**cloud.metadata} | ({"las": _unscaled(layout)} if isinstance(layout, dict) else {})
     return replace(cloud, points=points, crs=target, metadata=entries)
@@ -347,7 +383,9 @@ def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
 
 def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
     if found.read is None:
-        raise FormatError(f"{name}: {found.name} files cannot be read: {found.description}")
+        raise FormatError(
+            f"{name}: {found.name} files are written, not read: keep the mesh as PLY, too"
+        )
     return _limited(configured(found.read, found, name, options), found, limit)
 
 

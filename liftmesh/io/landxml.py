@@ -2,7 +2,7 @@
 
 Points are northing, easting and height, in this order, with digits that round-trip; a face lists
 its points counter-clockwise seen from above. A file has one unit of length for all three, which is
-that of the coordinate system, and metres where it says none. The format demands a date: it is that
+that of the coordinate system, and metres where there is none. The format demands a date: it is that
 of no day, since bytes are a function of the mesh.
 
 Source: LandXML-1.2 schema, landxml.org, 2008.
@@ -18,6 +18,7 @@ import numpy as np
 
 from liftmesh.crs import length_unit
 from liftmesh.errors import FormatError
+from liftmesh.height_units import band_unit
 from liftmesh.io.text_tables import write_rows
 from liftmesh.io.xml_text import attribute, is_possible
 
@@ -91,7 +92,7 @@ def check(cloud: Cloud) -> None:
 
 
 def _units(cloud: Cloud) -> str:
-    name = length_unit(cloud.crs, "LandXML") or "metre"
+    name = length_unit(cloud.crs, "LandXML", band_unit(cloud)) or "metre"
     if name not in _UNITS:
         raise FormatError(f"the unit is {name}, but LandXML has {', '.join(_UNITS)}")
     return _UNITS[name]

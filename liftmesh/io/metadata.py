@@ -22,7 +22,7 @@ _LABELS = ("source", "format")
 _OF_TABLES = ("columns", "notes")  # also of tables in memory, which have no labels
 _NOTES = (
     *_OF_TABLES, "skipped", "polygons", "degenerate_faces", "repeated_vertices", "ignored",
-    "origin", "selection", "las_records", "merged", "thinning", "ground",
+    "origin", "selection", "las_records", "merged", "thinning", "ground", "stated_crs",
 )  # fmt: skip
 
 LIFTED = "triangulated_by"

@@ -3,7 +3,8 @@
 A sample becomes a row of the cloud, at the centre of its pixel: rows of the raster from the first
 on, as they are stored. The transform of the file gives x and y, also if it is rotated; whether a
 pixel is an area or a point, GDAL has taken into account. Scale and offset of the band give z. What
-has no value (nodata, a mask, NaN) is left out and counted. What the file does not say of its place
+has no value (nodata, a mask, NaN) is left out and counted; where the file says of no number that it
+stands for none, one that looks so is refused (`missing`). What the file does not say of its place
 may stand beside it (`beside_rasters`). Without a transform a pixel has the size 1, and the first
 row is the northern one.
 
@@ -18,20 +19,21 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Mask
-from liftmesh.choices import as_count
+from liftmesh.choices import as_count, shown
 from liftmesh.cloud import Cloud, is_crs
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.io.ascii_grid import AsciiGrid, is_grid
 from liftmesh.io.beside_rasters import Transform, system_of, world_of
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.geotiff_blocks import bytes_of_a_block, check_blocks
 from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.missing import Missing, Outliers, as_missing
 from liftmesh.io.raster_window import Band, Window, bands_of, window_of
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
@@ -39,6 +41,7 @@ from liftmesh.optional import load
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
 _MOST_EXACT = 2**53
+_ESRI = -9999.0  # of grids that do not say it
 _TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in memory
 _ALONE = {
@@ -47,30 +50,51 @@ _ALONE = {
 }  # fmt: skip
 
 
-def checked(*, band: int = 1) -> int:
+@dataclass(frozen=True, slots=True)
+class RasterOptions:
+    """Checked options: the band, and what stands for a missing value; None if nothing is said."""
+
+    band: int = 1
+    missing: tuple[float, ...] | None = None
+
+
+_DEFAULTS = RasterOptions()
+
+
+def checked(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
     """Check the options of a raster.
 
     Parameters
     ----------
     band : int, default 1
         The band that holds the heights, from 1.
+    nodata : float or str, optional
+        The number that stands for a missing value, besides what the file says; "none" if even
+        -9999 is a value.
 
     Returns
     -------
-    int
-        The band.
+    RasterOptions
+        The options.
 
     Raises
     ------
     InputError
-        It is no whole number from 1.
+        `band` is no whole number from 1, or `nodata` is no number.
 
     Examples
     --------
-    >>> checked(band=2)
-    2
+    >>> checked(band=2, nodata=-9999)
+    RasterOptions(band=2, missing=(-9999.0,))
     """
-    return as_count("band", band, 1)
+    marks = as_missing(nodata)
+    numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
+    if marks is not None and numbers != marks:
+        raise InputError(
+            f"nodata is {shown(nodata)}: give the number that stands for a missing value in the "
+            "raster, or 'none' if there is none"
+        )
+    return RasterOptions(as_count("band", band, 1), numbers)
 
 
 def read_raster(
@@ -79,7 +103,7 @@ def read_raster(
     *,
     max_bytes: int | None = None,
     selection: Selection | None = None,
-    options: int = 1,
+    options: RasterOptions = _DEFAULTS,
 ) -> Cloud:
     """Read a raster.
 
@@ -89,8 +113,8 @@ def read_raster(
         Limit of what the samples expand to.
     selection : Selection, optional
         Which samples are read; `every` counts in both directions.
-    options : int
-        The band.
+    options : RasterOptions
+        The band, and what stands for a missing value.
 
     Returns
     -------
@@ -102,12 +126,13 @@ def read_raster(
     Raises
     ------
     FormatError
-        The file is invalid, what is read of it exceeds the limit, or it has no such band or no
-        value at all.
+        The file is invalid, what is read of it exceeds the limit, it has no such band or no value
+        at all, or a value may stand for a missing one.
     """
     data = stream.read()
     if is_grid(data):
-        return _Raster(AsciiGrid(data, name), options, name).cloud(selection, data, max_bytes)
+        grid = AsciiGrid(data, name, _ESRI if options.missing is None else None)
+        return _Raster(grid, options, name).cloud(selection, data, max_bytes)
     if data[:4] not in _TIFF:
         raise FormatError(f"{name}: neither a TIFF file nor an ASCII grid, which begins with ncols")
     rasterio = load("rasterio", extra="terrain")
@@ -130,16 +155,23 @@ def _decoding(name: str) -> Iterator[None]:
             warnings.simplefilter("ignore", errors.NotGeoreferencedWarning)  # ours to say
             yield
     except (errors.RasterioError, inner.CPLE_BaseError) as error:
-        cause = _OWN_NAME.sub("it", " ".join(str(error.__cause__ or error).split()))[:200]
-        raise FormatError(f"{name}: the raster cannot be decoded: {cause}") from error
+        cause = _OWN_NAME.sub("the file", " ".join(str(error.__cause__ or error).split()))[:200]
+        cause = cause.replace("the file: the file:", "the file: ")
+        raise FormatError(
+            f"{name}: the raster cannot be decoded, truncated or damaged, or of a kind that GDAL "
+            f"does not know: {cause}"
+        ) from error
 
 
 class _Raster:
     """An open raster, of rasterio or an ASCII grid, of which one band is read."""
 
-    def __init__(self, file: Any, band: int, name: str) -> None:
+    def __init__(self, file: Any, options: RasterOptions, name: str) -> None:
         self._file = file
-        self._band = band
+        self._band = band = options.band
+        self._missing = options.missing or ()
+        is_said = options.missing is not None or file.nodata is not None
+        self._outliers = None if is_said else Outliers(0)
         self._name = name
         self._valid = 0
         self._transform, self._world = file.transform, ""
@@ -182,6 +214,8 @@ class _Raster:
             count = len(part["z"])
             builder.fill(slice(filled, filled + count), part)
             filled += count
+        if self._outliers is not None:
+            self._outliers.check(f"{self._name}: band {self._band}", "samples")
         if not self._valid and not window.outside:
             raise FormatError(f"{self._name}: none of {window.samples:,} samples has a value")
         builder.shorten(filled)
@@ -223,26 +257,36 @@ class _Raster:
                 top += len(rows)
                 window = (rows.start, rows[-1] + 1), (columns.start, columns[-1] + 1)
                 steps = slice(None, None, rows.step), slice(None, None, columns.step)
-                values[place] = self._heights(self._file.read(self._band, window=window)[steps])
-                mask[place] = self._file.read_masks(self._band, window=window)[steps] != 0
+                found = self._file.read(self._band, window=window)[steps]
+                known = self._file.read_masks(self._band, window=window)[steps] != 0
+                known &= ~self._are_missing(found)
+                values[place], mask[place] = self._heights(found, known), known
             left = right
         return values, mask
 
-    def _heights(self, values: Array) -> Floats:
+    def _are_missing(self, values: Array) -> Mask:
+        """Which numbers the caller says to stand for none, rounded as the file stores them."""
+        found = np.zeros(values.shape, np.bool_)
+        for mark in self._missing:
+            found |= values == mark
+            if values.dtype.kind == "f":
+                found |= values == np.float64(mark).astype(values.dtype)
+        return found
+
+    def _heights(self, values: Array, known: Mask) -> Floats:
         """Apply scale and offset; the numbers themselves where there are none."""
         k = self._band - 1
-        if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and self._is_beyond(values):
-            raise FormatError(f"{self._name}: band {self._band} has numbers beyond 2**53")
         heights: Floats = values.astype(np.float64)
+        is_long = values.dtype.itemsize == 8 and values.dtype.kind in "iu"
+        if is_long and (abs(heights[known]) > _MOST_EXACT).any():
+            raise FormatError(f"{self._name}: band {self._band} has numbers beyond 2**53")
+        if self._outliers is not None:
+            self._outliers.examine(heights[known & ~np.isnan(heights)][:, None])
         if self._file.scales[k] != 1:
             heights *= self._file.scales[k]
         if self._file.offsets[k] != 0:
             heights += self._file.offsets[k]
         return heights
-
-    def _is_beyond(self, values: Array) -> bool:
-        known = values[values != self._file.nodata] if self._file.nodata is not None else values
-        return bool((abs(known.astype(np.float64)) > _MOST_EXACT).any())
 
     def _positions(self, rows: Array, columns: Array) -> tuple[Floats, Floats]:
         """Return x and y of the centres of pixels."""
@@ -261,7 +305,8 @@ class _Raster:
         }
         skipped = []
         if samples > self._valid:
-            skipped.append(f"{samples - self._valid:,} samples without a value")
+            count = samples - self._valid
+            skipped.append(f"{count:,} sample{'s' * (count != 1)} without a value")
         others = [k for k in range(1, file.count + 1) if k != self._band]
         if others:
             skipped.append(f"band {', '.join(map(str, others[:8]))}")

@@ -36,7 +36,7 @@ _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet t
     "returns": "other returns",
     "bbox": "outside the box",
     "z_range": "outside the heights",
-    "every": "between every k-th",
+    "every": "by every=",
 }
 
 

@@ -3,7 +3,7 @@
 Most programs read coordinates in single precision, so an origin is subtracted where that would move
 a vertex (`io.origin`), and stated in the metadata. Rows in no face are left out. Triangles that
 close a solid are a model; others are a surface, which printers cannot fill. The unit is that of the
-coordinate system, and millimetres, the format's own, where it says none.
+coordinate system, and millimetres, the format's own, where there is none.
 
 Source: 3MF Core Specification 1.3.0, 3mf.io.
 """
@@ -22,6 +22,7 @@ from liftmesh.arrays import used_rows
 from liftmesh.choices import Unit3MF as Unit, check_option
 from liftmesh.crs import length_unit
 from liftmesh.errors import FormatError
+from liftmesh.height_units import band_unit
 from liftmesh.io.origin import needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows
 
@@ -120,8 +121,8 @@ def _member(archive: zipfile.ZipFile, name: str) -> Iterator[BinaryIO]:
 
 
 def _unit_of(cloud: Cloud) -> Unit:
-    """Return the unit of the coordinate system; millimetres if it says none."""
-    name = length_unit(cloud.crs, "3MF")
+    """Return the unit of the coordinate system; millimetres if there is none."""
+    name = length_unit(cloud.crs, "3MF", band_unit(cloud))
     if name is None:
         return "millimeter"
     if name not in _UNITS:

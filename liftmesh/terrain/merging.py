@@ -22,7 +22,7 @@ from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import said
-from liftmesh.same_crs import is_same
+from liftmesh.same_crs import are_different, is_same
 from liftmesh.terrain.overlap import overlap_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
@@ -36,6 +36,7 @@ _OF_A_FILE = (
     "merged",
     "flight_lines",
     "las_records",
+    "stated_crs",
     _LAYOUT,
 )
 
@@ -168,12 +169,27 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         warnings.warn(message, DataWarning, stacklevel=3)
     crs, first = stated[0]
     for other, name in stated[1:]:
-        if not is_same(crs, other):
+        if is_same(crs, other):
+            continue
+        if (
+            not are_different(crs, other)
+            and len({_states_heights(each) for each in (crs, other)}) > 1
+        ):
             raise InputError(
-                f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
-                f"{_titled(other)}: give to_crs=, which transforms both"
+                f"{first} and {name} have coordinate systems that are the same in the plane, but "
+                f"only {first if _states_heights(crs) else name} states what heights are: give "
+                "to_crs= with heights, such as EPSG:7415"
             )
+        raise InputError(
+            f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
+            f"{_titled(other)}: give to_crs=, which transforms both"
+        )
     return crs
+
+
+def _states_heights(crs: str | None) -> bool:
+    system = described(crs)
+    return system is not None and system.units[2] is not None
 
 
 def _titled(crs: str | None) -> str:

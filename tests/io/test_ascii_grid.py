@@ -31,7 +31,16 @@ def test_ascii_grids(tmp_path: Path) -> None:
     assert done.stderr.rstrip().endswith("not a list of points: read it with --from raster")
     done = liftmesh("triangulate", "a.asc", "a.ply", "--from", "raster", "--json", cwd=tmp_path)
     report = json.loads(done.stdout)
-    assert (report["rows"], report["not_read"]) == (5, ["1 samples without a value"])
+    assert (report["rows"], report["not_read"]) == (5, ["1 sample without a value"])
+
+
+def test_without_a_keyword_the_mark_is_that_of_esri() -> None:
+    unsaid = GRID.replace(b"NODATA_value -9999\n", b"")
+    assert_same_bits(read(unsaid).points, read(GRID).points)
+    assert read(unsaid, nodata="none").points[4].tolist() == [13, 21, -9999]
+    assert len(read(GRID, nodata=6.5)) == 4
+    with pytest.raises(FormatError, match="band 1 is -32768 in 1 of 6 samples, far from all other"):
+        read(unsaid.replace(b"-9999", b"-32768"))
 
 
 def test_a_prj_file_beside_a_grid(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,7 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
+from liftmesh.crs import described
 
 FEET = 'PROJCS["a",GEOGCS["b",UNIT["degree",0.0174532925199433]],UNIT["foot",{}]]'
 OFFSET = np.array([450000.1, 5200000.2, 0.0])
@@ -90,6 +92,8 @@ def test_landxml_in_feet(metres: str, unit: str) -> None:
         ("EPSG:4326", r"geographic \(WGS 84\), but .* holds lengths: transform them with to_crs="),
         ("EPSG:2225+5703", r"US survey foot and metre, but .* has one for all"),
         (FEET.format("0.5"), r"the unit is foot of 0.5 m, but"),
+        ("EPSG:999999", r"the unit of 'EPSG:999999' is not known, .* states one: state"),
+        ('LOCAL_CS["site"]', r"the unit of 'LOCAL_CS.*' is not known"),
     ],
 )
 def test_units_that_a_format_has_not(kind: str, crs: str, cause: str) -> None:
@@ -97,8 +101,30 @@ def test_units_that_a_format_has_not(kind: str, crs: str, cause: str) -> None:
         written(replace(MESH, crs=crs), kind)
 
 
+@pytest.mark.parametrize("kind", ["landxml", "3mf"])
+def test_a_number_without_pyproj_has_no_unit(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyproj", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    described.cache_clear()
+    with pytest.raises(FormatError, match=r"'EPSG:2236' is not known, .* install liftmesh\[terr"):
+        written(replace(MESH, crs="EPSG:2236"), kind)
+    described.cache_clear()
+
+
+@pytest.mark.parametrize("kind", ["landxml", "3mf"])
+@pytest.mark.parametrize("crs", ["EPSG:25832", "EPSG:7415", None])
+def test_heights_of_a_band_in_feet(kind: str, crs: str | None) -> None:
+    for unit, cause in (("ft", "foot"), ("US survey foot", "US survey foot"), ("cm", "cm")):
+        mesh = replace(MESH, crs=crs, metadata={"raster": {"unit": unit}})
+        words = f"metre and {cause}, but" if crs else f"z is in {cause}, and the unit of x and y"
+        with pytest.raises(FormatError, match=words):
+            written(mesh, kind)
+    assert written(replace(MESH, crs=crs, metadata={"raster": {"unit": "metre"}}), kind)
+
+
 def test_a_coordinate_system_that_xml_cannot_hold_is_named() -> None:
-    result = liftmesh.write(io.BytesIO(), replace(MESH, crs="bell \x07"), format="landxml")
+    crs = FEET.format("0.3048").replace('"a"', '"bell \x07"')
+    result = liftmesh.write(io.BytesIO(), replace(MESH, crs=crs), format="landxml")
     assert result.dropped == ("crs",)
 
 
@@ -188,7 +214,9 @@ def test_vtu_of_points_and_of_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", ["landxml", "3mf", "vtu"])
 def test_they_are_not_read(kind: str) -> None:
-    with pytest.raises(FormatError, match=f"{kind} files cannot be read"):
+    with pytest.raises(
+        FormatError, match=f"{kind} files are written, not read: keep the mesh as PLY"
+    ):
         liftmesh.read(io.BytesIO(written(MESH, kind)), format=kind)
 
 

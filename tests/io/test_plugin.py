@@ -128,7 +128,7 @@ def test_formats_of_one_direction(tmp_path: Path) -> None:
     found = run_with(tmp_path, ONE_WAY_USE, tmp_path)
     assert found.returncode == 0, found.stderr
     unread, unwritten, code = found.stdout.splitlines()
-    assert unread == "p.dump: dump files cannot be read: the same, for another program to read"
+    assert unread == "p.dump: dump files are written, not read: keep the mesh as PLY, too"
     assert unwritten.startswith("q.bits: bits files ")
     assert int(code) == exit_codes.BAD_INPUT
     assert found.stderr == "liftmesh: error: q.bits: bits files can be read, not written\n"

@@ -124,6 +124,63 @@ def test_samples_without_a_value_are_left_out(mark: str) -> None:
     assert_same_bits(cloud.points[:, 2], np.delete(values.ravel(), [5, 6]))
 
 
+MARKS = {
+    "-9999": "float32", "-32768": "int16", "-3.4028235e38": "float32", "3.4028235e38": "float32",
+    "-1.7976931348623157e308": "float64",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mark", MARKS)
+def test_what_may_stand_for_a_missing_value_is_refused(mark: str) -> None:
+    values = np.arange(12).reshape(3, 4).astype(MARKS[mark])
+    values[1, 1:3] = values.dtype.type(float(mark))
+    data = geotiff(values)
+    with pytest.raises(
+        FormatError, match=r"<stream>: band 1 is .* in 2 of 12 samples, far"
+    ) as told:
+        read(data)
+    given = re.search(r"read it with nodata='(.*?)' if it is missing", str(told.value))
+    assert given is not None
+    for nodata in (given[1], mark, float(mark)):
+        cloud = read(data, nodata=nodata)
+        assert cloud.points[:, 2].tolist() == [0, 1, 2, 3, 4, 7, 8, 9, 10, 11]
+        assert cloud.metadata["skipped"] == ("2 samples without a value",)
+    assert len(read(data, nodata="none")) == 12
+    alone = geotiff(values[1:2, 1:3])
+    with pytest.raises(FormatError, match="in 2 of 2 samples, a value or the mark of a missing"):
+        read(alone)
+    with pytest.raises(FormatError, match="none of 2 samples has a value"):
+        read(alone, nodata=mark)
+    with pytest.raises(InputError, match="nodata is 'void': give the number that stands for"):
+        read(data, nodata="void")
+
+
+def test_values_among_others_are_no_marks() -> None:
+    values = np.linspace(-10500, 0, 12).reshape(3, 4)
+    values[0, 1] = -9999
+    assert len(read(geotiff(values))) == 12
+    scaled = np.arange(12, dtype=np.int16).reshape(3, 4)
+    scaled[0, 0] = -9999
+    with pytest.raises(FormatError, match="band 1 is -9999 in 1 of 12 samples"):
+        read(geotiff(scaled, scales=(0.1,), offsets=(50.0,)))
+    assert len(read(geotiff(scaled, scales=(0.1,)), nodata=-9999)) == 11
+
+
+def test_the_command_names_and_takes_nodata(tmp_path: Path) -> None:
+    values = HEIGHTS.copy()
+    values[0, 0] = -9999
+    (tmp_path / "a.tif").write_bytes(geotiff(values))
+    done = liftmesh("triangulate", "a.tif", "a.ply", cwd=tmp_path)
+    assert done.returncode == 3
+    assert (
+        "read it with --nodata -9999 if it is missing there, or with --nodata none" in done.stderr
+    )
+    assert (
+        liftmesh("triangulate", "a.tif", "a.ply", "--nodata", "-9999", cwd=tmp_path).returncode == 0
+    )
+    assert len(lm.read(tmp_path / "a.ply")) == 11
+
+
 def test_masks_and_nan_without_a_mark() -> None:
     mask = np.full((3, 4), 255, np.uint8)
     mask[0, 0] = 0
@@ -147,6 +204,10 @@ def test_the_unit_of_a_band_is_said(tmp_path: Path) -> None:
     (tmp_path / "a.tif").write_bytes(geotiff(units=("ft",)))
     done = liftmesh("triangulate", "a.tif", "a.ply", cwd=tmp_path)
     assert "a.tif: band 1 says that heights are in ft" in done.stderr
+    (tmp_path / "a.tif").write_bytes(geotiff(units=("ft",), crs="EPSG:25832"))
+    done = liftmesh("info", "a.tif", cwd=tmp_path)
+    assert "units       x: metre, y: metre, z: foot\n" in done.stdout
+    assert "the units differ: x is in metre, y in metre, z in foot" in done.stderr
 
 
 def test_bands() -> None:
@@ -276,7 +337,10 @@ BROKEN = {
     "another file": (b"ply\n", "neither a TIFF file nor an ASCII grid"),
     "all nodata": (geotiff(np.full((3, 4), 7.0), nodata=7), "none of 12 samples has a value"),
     "complex numbers": (geotiff(HEIGHTS.astype(complex)), "band 1 holds complex128, not heights"),
-    "cut off": (geotiff(np.random.default_rng(1).random((99, 99)))[:40_000], "cannot be decoded"),
+    "cut off": (
+        geotiff(np.random.default_rng(1).random((99, 99)))[:40_000],
+        "cannot be decoded, truncated",
+    ),
 }
 
 

@@ -171,7 +171,13 @@ class _Reading:
         least = SIZES[version[1]]
         if header < least:
             raise self._error(94, f"the header states {header} bytes, and needs {least}")
-        if not header <= start <= self._size:
+        if start > self._size:
+            raise self._error(
+                96,
+                f"the points should begin at byte {start:,}, but the file has {self._size:,}: it "
+                "is truncated, or its header is wrong",
+            )
+        if not header <= start:
             raise self._error(
                 96, f"the points should begin at byte {start}, outside {header} to {self._size}"
             )

@@ -3,9 +3,7 @@
 Nothing of it is applied, because it may be wrong; nor is it ignored, because the points would be.
 Such a table is refused with both readings and the option that chooses one.
 
-What counts as an id, `ids` says. A coordinate counts as a missing value if programs use it as
-one (-9999, -32768, the ends of single precision), and if it stands apart from all others: by more
-than an eighth of their range, or because there are none.
+What counts as an id, `ids` says, and what as a missing value, `io.missing`.
 """
 
 from __future__ import annotations
@@ -13,26 +11,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION
+from liftmesh.io.missing import Outliers
 from liftmesh.io.tables.ids import Ids, RowNumbers
 from liftmesh.io.tables.options import MOST_LISTED, spelled
 
 if TYPE_CHECKING:
     from liftmesh.io.tables.columns import Columns
     from liftmesh.io.tables.options import TableOptions
-
-_LOW, _HIGH = -999.0, 1e19  # all of the following are beyond
-_SENTINELS = (
-    *(-999.0, -999.9, -9999.0, -9999.9, -9999.99, -9999.999, -99999.0, -999999.0),
-    *(-32767.0, -32768.0, -2147483648.0, 1e20, 1e30, 1e38, 1.70141e38),
-    *(-3.4028234663852886e38, -3.40282346638529e38, -3.402823466e38, -3.4028235e38),
-    *(-3.402823e38, -3.40282e38, 3.4028234663852886e38, 3.4028235e38, -1.7976931348623157e308),
-)
-_APART = 8  # parts of the range of the other values
 
 
 def named_points(width: int) -> str:
@@ -98,7 +86,7 @@ class Doubts:
         self._heights = RowNumbers() if unnamed and "z" in columns.names else None
         places = {part: columns.names.index(part) for part in POSITION if part in columns.names}
         self._outliers = {
-            part: _Outliers(k) for part, k in places.items() if options.missing is None
+            part: Outliers(k) for part, k in places.items() if options.missing is None
         }
 
     def examine(self, table: Floats) -> None:
@@ -113,14 +101,7 @@ class Doubts:
     def check(self) -> None:
         """Raise for what the rows suggest, once all are examined."""
         for part, each in self._outliers.items():
-            if (value := each.found()) is not None:
-                shown = f"{value:.0f}" if value == int(value) and abs(value) < 1e15 else repr(value)
-                apart = "far from all others, " if each.has_others else ""
-                raise FormatError(
-                    f"{self._name}: {part} is {shown} in {each.counts[value]:,} of {each.rows:,} "
-                    f"rows, {apart}a value or the mark of a missing one: read it with "
-                    f"nodata='{shown}' if it is missing there, or with nodata='none'"
-                )
+            each.check(f"{self._name}: {part}", "rows")
         if self._ids is not None and self._ids.suspect:
             raise FormatError(
                 f"{self._name}: there is no header, and the first column holds {self._ids}, x or "
@@ -134,40 +115,3 @@ class Doubts:
                 f"columns='{_names(('x', 'y', 'id'), self._width)}', if z, with "
                 f"columns='{_names(POSITION, self._width)}'"
             )
-
-
-class _Outliers:
-    """The known marks of missing values in a column, and the range of its other values."""
-
-    def __init__(self, column: int) -> None:
-        self.counts: dict[float, int] = {}
-        self.rows = 0
-        self._column = column
-        self._low, self._high = np.inf, -np.inf
-
-    def examine(self, table: Floats) -> None:
-        """Examine further rows."""
-        column = table[:, self._column]
-        self.rows += len(column)
-        low, high = column.min(initial=np.inf), column.max(initial=-np.inf)
-        if not (low > _LOW and high < _HIGH):  # as most are, and no NaN among them
-            self._count(column)
-            column = column[np.isfinite(column) & ~np.isin(column, _SENTINELS)]
-            low, high = column.min(initial=np.inf), column.max(initial=-np.inf)
-        self._low, self._high = min(self._low, float(low)), max(self._high, float(high))
-
-    def _count(self, column: Floats) -> None:
-        values, counts = np.unique(column[np.isin(column, _SENTINELS)], return_counts=True)
-        for value, count in zip(values.tolist(), counts.tolist(), strict=True):
-            self.counts[value] = self.counts.get(value, 0) + count
-
-    @property
-    def has_others(self) -> bool:
-        """Whether the column holds other values than marks."""
-        return self._low <= self._high
-
-    def found(self) -> float | None:
-        """Return the mark that stands apart from all other values; None if there is none."""
-        spread = (self._high - self._low) / _APART
-        gaps = {each: max(self._low - each, each - self._high) for each in self.counts}
-        return next((each for each, gap in gaps.items() if gap > spread), None)

@@ -9,7 +9,6 @@ in Python.
 from __future__ import annotations
 
 import codecs
-import math
 import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,9 +17,9 @@ from typing import Any, TypeAlias
 
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
+from liftmesh.io.missing import Missing, as_missing
 
 ColumnChoice: TypeAlias = str | Mapping[str, str] | Sequence[str] | None
-Missing: TypeAlias = float | str | None
 
 LEFT_OUT = "-"  # the name of a column that is left out
 MOST_LISTED = 12  # columns in a message
@@ -103,7 +102,7 @@ def checked(  # noqa: PLR0913 - one for each option
         decimal=_decimal(decimal),
         skip_rows=_count("skip_rows", skip_rows),
         header=header,
-        missing=_missing(nodata),
+        missing=as_missing(nodata),
         end=_text("end", end),
         encoding=_encoding(encoding),
     )
@@ -216,21 +215,3 @@ def _decimal(value: object) -> str | None:
     if value is not None and value not in (".", ","):
         raise InputError(f"decimal is {value!r}: give '.' or ','")
     return None if value is None else str(value)
-
-
-def _missing(value: Any) -> tuple[float | str, ...] | None:
-    """Return what stands for missing values: as a number if it is one, in any notation."""
-    if value is None or value == "none":
-        return None if value is None else ()
-    try:
-        number = math.nan if isinstance(value, bool | bytes) else float(value)
-    except (TypeError, ValueError):
-        if isinstance(value, str) and value.strip():
-            return (value.strip(),)
-        number = math.nan
-    if math.isnan(number):
-        raise InputError(
-            f"nodata is {value!r}: give the number or the text that stands for a missing value, "
-            "or 'none' if there is none"
-        )
-    return (number,)

@@ -1,0 +1,42 @@
+"""What is said on stderr of the coordinate system of a file."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+
+_LONGEST = 80  # characters of a system that is not understood
+
+
+def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
+    """Say what most users do not want of a coordinate system, or that it is not understood.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        What was read.
+    is_transformed : bool
+        Whether the caller chose its coordinate system by --to-crs.
+
+    Returns
+    -------
+    tuple of str
+        Sentences: of a system in place of another one, of degrees, of units that differ.
+    """
+    from liftmesh.crs import is_system, named, warnings_of  # noqa: PLC0415 - help does without
+    from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
+
+    crs, found = cloud.crs, system_of(cloud)
+    stated = cloud.metadata.get("stated_crs")
+    taken = (f"states {named(stated)}; taken as {named(crs)}",) if isinstance(stated, str) else ()
+    if crs is None or found is not None:
+        words = "name a projected system with" if is_transformed else "transform them with"
+        change = "transform them with to_crs=", f"{words} --to-crs"
+        return (*taken, *(each.replace(*change) for each in warnings_of(found)))
+    text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
+    is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
+    hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""
+    return (*taken, f"{text}{hint}")
