@@ -5,7 +5,7 @@ from __future__ import annotations
 import decimal
 from decimal import Decimal
 from itertools import pairwise, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import geopandas
 import numpy as np
@@ -23,6 +23,7 @@ from test_apollonius import (
 
 import liftmesh
 from liftmesh import ApolloniusCells, InputError, NonFiniteError
+from liftmesh.planar.apollonius_arcs import Arcs
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
@@ -363,11 +364,52 @@ def test_errors(
         liftmesh.apollonius_diagram([[0, 0], [4, 0]], radii, domain=domain, tolerance=tolerance)  # type: ignore[arg-type]
 
 
-def test_a_tolerance_of_too_many_points() -> None:
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+def test_a_tolerance_of_too_many_points_is_refused_before_they_are_made(
+    scale: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = []
+
+    def counting(*given: Any) -> Any:
+        made.append(len(given[1]))
+        return coarse(*given)
+
+    coarse = Arcs._coarse
+    monkeypatch.setattr(Arcs, "_coarse", counting)
     rng = np.random.default_rng(19)
-    graph = liftmesh.apollonius(rng.random((30, 2)), rng.random(30) / 10)
-    with pytest.raises(InputError, match="by which arcs have more than 16,777,216 points: give a"):
-        graph.cell_sides((0, 0, 1, 1), tolerance=1e-13)
+    disks = scale * np.c_[rng.random((30, 2)), rng.random(30) / 10]
+    text = f"tolerance is {2e-14 * scale!r}, by which arcs have more than 16,777,216 points: give a"
+    with pytest.raises(InputError, match=text):
+        liftmesh.apollonius(disks[:, :2], disks[:, 2]).cell_sides(
+            (0, 0, scale, scale), tolerance=2e-14 * scale
+        )
+    assert 0 < sum(made) < 20_000
+
+
+@pytest.mark.parametrize("kind", [anywhere, beside_a_large_one, between_two_large_ones])
+def test_the_predicted_number_of_points_is_about_the_true_one(
+    kind: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also in a small part of long arcs, and where a curve is sharp and its arms are long."""
+    disks = kind(np.random.default_rng(20), 20)  # type: ignore[operator]
+    disks = np.vstack([disks, [0.5, 0.5, 1e-9]])
+    low, high = disks[:, :2].min(0), disks[:, :2].max(0)
+    size = float((high - low).max())
+    graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
+    vertex, coarse = graph.circles[0, :2], Arcs._coarse
+    for part in (1.0, 1e-3):
+        told = [0.0]
+
+        def counting(*given: Any, told: list[float] = told) -> Any:
+            found = coarse(*given)
+            told.append(found[1])
+            return found
+
+        monkeypatch.setattr(Arcs, "_coarse", counting)
+        box = (*(vertex - part * size), *(vertex + part * size))
+        points = sum(len(line) for _, line in graph.cell_sides(box, 1e-8 * size * part))
+        monkeypatch.undo()
+        assert points / 4 - 100 < max(told) < points
 
 
 def test_no_disks() -> None:
