@@ -345,7 +345,7 @@ def test_disks_come_from_tables_and_geopandas() -> None:
     ("radii", "domain", "tolerance", "error", "message"),
     [
         ([1, -1.0], None, None, InputError, "row 1 has the radius -1.0"),
-        ([1, np.nan], None, None, NonFiniteError, "row 1 has the radius nan"),
+        ([1, np.nan], None, None, NonFiniteError, "row 1 has the radius nan: remove .* first$"),
         ([1, 1.5], None, 0, InputError, "tolerance is 0: give a positive, finite number"),
         ([1, 1.5], None, np.inf, InputError, "tolerance is inf: give a positive, finite number"),
         ([1, 1.5], None, np.nan, InputError, "tolerance is nan: give a positive, finite number"),
@@ -362,6 +362,11 @@ def test_errors(
 ) -> None:
     with pytest.raises(error, match=message):
         liftmesh.apollonius_diagram([[0, 0], [4, 0]], radii, domain=domain, tolerance=tolerance)  # type: ignore[arg-type]
+
+
+def test_rows_that_are_not_finite_cannot_be_skipped() -> None:
+    with pytest.raises(NonFiniteError, match="row 0 is not finite: .* remove such rows first$"):
+        liftmesh.apollonius_diagram([[0, np.inf], [4, 0]], [1, 2])
 
 
 @pytest.mark.parametrize("scale", [1.0, 1000.0])

@@ -362,9 +362,30 @@ def test_errors_say_what_is_no_graph() -> None:
     ):
         with pytest.raises(InputError, match=message):
             replace(graph, **change).verify()
+    with pytest.raises(InputError, match="simplices are a graph of disks, .*: give it alone$"):
+        verify(graph.centers, graph)  # type: ignore[arg-type]
     for more in ({"simplices": graph.simplices}, {"radii": graph.radii}, {"furthest_site": True}):
         with pytest.raises(InputError, match="has triangles and radii of its own"):
             verify(graph, **more)
+
+
+def test_results_that_are_no_triangulation_are_named() -> None:
+    centers, radii = SQUARE[:, :2], SQUARE[:, 2]
+    stars = liftmesh.anisotropic_stars(centers, np.tile(np.eye(2), (len(centers), 1, 1)))
+    for other, message in (
+        (stars, "anisotropic stars are no triangulation .*: their `consistent` and"),
+        (liftmesh.apollonius_diagram(centers, radii), "cells are no .*: give their `graph`$"),
+        (liftmesh.voronoi(centers), "cells are no .*: give the triangulation they are dual to$"),
+    ):
+        with pytest.raises(InputError, match=message):
+            verify(other)
+
+
+def test_circles_have_to_be_those_of_apollonius_bit_for_bit() -> None:
+    graph = graph_of(SQUARE)
+    found = replace(graph, circles=np.nextafter(graph.circles, np.inf)).verify()
+    assert not found.valid
+    assert kinds(found) == {"other_circles"}
 
 
 def test_a_run_reports_and_stops() -> None:

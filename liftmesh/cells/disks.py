@@ -14,7 +14,7 @@ from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.parts import binary_scale
 from liftmesh.cells.sites import sites_of, values_of
 from liftmesh.errors import InputError
-from liftmesh.planar.apollonius import apollonius
+from liftmesh.planar.apollonius import apollonius, as_disks
 from liftmesh.planar.apollonius_graph import as_tolerance
 from liftmesh.same_crs import system_of
 
@@ -86,7 +86,8 @@ def apollonius_diagram(
     rows = as_coordinates(sites_of(centers, domain))
     if not len(rows):
         raise InputError("there are no disks: give one at least")
-    graph = apollonius(rows[:, :2], values_of(centers, "radii", radii), progress=progress)
+    disks = as_disks(rows[:, :2], values_of(centers, "radii", radii), skippable=False)
+    graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
     area = as_domain(domain, graph.centers, system_of(centers))
     bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
     if tolerance is None:

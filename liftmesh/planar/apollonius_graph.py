@@ -115,7 +115,9 @@ class ApolloniusGraph:
         cells leads from the circle on one side of their edge to that on the other, forward; the
         hull winds around once; and every other row is within another disk, or equal to a row with
         triangles. That suffices: the cells are then star-shaped about their centres, tile the
-        plane, and are the true ones. Ties and the rounding of `circles` are checked too.
+        plane, and are the true ones. Ties are checked too, and `circles`, which have to be those of
+        `apollonius`, bit for bit: circles that another program has rounded are a flaw of the kind
+        "other_circles", and the only one if all else is right.
 
         Parameters
         ----------
