@@ -365,7 +365,7 @@ def test_errors(
 
 
 def test_rows_that_are_not_finite_cannot_be_skipped() -> None:
-    with pytest.raises(NonFiniteError, match="row 0 is not finite: .* remove such rows first$"):
+    with pytest.raises(NonFiniteError, match=r"row 0 is not finite: .* remove such rows first$"):
         liftmesh.apollonius_diagram([[0, np.inf], [4, 0]], [1, 2])
 
 

@@ -109,7 +109,7 @@ class Arcs:
 
     @cached_property
     def gap(self) -> Floats:
-        """D - r, half of which is how near the curve comes to p."""
+        """The difference d - r, half of which is how near the curve comes to p."""
         gap: Floats = self.power / (self.apart + self.more)
         return gap
 
