@@ -5,7 +5,7 @@ from __future__ import annotations
 import decimal
 from decimal import Decimal
 from itertools import pairwise, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import geopandas
 import numpy as np
@@ -23,6 +23,7 @@ from test_apollonius import (
 
 import liftmesh
 from liftmesh import ApolloniusCells, InputError, NonFiniteError
+from liftmesh.planar.apollonius_arcs import Arcs
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
@@ -177,6 +178,27 @@ def test_a_finer_tolerance_has_more_points_and_nearer_areas() -> None:
     assert errors[2] < 4e-6
 
 
+@pytest.mark.parametrize("exponent", [-900, 900])
+def test_the_default_tolerance_follows_the_coordinates(exponent: int) -> None:
+    disks, scale = anywhere(np.random.default_rng(18), 30), 2.0**exponent
+    for domain in (None, (0, 0, 1, 0.5)):
+        box = None if domain is None else tuple(scale * value for value in domain)
+        cells, scaled = cells_of(disks, domain), cells_of(scale * disks, box)
+        assert scaled.tolerance == scale * cells.tolerance
+        np.testing.assert_allclose(scaled.corners / scale, cells.corners, rtol=1e-12)
+        np.testing.assert_array_equal(scaled.parts, cells.parts)
+
+
+@pytest.mark.parametrize("tolerance", [1e9, 1e20, 1e300])
+def test_a_tolerance_beyond_the_domain_is_that_of_its_side(tolerance: float) -> None:
+    disks = anywhere(np.random.default_rng(18), 30)
+    cells, widest = cells_of(disks, HARBOUR, tolerance), cells_of(disks, HARBOUR, 3.1)
+    check(disks, cells)
+    np.testing.assert_array_equal(cells.corners, widest.corners)
+    sides, coarse = (cells.graph.cell_sides((0, 0, 1, 2), by) for by in (tolerance, 2.0))
+    assert all(np.array_equal(a, b) for (_, a), (_, b) in zip(sides, coarse, strict=True))
+
+
 def test_the_area_of_a_cell_is_that_of_a_parabola_where_a_hyperbola_is_known() -> None:
     """Between (0, 0) with 0 and (4, 0) with 2: x = 1 + ... on (x - 2)^2 - y^2 / 3 = 1."""
     cells = cells_of(np.array([[0, 0, 0.0], [4, 0, 2]]), (-1, -1, 4, 1), 1e-7)
@@ -191,7 +213,7 @@ def test_few_disks_and_domains_without_a_vertex() -> None:
     one = cells_of(np.array([[5, 5, 2.0]]), (0, 0, 1, 1))
     assert (one.areas.tolist(), one.neighbors.tolist()) == ([1.0], [])
     far = cells_of(np.array([[0, 0, 1.0], [5, 0, 0]]), (1e6, 1e6, 1e6 + 1, 1e6 + 1))
-    assert far.areas.tolist() == [0.0, 1.0] or far.areas.tolist() == [1.0, 0.0]
+    assert far.areas.tolist() == [0.0, 1.0]
     disks = np.array([[0, 0, 3.0], [0, 0, 1], [10, 0, 1], [10, 0, 1], [3.5, 0, 0.25]])
     cells = cells_of(disks, (-5, -5, 15, 5))
     check(disks, cells)
@@ -203,6 +225,31 @@ def test_few_disks_and_domains_without_a_vertex() -> None:
     inside = cells_of(disks, hole)
     assert np.flatnonzero(inside.areas).tolist() == [0, 2]
     check(disks, inside)
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0**-900, 2.0**900])
+@pytest.mark.parametrize(
+    ("disks", "domain", "row"),
+    [
+        ([(3, 0, 1), (2, 0, 2)], (4, 0, 5, 1), 1),  # tangent from inside: as near, and hidden
+        ([(2, 0, 2), (3, 0, 1)], (4, 0, 5, 1), 0),
+        ([(1, 1, 2), (0, 0, 1), (1, 1, 2)], (4, 0, 5, 1), 0),
+        ([(0, 0, 0), (0, 1, 1e-9)], (1e9, 30, 1e9 + 1, 31), 1),  # nearer by 3e-8
+        ([(0, 1, 1e-9), (0, 0, 0)], (1e9, 30, 1e9 + 1, 31), 0),
+        ([(0, 0, 0), (0, 1, 1e-9)], (1e9, -30, 1e9 + 1, -29), 0),
+        ([(0, 1, 1e-9), (0, 0, 0)], (1e9, -30, 1e9 + 1, -29), 1),
+        # Rounded, the first of each pair is nearer.
+        ([(-6, -1, 1.6952849536743164), (0, 0, 0)], (1095872739, 9.3e9, 1095872740, 9.3e9 + 1), 1),
+        ([(0, 0, 0), (-5, -9, 10.295016046325683)], (5088626994, 9.4e9, 5088626995, 9.4e9 + 1), 1),
+        ([(0, 0, 0), (0, 1, 1e-9)], (1e15, 10, 1e15 + 1, 11), 1),  # all but the radius is rounded
+    ],
+)
+def test_a_domain_without_sides_is_of_the_nearest_disk(
+    disks: list[tuple[float, ...]], domain: tuple[float, ...], row: int, scale: float
+) -> None:
+    box, coarse = scale * np.array(domain), scale * max(1.0, 1e-13 * domain[0])
+    cells = cells_of(scale * np.array(disks), tuple(box), coarse)
+    assert np.flatnonzero(np.diff(cells.parts)).tolist() == [row]
 
 
 def test_rings_that_no_side_crosses_are_found_wherever_they_are() -> None:
@@ -301,9 +348,12 @@ def test_disks_come_from_tables_and_geopandas() -> None:
     ("radii", "domain", "tolerance", "error", "message"),
     [
         ([1, -1.0], None, None, InputError, "row 1 has the radius -1.0"),
-        ([1, np.nan], None, None, NonFiniteError, "row 1 has the radius nan"),
-        ([1, 1.5], None, 0, InputError, "tolerance is 0: give a positive number"),
-        ([1, 1.5], None, -1e-3, InputError, "give a positive number"),
+        ([1, np.nan], None, None, NonFiniteError, "row 1 has the radius nan: remove .* first$"),
+        ([1, 1.5], None, 0, InputError, "tolerance is 0: give a positive, finite number"),
+        ([1, 1.5], None, np.inf, InputError, "tolerance is inf: give a positive, finite number"),
+        ([1, 1.5], None, np.nan, InputError, "tolerance is nan: give a positive, finite number"),
+        ([1, 1.5], None, True, InputError, "tolerance is True: give a positive, finite number"),
+        ([1, 1.5], None, -1e-3, InputError, "give a positive, finite number"),
         ([1, 1.5], None, 1e-20, InputError, "near the rounding of coordinates"),
         ([1, 1.5], (0, 0, 0, 1), None, InputError, "has no area"),
         ([1, 1.5], [(0, 0), (1, 1), (1, 0), (0, 1)], None, InputError, "no valid polygon"),
@@ -317,11 +367,57 @@ def test_errors(
         liftmesh.apollonius_diagram([[0, 0], [4, 0]], radii, domain=domain, tolerance=tolerance)  # type: ignore[arg-type]
 
 
-def test_a_tolerance_of_too_many_points() -> None:
+def test_rows_that_are_not_finite_cannot_be_skipped() -> None:
+    with pytest.raises(NonFiniteError, match=r"row 0 is not finite: .* remove such rows first$"):
+        liftmesh.apollonius_diagram([[0, np.inf], [4, 0]], [1, 2])
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+def test_a_tolerance_of_too_many_points_is_refused_before_they_are_made(
+    scale: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = []
+
+    def counting(*given: Any) -> Any:
+        made.append(len(given[1]))
+        return coarse(*given)
+
+    coarse = Arcs._coarse
+    monkeypatch.setattr(Arcs, "_coarse", counting)
     rng = np.random.default_rng(19)
-    graph = liftmesh.apollonius(rng.random((30, 2)), rng.random(30) / 10)
-    with pytest.raises(InputError, match="by which arcs have more than 16,777,216 points: give a"):
-        graph.cell_sides((0, 0, 1, 1), tolerance=1e-13)
+    disks = scale * np.c_[rng.random((30, 2)), rng.random(30) / 10]
+    text = f"tolerance is {2e-14 * scale!r}, by which arcs have more than 16,777,216 points: give a"
+    with pytest.raises(InputError, match=text):
+        liftmesh.apollonius(disks[:, :2], disks[:, 2]).cell_sides(
+            (0, 0, scale, scale), tolerance=2e-14 * scale
+        )
+    assert 0 < sum(made) < 20_000
+
+
+@pytest.mark.parametrize("kind", [anywhere, beside_a_large_one, between_two_large_ones])
+def test_the_predicted_number_of_points_is_about_the_true_one(
+    kind: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also in a small part of long arcs, and where a curve is sharp and its arms are long."""
+    disks = kind(np.random.default_rng(20), 20)  # type: ignore[operator]
+    disks = np.vstack([disks, [0.5, 0.5, 1e-9]])
+    low, high = disks[:, :2].min(0), disks[:, :2].max(0)
+    size = float((high - low).max())
+    graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
+    vertex, coarse = graph.circles[0, :2], Arcs._coarse
+    for part in (1.0, 1e-3):
+        told = [0.0]
+
+        def counting(*given: Any, told: list[float] = told) -> Any:
+            found = coarse(*given)
+            told.append(found[1])
+            return found
+
+        monkeypatch.setattr(Arcs, "_coarse", counting)
+        box = (*(vertex - part * size), *(vertex + part * size))
+        points = sum(len(line) for _, line in graph.cell_sides(box, 1e-8 * size * part))
+        monkeypatch.undo()
+        assert points / 4 - 100 < max(told) < points
 
 
 def test_no_disks() -> None:

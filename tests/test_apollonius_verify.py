@@ -345,6 +345,8 @@ def test_skipped_rows_are_accounted_for() -> None:
     assert kinds(replace(graph, skipped=np.array([0])).verify()) == {"other_skipped"}
     (flaw,) = replace(graph, hidden=np.array([3, 6])).verify().flaws
     assert flaw.first[0].text == "hidden[0] refers to row 3, which is none, or not finite"
+    (flaw,) = replace(graph, neighbors=with_entry(graph.neighbors, (0, 1), 9)).verify().flaws
+    assert flaw.first[0].text == "neighbors[0] refers to triangle 9, which is none"
     moved_rows = replace(graph, duplicates=np.array([[7, 2]])).verify().flaws
     assert moved_rows[0].first[0].rows == (7, 2)
     assert graph.cell_sides((0, 0, 6, 6), 0.1)
@@ -362,9 +364,30 @@ def test_errors_say_what_is_no_graph() -> None:
     ):
         with pytest.raises(InputError, match=message):
             replace(graph, **change).verify()
+    with pytest.raises(InputError, match=r"simplices are a graph of disks, .*: give it alone$"):
+        verify(graph.centers, graph)  # type: ignore[arg-type]
     for more in ({"simplices": graph.simplices}, {"radii": graph.radii}, {"furthest_site": True}):
         with pytest.raises(InputError, match="has triangles and radii of its own"):
             verify(graph, **more)
+
+
+def test_results_that_are_no_triangulation_are_named() -> None:
+    centers, radii = SQUARE[:, :2], SQUARE[:, 2]
+    stars = liftmesh.anisotropic_stars(centers, np.tile(np.eye(2), (len(centers), 1, 1)))
+    for other, message in (
+        (stars, "anisotropic stars are no triangulation .*: their `consistent` and"),
+        (liftmesh.apollonius_diagram(centers, radii), "cells are no .*: give their `graph`$"),
+        (liftmesh.voronoi(centers), "cells are no .*: give the triangulation they are dual to$"),
+    ):
+        with pytest.raises(InputError, match=message):
+            verify(other)
+
+
+def test_circles_have_to_be_those_of_apollonius_bit_for_bit() -> None:
+    graph = graph_of(SQUARE)
+    found = replace(graph, circles=np.nextafter(graph.circles, np.inf)).verify()
+    assert not found.valid
+    assert kinds(found) == {"other_circles"}
 
 
 def test_a_run_reports_and_stops() -> None:

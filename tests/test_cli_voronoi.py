@@ -196,9 +196,9 @@ def test_cells_of_disks(table: Path) -> None:
     ("words", "message"),
     [
         (("--disks", "size", "--radii", "size"), "other cells than --weights and --radii"),
-        (("--tolerance", "0.1"), "give --disks COLUMN, too"),
+        (("--tolerance", "0.1"), "--tolerance needs --disks"),
         (("--disks", "reach"), "no values of that name: there are 'size', 'pupils'"),
-        (("--disks", "size", "--tolerance", "-1"), "tolerance is -1.0: give a positive number"),
+        (("--disks", "size", "--tolerance", "-1"), "tolerance is -1.0: give a positive, finite"),
     ],
 )
 def test_wrong_options_of_disks(table: Path, words: tuple[str, ...], message: str) -> None:

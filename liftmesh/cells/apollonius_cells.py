@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh._typing import Rows
+from liftmesh._typing import Floats, Rows
 from liftmesh.arrays import read_only
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.clipping import clip
 from liftmesh.cells.dual import dual_of
 from liftmesh.cells.overlay import overlaid
+from liftmesh.cells.parts import binary_scale
 from liftmesh.planar.apollonius_cells import Traced, traced
 
 if TYPE_CHECKING:
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from liftmesh.planar.apollonius_graph import ApolloniusGraph
 
 _MARGIN = 0.125  # of the longer side of the domain's box: how far beyond it sides are followed
+_OFF = 2.0**-48  # of the largest number: what rounding may put between two distances
 _VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 
 
@@ -45,14 +48,14 @@ class ApolloniusCells(ClippedCells):
     domain : Domain
         What the cells are clipped to.
     tolerance : float
-        What chords may be off.
+        How far chords may be from the arcs.
 
     Attributes
     ----------
     graph : ApolloniusGraph
         The graph that is dual to the cells.
     tolerance : float
-        What chords may be off the arcs, as long as coordinates.
+        How far chords may be from the arcs, in the unit of the coordinates.
     points : (n, 2) ndarray of float64
         The centres.
     domain, parts, rings, ring_corners, corners, beyond
@@ -150,6 +153,32 @@ def _box_around(domain: Domain, tolerance: float) -> tuple[float, float, float, 
 
 def _nearest(graph: ApolloniusGraph, domain: Domain) -> int:
     """Return the disk next to a domain: that of all of it if no side comes near."""
-    x, y = domain.corners[0].tolist()
-    distance = np.hypot(graph.centers[:, 0] - x, graph.centers[:, 1] - y) - graph.radii
-    return int(distance.argmin())
+    place = domain.corners[0]
+    disks = np.column_stack([graph.centers, graph.radii])
+    scale = binary_scale(np.append(disks, place))
+    disks, at = np.ldexp(disks, -scale), np.ldexp(place, -scale)
+    distance = np.hypot(disks[:, 0] - at[0], disks[:, 1] - at[1]) - disks[:, 2]
+    distance[graph.hidden] = distance[graph.duplicates[:, 0]] = np.inf
+    near = np.flatnonzero(distance <= distance.min() + _OFF).tolist()
+    return int(near[0]) if len(near) == 1 else _nearest_exactly(graph, near, place)
+
+
+def _nearest_exactly(graph: ApolloniusGraph, rows: list[int], place: Floats) -> int:
+    """Return the disk next to a place among some, the first of several."""
+    x, y = map(Fraction, place.tolist())
+    nearest, square, radius = -1, Fraction(0), Fraction(0)
+    for row in rows:
+        u, v = map(Fraction, graph.centers[row].tolist())
+        own, size = (u - x) ** 2 + (v - y) ** 2, Fraction(float(graph.radii[row]))
+        if nearest < 0 or _is_less(own, square, size - radius):
+            nearest, square, radius = row, own, size
+    return nearest
+
+
+def _is_less(one: Fraction, other: Fraction, more: Fraction) -> bool:
+    """Whether the root of one square is less than that of another and so much more."""
+    if more >= 0:
+        rest = one - other - more**2
+        return rest < 0 or rest**2 < 4 * more**2 * other
+    rest = other - one - more**2
+    return rest > 0 and rest**2 > 4 * more**2 * one

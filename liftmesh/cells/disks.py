@@ -11,9 +11,10 @@ from liftmesh._typing import Floats, Progress
 from liftmesh.arrays import as_coordinates
 from liftmesh.cells.apollonius_cells import ApolloniusCells
 from liftmesh.cells.domain import Domain, as_domain
+from liftmesh.cells.parts import binary_scale
 from liftmesh.cells.sites import sites_of, values_of
 from liftmesh.errors import InputError
-from liftmesh.planar.apollonius import apollonius
+from liftmesh.planar.apollonius import apollonius, as_disks
 from liftmesh.planar.apollonius_graph import as_tolerance
 from liftmesh.same_crs import system_of
 
@@ -39,13 +40,14 @@ def apollonius_diagram(
     centers : array_like of shape (n, 2) or (n, 3)
         The centre of each disk, as the points of `voronoi`. Disks may overlap.
     radii : (n,) array_like or str
-        The radius of each disk, not negative: what a centre's own reach is worth, such as that of a
-        transmitter; or the name of such values of the centres.
+        The radius of each disk, not negative, such as the reach of a transmitter; or the name of
+        such values of the centres.
     domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
         As for `voronoi`: by default the box of the centres, widened by a tenth of its longer side.
     tolerance : float, optional
-        What polylines may be off the arcs, as long as coordinates. By default a thousandth of the
-        side of a square that has the mean area of a cell.
+        How far polylines may be from the arcs, in the unit of the coordinates; no more than the
+        longer side of the domain's box counts. By default a thousandth of the side of a square that
+        has the mean area of a cell.
     progress : callable, optional
         As for `apollonius`, which takes most of the time.
 
@@ -58,9 +60,8 @@ def apollonius_diagram(
     ------
     InputError
         As for `apollonius`, and of the domain as for `voronoi`; there are no disks; the tolerance
-        is not positive, near the rounding of coordinates, or so small that there are too many
-        points to hold; or a cell is thinner than float64 can
-        tell apart there.
+        is not positive or not finite, near the rounding of coordinates, or so small that there are
+        too many points to hold; or a cell is thinner than float64 can tell apart there.
     NonFiniteError
         A coordinate or a radius is not finite.
     MissingDependencyError
@@ -85,20 +86,23 @@ def apollonius_diagram(
     rows = as_coordinates(sites_of(centers, domain))
     if not len(rows):
         raise InputError("there are no disks: give one at least")
-    graph = apollonius(rows[:, :2], values_of(centers, "radii", radii), progress=progress)
+    disks = as_disks(rows[:, :2], values_of(centers, "radii", radii), skippable=False)
+    graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
     area = as_domain(domain, graph.centers, system_of(centers))
     bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
     if tolerance is None:
         seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)
-        tolerance = max(_FINE * float(np.sqrt(_size(area) / seen)), _least(bounds))
+        tolerance = max(_FINE * _side_of_cells(area, seen), _least(bounds))
     return ApolloniusCells(graph, area, as_tolerance(tolerance, bounds))
 
 
-def _size(domain: Domain) -> float:
-    """Return the area of a domain."""
-    u, v = domain.corners - domain.corners[0], domain.corners[domain.following] - domain.corners[0]
-    with np.errstate(over="ignore"):
-        return float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2)
+def _side_of_cells(domain: Domain, count: int) -> float:
+    """Return the side of a square that has the mean area of so many cells of a domain."""
+    scale = binary_scale(domain.corners)
+    corners = np.ldexp(domain.corners, -scale)
+    u, v = corners - corners[0], corners[domain.following] - corners[0]
+    area = float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2)
+    return float(np.ldexp(np.sqrt(area / count), scale))
 
 
 def _least(bounds: Floats) -> float:

@@ -57,15 +57,15 @@ def run(
         typer.Option(
             metavar="COLUMN",
             help="Values of IN that are radii of disks: makes cells of what is nearest to their "
-            "boundaries, with arcs as sides.",
+            "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
         typer.Option(
             metavar="LENGTH",
-            help="What the sides of cells of disks may be off the arcs; by default a thousandth of "
-            "the side of a square as large as a cell.",
+            help="How far the sides of cells of disks may be from the arcs; by default a "
+            "thousandth of the side of a square as large as a cell.",
         ),
     ] = None,
     source_format: options.SourceFormat = None,
@@ -128,7 +128,7 @@ def _check_one(
     if disks is not None and (weights is not None or radii is not None):
         raise typer.BadParameter("--disks makes other cells than --weights and --radii: give one")
     if disks is None and tolerance is not None:
-        raise typer.BadParameter("--tolerance is of cells of disks: give --disks COLUMN, too")
+        raise typer.BadParameter("--tolerance needs --disks: give --disks COLUMN, too")
 
 
 def _kind(target: Path, name: str | None) -> str:

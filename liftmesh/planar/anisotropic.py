@@ -180,7 +180,10 @@ def _check(matrices: Floats, nonfinite: NonFinite) -> None:
     symmetric = ~finite | (matrices[:, 0, 1] == matrices[:, 1, 0])
     if not symmetric.all():
         row = int(symmetric.argmin())
-        raise InputError(f"{_named(matrices, row)}, which is not symmetric: {_REMEDY}")
+        raise InputError(
+            f"{_named(matrices, row)}, which is not symmetric: {_REMEDY}, or, if only "
+            "rounding differs, (M + M.transpose(0, 2, 1)) / 2"
+        )
     for row in np.flatnonzero(finite & ~_surely_definite(matrices)).tolist():
         a, b, _, c = (Fraction(value) for value in matrices[row].ravel().tolist())
         if not (a > 0 and a * c > b * b):

@@ -125,7 +125,13 @@ def are_finite(disks: Floats) -> Mask:
     return finite
 
 
-def as_disks(centers: ArrayLike, radii: ArrayLike, nonfinite: NonFinite = "error") -> Floats:
+def as_disks(
+    centers: ArrayLike,
+    radii: ArrayLike,
+    nonfinite: NonFinite = "error",
+    *,
+    skippable: bool = True,
+) -> Floats:
     """Convert centres and radii to rows x, y, r.
 
     Parameters
@@ -136,6 +142,8 @@ def as_disks(centers: ArrayLike, radii: ArrayLike, nonfinite: NonFinite = "error
         The radius of each disk.
     nonfinite : {"error", "skip"}, default "error"
         As for `apollonius`.
+    skippable : bool, default True
+        Whether the message says that rows that are not finite can be skipped.
 
     Returns
     -------
@@ -162,7 +170,7 @@ def as_disks(centers: ArrayLike, radii: ArrayLike, nonfinite: NonFinite = "error
     disks[:, 2] = as_weights("radii", radii, len(rows)).values
     finite = are_finite(disks)
     if nonfinite == "error" and not finite.all():
-        raise _non_finite(disks, int(finite.argmin()))
+        raise _non_finite(disks, int(finite.argmin()), skippable=skippable)
     negative = finite & (disks[:, 2] < 0)
     if negative.any():
         row = int(negative.argmax())
@@ -173,13 +181,12 @@ def as_disks(centers: ArrayLike, radii: ArrayLike, nonfinite: NonFinite = "error
     return disks
 
 
-def _non_finite(disks: Floats, row: int) -> NonFiniteError:
+def _non_finite(disks: Floats, row: int, *, skippable: bool) -> NonFiniteError:
     if not np.isfinite(disks[row, :2]).all():
-        return non_finite(row, disks[row, :2])
+        return non_finite(row, disks[row, :2], skippable=skippable)
+    advice = ", or skip them with nonfinite='skip'" if skippable else " first"
     return NonFiniteError(
-        f"row {row} has the radius {float(disks[row, 2])!r}: remove such rows, or skip them with "
-        "nonfinite='skip'",
-        row=row,
+        f"row {row} has the radius {float(disks[row, 2])!r}: remove such rows{advice}", row=row
     )
 
 

@@ -30,15 +30,18 @@ from typing import NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
-from liftmesh.choices import shown
-from liftmesh.errors import InputError
 
 Box = tuple[float, float, float, float]
 
 _WIDEST = 0.75 * np.pi  # that a chord may span, seen from p
 _NARROWEST = 2.0**-40  # a turn whose half float64 still tells well
 _FARTHER = 1.01  # how much farther than a box curves are followed
+_NEARLY_STRAIGHT, _OF_ONE_SIZE = 0.9, 2.0  # cosine of the turn, and ratio of distances from p
 _POINTS, _POINTS_EACH = 1 << 24, 256  # of all arcs, or of each in the mean: what is still drawn
+
+
+class TooManyPointsError(Exception):
+    """There are more points than are drawn: the limit is the only argument."""
 
 
 class Polylines(NamedTuple):
@@ -106,7 +109,7 @@ class Arcs:
 
     @cached_property
     def gap(self) -> Floats:
-        """D - r, half of which is how near the curve comes to p."""
+        """The difference d - r, half of which is how near the curve comes to p."""
         gap: Floats = self.power / (self.apart + self.more)
         return gap
 
@@ -197,7 +200,7 @@ class Arcs:
         box : tuple of float
             The least x and y, and the greatest; inside of it the tolerance is kept.
         tolerance : float
-            As long as coordinates.
+            In the unit of the coordinates.
 
         Returns
         -------
@@ -206,7 +209,7 @@ class Arcs:
 
         Raises
         ------
-        InputError
+        TooManyPointsError
             The tolerance is so small that there are too many points to hold.
 
         Examples
@@ -237,14 +240,11 @@ class Arcs:
         found = [(arc[:0], low[:0])]
         points, most = 0, max(_POINTS, _POINTS_EACH * len(arc))
         while len(arc):
-            divided = self._is_coarse(arc, low, high, box, tolerance)
+            divided, ahead = self._coarse(arc, low, high, box, tolerance)
             arc, low, high = arc[divided], low[divided], high[divided]
             points += len(arc)
-            if points > most:
-                raise InputError(
-                    f"tolerance is {shown(tolerance)}, by which arcs have more than {most:,} "
-                    "points: give a larger one"
-                )
+            if points + ahead > most:
+                raise TooManyPointsError(most)
             middle = (low + high) / 2
             found.append((arc, middle))
             arc = np.concatenate([arc, arc])
@@ -252,10 +252,14 @@ class Arcs:
         arcs, turns = zip(*found, strict=True)
         return np.concatenate(arcs), np.concatenate(turns)
 
-    def _is_coarse(
+    def _coarse(
         self, arc: Indices, low: Floats, high: Floats, box: Box, tolerance: float
-    ) -> Mask:
-        """Whether chords are too far off, or pass p on the wrong side."""
+    ) -> tuple[Mask, float]:
+        """Return which chords are too far off, or pass p on the wrong side, and what is to come.
+
+        The second is about how many more points there will be after these are halved, counted where
+        that is known: all of the arc is in the box, and each half is a quarter as high.
+        """
         mean, half = (low + high) / 2, (high - low) / 2
         more = self.more[arc]
         meets, gap = self._meets(arc, mean, half), self.gap[arc]
@@ -267,11 +271,18 @@ class Arcs:
         sine, cosine = 2 * more * np.sin(half) * meets, ax * bx + ay * by
         length = np.hypot(*(end - start).T)
         with np.errstate(all="ignore"):
-            height = length / 2 * sine / (np.hypot(ax, ay) * np.hypot(bx, by) + cosine)
+            both = np.hypot(ax, ay) * np.hypot(bx, by)
+            height = length / 2 * sine / (both + cosine)
         around = np.stack([start, end, apex]) + self.focus[arc]
         is_seen = (around.max(axis=0) >= box[:2]).all(axis=1)
         is_seen &= (around.min(axis=0) <= box[2:]).all(axis=1)
         is_wide = (half > _WIDEST / 2) & (more > 0)
         is_off = ~(height <= tolerance) & is_seen & (half > _NARROWEST)
         coarse: Mask = is_wide | is_off | ~(meets > 0)
-        return coarse & (half > _NARROWEST)
+        coarse &= half > _NARROWEST
+        is_inside = (around.min(axis=0) >= box[:2]).all(axis=1)
+        is_inside &= (around.max(axis=0) <= box[2:]).all(axis=1)
+        near, far = np.sort(np.hypot(*np.stack([start, end]).transpose(2, 0, 1)), axis=0)
+        is_even = (cosine > _NEARLY_STRAIGHT * both) & (far < _OF_ONE_SIZE * near)
+        known = height[coarse & is_off & is_inside & is_even]
+        return coarse, float(np.maximum(np.sqrt(known / tolerance) - 2, 0).sum())

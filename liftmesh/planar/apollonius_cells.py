@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Rows
-from liftmesh.planar.apollonius_arcs import Arcs, Box
+from liftmesh.choices import shown
+from liftmesh.errors import InputError
+from liftmesh.planar.apollonius_arcs import Arcs, Box, TooManyPointsError
 from liftmesh.planar.apollonius_vertices import vertices_of
 from liftmesh.planar.disk_powers import more_of
 
@@ -208,12 +210,17 @@ def traced(graph: ApolloniusGraph, box: Box, tolerance: float) -> Traced:
     box : tuple of float
         The least x and y, and the greatest.
     tolerance : float
-        What chords may be off, as long as coordinates.
+        How far chords may be from the arcs, in the unit of the coordinates.
 
     Returns
     -------
     Traced
         Sides that meet have a point in common, bit for bit.
+
+    Raises
+    ------
+    InputError
+        The tolerance is so small that there are too many points to hold.
 
     Examples
     --------
@@ -235,7 +242,14 @@ def traced(graph: ApolloniusGraph, box: Box, tolerance: float) -> Traced:
     left, low, right, high = scaled(np.array(box)).tolist()
     limits = left, low, right, high
     arcs = arcs_of(found, disks, vertices).near(limits)
-    starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
+    try:
+        starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
+    except TooManyPointsError as error:
+        (most,) = error.args
+        raise InputError(
+            f"tolerance is {shown(tolerance)}, by which arcs have more than {most:,} points: give "
+            "a larger one"
+        ) from error
     return Traced(arcs.rows, arcs.ends, starts, np.ldexp(points, scale), box)
 
 

@@ -15,7 +15,7 @@ from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.planar.apollonius_cells import pieces_in, traced
 
-_FINEST = 2.0**-46  # what polylines may be off, of the coordinates: 64 times their rounding
+_FINEST = 2.0**-46  # least distance from arcs, of the coordinates: 64 times their rounding
 
 if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
@@ -52,7 +52,8 @@ class ApolloniusGraph:
         Rows within a disk of another row, in ascending order: also those that touch its boundary
         from inside. They have no cell.
     duplicates : (j, 2) ndarray of int32
-        Rows equal to a row before, each with the first such row, which stands for them.
+        Rows equal to a row before, unless hidden, each with the first such row, which stands for
+        them.
     skipped : (i,) ndarray of int32
         Rows skipped because they are not finite.
 
@@ -114,7 +115,9 @@ class ApolloniusGraph:
         cells leads from the circle on one side of their edge to that on the other, forward; the
         hull winds around once; and every other row is within another disk, or equal to a row with
         triangles. That suffices: the cells are then star-shaped about their centres, tile the
-        plane, and are the true ones. Ties and the rounding of `circles` are checked too.
+        plane, and are the true ones. Ties are checked too, and `circles`, which have to be those of
+        `apollonius`, bit for bit: circles that another program has rounded are a flaw of the kind
+        "other_circles", and the only one if all else is right.
 
         Parameters
         ----------
@@ -197,7 +200,8 @@ class ApolloniusGraph:
         box : (4,) array_like
             The least x and y, and the greatest. Sides are cut off there.
         tolerance : float
-            Positive, as long as coordinates; 2^-46 of those of the box at least.
+            Positive, in the unit of the coordinates; 2^-46 of those of the box at least. No more
+            than the longer side of the box counts.
 
         Returns
         -------
@@ -209,7 +213,8 @@ class ApolloniusGraph:
         ------
         InputError
             They are no numbers, the box is not finite or has no area, or the tolerance is not
-            positive, or near the rounding of coordinates.
+            positive or not finite, near the rounding of coordinates, or so small that there are too
+            many points to hold.
 
         Examples
         --------
@@ -241,37 +246,40 @@ def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
 
 
 def as_tolerance(tolerance: float, box: ArrayLike) -> float:
-    """Convert what polylines may be off their arcs.
+    """Convert how far polylines may be from their arcs.
 
     Parameters
     ----------
     tolerance : float
-        Positive, as long as coordinates.
+        Positive, in the unit of the coordinates.
     box : (4,) array_like
         Where the arcs are.
 
     Returns
     -------
     float
-        The same.
+        The same, or the longer side of the box if that is less.
 
     Raises
     ------
     InputError
-        It is no positive number, or less than the rounding of coordinates of the box.
+        It is no positive, finite number, or less than the rounding of coordinates of the box.
 
     Examples
     --------
-    >>> as_tolerance(0.5, (0, 0, 1, 1))
-    0.5
+    >>> as_tolerance(0.5, (0, 0, 1, 1)), as_tolerance(1e300, (0, 0, 1, 2))
+    (0.5, 2.0)
     """
     value = _numbers("tolerance", tolerance)
-    if value.shape != () or not value > 0:
-        raise InputError(f"tolerance is {shown(tolerance)}: give a positive number")
-    least = float(np.abs(box).max()) * _FINEST
+    is_number = value.shape == () and not isinstance(tolerance, bool | np.bool_)
+    if not (is_number and 0 < value < np.inf):
+        raise InputError(f"tolerance is {shown(tolerance)}: give a positive, finite number")
+    limits = np.asarray(box, dtype=np.float64)
+    least = float(np.abs(limits).max()) * _FINEST
     if value < least:
         raise InputError(
             f"tolerance is {shown(tolerance)}, near the rounding of coordinates of the box: give "
             f"{least:.2g} at least"
         )
-    return float(value)
+    longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
+    return min(float(value), longer)

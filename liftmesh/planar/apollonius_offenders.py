@@ -118,10 +118,11 @@ class DiskEvidence:
     def _invalid_index(self, number: int, place: int) -> Offender:
         name, values = list(self.lists.items())[number]
         row, *_ = at = np.unravel_index(place, values.shape)
-        what = "triangle" if name == "neighbors" else "row"
+        is_triangle = name == "neighbors"
+        what, others = ("triangle", "") if is_triangle else ("row", ", or not finite")
         value = int(values[at])
         shown = "a number beyond 32 bits" if value == BEYOND else str(value)
-        text = f"{name}[{row}] refers to {what} {shown}, which is none, or not finite"
+        text = f"{name}[{row}] refers to {what} {shown}, which is none{others}"
         return Offender(text, (), triangles=(int(row),) if number < 2 else ())
 
     def _at_triangle(self, triangle: int, text: str) -> Offender:

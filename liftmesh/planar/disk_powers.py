@@ -1,4 +1,4 @@
-"""What a disk has more than another, and its power, also where one is nearly inside the other.
+"""The difference of two disks, and their power, also where one is nearly inside the other.
 
 With x, y, r the differences of centres and radii, the power P = x^2 + y^2 - r^2 is positive unless
 one disk contains the other. Where it nearly does, the terms cancel. So differences and products are

@@ -19,6 +19,7 @@ from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.arrays import as_coordinates, non_finite
 from liftmesh.choices import NonFinite, as_switch, check_option, check_progress
 from liftmesh.errors import InputError
+from liftmesh.planar.anisotropic_stars import AnisotropicStars
 from liftmesh.planar.apollonius_graph import ApolloniusGraph
 from liftmesh.planar.apollonius_verification import verify_graph
 from liftmesh.planar.certificate import Certificate, Flaw
@@ -135,6 +136,7 @@ def verify(  # noqa: PLR0913 - options are keywords
     given = (weights, radii, metric)
     lifted_by: dict[str, Any] = dict(zip(("weights", "radii", "metric"), given, strict=True))
     lifted_by |= {"furthest_site": (is_farthest := as_switch("furthest_site", furthest_site))}
+    _refuse_other_results(points, simplices)
     if isinstance(points, ApolloniusGraph):
         _refuse_more(simplices is not None, is_farthest, *(each is not None for each in given))
         return verify_graph(points, threads=threads, progress=progress)
@@ -167,6 +169,19 @@ def _refuse_more(*are_given: bool) -> None:
             "a graph of disks has triangles and radii of its own: give it without simplices, "
             "weights, radii, metric or furthest_site"
         )
+
+
+def _refuse_other_results(points: Any, simplices: Any) -> None:
+    if isinstance(simplices, ApolloniusGraph):
+        raise InputError("simplices are a graph of disks, which has its own points: give it alone")
+    if isinstance(points, AnisotropicStars):
+        raise InputError(
+            "anisotropic stars are no triangulation and cannot be verified: their `consistent` and "
+            "`inconsistent` say which stars agree"
+        )
+    if hasattr(points, "ring_corners"):  # of a room above
+        own = "their `graph`" if hasattr(points, "graph") else "the triangulation they are dual to"
+        raise InputError(f"cells are no triangulation and cannot be verified: give {own}")
 
 
 def _as_triples(simplices: ArrayLike) -> Array:

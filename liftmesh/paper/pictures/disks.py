@@ -14,6 +14,7 @@ from liftmesh._typing import Floats
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import (
     BLUE,
+    GREEN,
     INK,
     ORANGE,
     SKY,
@@ -41,7 +42,7 @@ def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
     Parameters
     ----------
     overlapping : bool
-        Whether they overlap, so that some are hidden.
+        Whether they overlap, so that some are hidden, and some triangles have no supporting plane.
 
     Returns
     -------
@@ -54,8 +55,9 @@ def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
     --------
     >>> apollonius(*example_disks(overlapping=False)).hidden.size
     0
-    >>> apollonius(*example_disks(overlapping=True)).hidden.size > 0
-    True
+    >>> graph = apollonius(*example_disks(overlapping=True))
+    >>> graph.hidden.size > 0, int((graph.circles[:, 2] < 0).sum())
+    (True, 4)
     """
     rng = np.random.default_rng(6)
     cells = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0)), -1).reshape(-1, 2) * 2.2
@@ -64,7 +66,7 @@ def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
     if not overlapping:
         return centers, radii
     inner = centers[radii > 0.4] + 0.35
-    return np.vstack([centers, inner]), np.append(2.6 * radii, np.full(len(inner), 0.3))
+    return np.vstack([centers, inner]), np.append(3.4 * radii, np.full(len(inner), 0.3))
 
 
 @styled
@@ -106,10 +108,11 @@ def _legend(figure: Figure) -> None:
         (VERMILION, "hidden disk, or one apart"),
         (BLUE, "edge, or lifted disk"),
         (INK, "side of a cell"),
+        (GREEN, "no supporting plane"),
         (ORANGE, "plane and its circle"),
     )
     handles = [line([], [], color=color, lw=1.2, label=label) for color, label in named]
-    legend_below(figure, handles, fontsize=8.5, columnspacing=1.2)
+    legend_below(figure, handles, fontsize=7.5, columnspacing=1.0)
 
 
 def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
@@ -120,6 +123,9 @@ def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
         color = VERMILION if row in hidden else SKY
         axes.add_patch(patches.Circle(center, radius, fc=color, alpha=0.18, lw=0))
         axes.add_patch(patches.Circle(center, radius, fc="none", ec=color, lw=1.0))
+    for triangle in graph.simplices[graph.circles[:, 2] < 0]:
+        corners = graph.centers[triangle]
+        axes.add_patch(patches.Polygon(corners, fc=GREEN, alpha=0.45, lw=0, gid="unsupported"))
     edges = graph.centers[graph.edges]
     axes.add_collection(lines(list(edges), colors=BLUE, linewidths=0.6, gid="edges"))
     sides = [line for _, line in graph.cell_sides((*LIMITS[:1] * 2, *LIMITS[1:] * 2), 0.01)]

@@ -105,7 +105,7 @@ def figure_stars() -> Figure:
 def _legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     handles = [
-        line([], [], color=SKY, lw=1.1, label="one length, in a metric"),
+        line([], [], color=SKY, lw=1.1, label="unit circle of the metric"),
         line([], [], color=INK, marker="o", ls="", ms=2.5, label="point"),
         line([], [], color=BLUE, lw=1.0, label="triangle of three stars"),
         line([], [], color=VERMILION, marker="o", ls="", ms=3, label="inconsistent star"),
