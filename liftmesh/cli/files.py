@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import note, reading, stage
 from liftmesh.errors import (
@@ -191,7 +192,7 @@ def _about_system(crs: str | None) -> tuple[str, ...]:
 
     found = described(crs)
     if crs is None or found is not None:
-        return tuple(each.replace("to_crs=", "--to-crs") for each in warnings_of(found))
+        return tuple(as_on_command_line(each) for each in warnings_of(found))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
     return (f"{text} (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else text,)
