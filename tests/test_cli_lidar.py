@@ -277,4 +277,4 @@ def test_options_of_the_written_format(folder: Path) -> None:
     assert "--point-format: ply files have none" in done.stderr
     done = liftmesh("triangulate", "tile.laz", "out.las", "--point-format", "11", cwd=folder)
     assert done.returncode == 3
-    assert "point_format is 11: give a whole number from 0 to 10" in done.stderr
+    assert "--point-format is 11: give a whole number from 0 to 10" in done.stderr

@@ -13,7 +13,9 @@ import shellingham
 import typer
 from commands import failed, liftmesh, process
 
+from liftmesh import Cloud, triangulate, write
 from liftmesh.cli import exit_codes
+from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.cli.wording import usage_message
 
 COMMANDS = [
@@ -69,6 +71,61 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
     done = liftmesh(*words)
     failed(done, exit_codes.USAGE, said)
     assert not FOREIGN.search(done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        ("transform them with to_crs=", "transform them with --to-crs"),
+        ("to_crs= needs a system", "--to-crs needs a system"),
+        ("b: to_crs='EPSG:99': no such", "b: --to-crs 'EPSG:99': no such"),
+        ('b: to_crs="it\'s": no such', 'b: --to-crs "it\'s": no such'),
+        ("b: band=, skip_rows= cannot be given", "b: --band, --skip-rows cannot be given"),
+        ("flat=True says so (flat=)", "--flat says so (--flat)"),
+        ("3MF has metre: give unit=", "3MF has metre: give --unit"),
+        ("steps of scale=1e-09: give more", "steps of --scale 1e-09: give more"),
+        ("give --color_depth=8 or color_depth=16", "give --color_depth=8 or --color-depth 16"),
+        ("give columns='x y' or end=''", "give --columns 'x y' or --end ''"),
+        ("(as liftmesh.triangulate(cloud, plane='fit'))", "(as --plane fit)"),
+        ("give plane='xy', a normal", "give --plane xy, a normal"),
+        ("point_format is 11: give 6", "--point-format is 11: give 6"),
+        ("a.las: distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
+        ("the cell is empty, a distance is not", "the cell is empty, a distance is not"),
+        ("band=2/a.tif: no file", "band=2/a.tif: no file"),
+        ("tiles/cell=5: no file", "tiles/cell=5: no file"),
+        ("of band=2/a.tif", "of band=2/a.tif"),
+    ],
+)
+def test_options_of_python_are_told_as_those_of_commands(message: str, said: str) -> None:
+    assert as_on_command_line(message) == said
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("triangulate a.ply b.ply --band 2", "a.ply: --band cannot be given: ply files"),
+        ("triangulate a.ply b.las --point-format 11", "--point-format is 11: give a whole"),
+        ("triangulate a.ply b.las --scale 1e-9", "in steps of --scale 1e-09: give a larger"),
+        ("triangulate a.ply b.ply --cell 1e-300", "--cell is 1e-300, too small"),
+        ("triangulate a.ply b.ply --min-distance 1e-300", "--min-distance is 1e-300, too small"),
+        ("triangulate feet.ply b.3mf", "but 3MF has metre, foot: give --unit"),
+        (
+            "triangulate wall.xyz b.ply",
+            "a point off it (for a cloud in a vertical plane: --plane fit)",
+        ),
+        ("raster a.ply b.tif --resolution 0", "--resolution is 0.0: give a positive number"),
+    ],
+)
+def test_commands_name_their_own_options(line: str, said: str, tmp_path: Path) -> None:
+    points = np.random.default_rng(0).random((60, 3)) * 80
+    mesh = triangulate(points).to_cloud()
+    write(tmp_path / "a.ply", mesh)
+    write(tmp_path / "feet.ply", Cloud(points, faces=mesh.faces, crs="EPSG:6576"))
+    write(tmp_path / "wall.xyz", Cloud(points * (1, 0, 1)))
+    before = sorted(tmp_path.iterdir())
+    done = liftmesh(*line.split(), cwd=tmp_path)
+    failed(done, exit_codes.BAD_INPUT, said)
+    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_what_is_unforeseen_keeps_its_text() -> None:

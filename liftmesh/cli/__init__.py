@@ -7,8 +7,6 @@ the commands themselves only raise. typer and rich are imported in this room onl
 from __future__ import annotations
 
 import os
-import re
-import shlex
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -18,6 +16,7 @@ from typing import Any
 import liftmesh
 from liftmesh.cli import exit_codes
 from liftmesh.cli.memory import out_of_memory
+from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.cli.signals import Ending
 from liftmesh.cli.standard_streams import discard_stdout, open_closed
 from liftmesh.cli.watchdog import Watchdog
@@ -163,7 +162,7 @@ def _explain(error: BaseException) -> tuple[int, str]:
     if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
         return exit_codes.USAGE, import_module("liftmesh.cli.wording").usage_message(error)
     if isinstance(error, LiftmeshError):
-        return exit_codes.BAD_INPUT, _with_command_options(str(error))
+        return exit_codes.BAD_INPUT, as_on_command_line(str(error))
     if out_of_memory(error):  # before OSError, which some of these are
         return exit_codes.BAD_INPUT, "not enough memory"
     if isinstance(error, OSError):
@@ -179,29 +178,6 @@ def _is_ctrl_c(error: BaseException | None) -> bool:
         return False
     is_it = isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort"
     return is_it or _is_ctrl_c(error.__cause__)
-
-
-def _with_command_options(message: str) -> str:
-    """Replace Python options in a message by options of the command line."""
-    message = re.sub(r"\b(plane|duplicates|nonfinite)='(\w+)'", r"--\1 \2", message)
-    message = message.replace("with format='raster'", "with --from raster")
-    message = message.replace("with format=", "with --from FORMAT")
-    message = message.replace("with max_bytes=", "with --max-bytes SIZE")
-    message = re.sub(r"\bto_crs=", "--to-crs ", message)
-    message = message.replace("with crs=", "with --from-crs")
-    message = re.sub(
-        r"\b(columns|nodata|end|decimal|delimiter|encoding)='([^']*)'", _as_option, message
-    )
-    message = re.sub(r"\b(columns|nodata|end|decimal|delimiter|encoding)= ", r"--\1 ", message)
-    message = re.sub(r"\bskip_rows=(\d+)", r"--skip-rows \1", message)
-    message = re.sub(r"\bcolor_depth=(\d+)", r"--color-depth \1", message)
-    message = message.replace("dtype='float64'", "--double")
-    return message.replace("flat=True", "--flat")
-
-
-def _as_option(found: re.Match[str]) -> str:
-    """Write an option of tables as a shell takes it."""
-    return f"--{found[1]} {shlex.quote(found[2])}"
 
 
 def _print_error(message: str) -> None:

@@ -137,8 +137,8 @@ def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, 
         try:
             found = classify_ground(cloud, **ground)
         except InputError as error:
-            said = str(error).replace("to_crs=", "--to-crs")
-            error.args = (said.replace("resolution= to classify_ground", "--cloth-resolution"),)
+            said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
+            error.args = (said,)
             raise
     counts = found.metadata["ground"]
     if not counts["ground"]:

@@ -153,15 +153,13 @@ def _mixed(values: Array, seed: int) -> Array:
     return mixed
 
 
-def _cells(points: Floats, size: float, name: str) -> Array:
-    """Return the cells of points, two whole numbers each."""
+def _cells(points: Floats, size: float, asked: str) -> Array:
+    """Return the cells of points, two whole numbers each; say what was asked if there are none."""
     with np.errstate(over="ignore"):
         found = np.floor(points[:, :2] / size)
     if len(found) and not np.abs(found).max() <= _MOST_CELLS:
         row = int(np.abs(found).max(axis=1).argmax())
-        raise InputError(
-            f"{name} is {size:g}, too small for coordinates such as {points[row, :2].tolist()}"
-        )
+        raise InputError(f"{asked}, too small for coordinates such as {points[row, :2].tolist()}")
     return found.astype(np.int64)
 
 
@@ -170,7 +168,7 @@ def _of_cells(points: Floats, size: float, keep: CellRow) -> Array:
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
     finite = points[rows].astype(np.float64, copy=False)
-    cells = _cells(finite, size, "cell")
+    cells = _cells(finite, size, f"cell is {size:g}")
     if keep == "center":
         rank = np.square(finite[:, :2] - (cells + 0.5) * size).sum(axis=1)
     else:
@@ -187,7 +185,7 @@ def _apart(points: Floats, distance: float) -> Array:
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
     plane = points[rows, :2].astype(np.float64) + 0.0  # -0.0 becomes 0.0
-    cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), "distance")
+    cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), f"distance is {distance:g}")
     grid = _Grid(cells)
     bits = plane.view(np.uint64)
     order = _mixed(bits[:, 0] ^ _mixed(bits[:, 1], 1), 0)

@@ -329,7 +329,7 @@ def test_a_raster_becomes_a_surface(tmp_path: Path) -> None:
     heights = lm.read(tmp_path / "b.ply").points[:, 2]
     assert np.array_equal(heights, lm.read(tmp_path / "b.tif", band=2).points[:, 2])
     done = liftmesh("triangulate", "a.ply", "c.ply", "--band", "2", cwd=tmp_path)
-    assert "a.ply: band= cannot be given: ply files are read without options" in done.stderr
+    assert "a.ply: --band cannot be given: ply files are read without options" in done.stderr
 
 
 BROKEN = {

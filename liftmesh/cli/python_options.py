@@ -1,0 +1,69 @@
+"""Messages of the library in the words of the command line: ``--band`` for ``band=``.
+
+The library names its own options in what it raises. A name counts where it begins a word, so that
+folders such as ``tiles/band=2`` stay as they are.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+_NAMES = (
+    "band", "cell", "color_depth", "columns", "decimal", "delimiter", "duplicates", "encoding",
+    "end", "flat", "nodata", "nonfinite", "plane", "point_format", "scale", "skip_rows", "to_crs",
+    "unit",
+)  # fmt: skip
+_PHRASES = {
+    "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
+    "with format='raster'": "with --from raster",
+    "with format=": "with --from FORMAT",
+    "with max_bytes=": "with --max-bytes SIZE",
+    "with crs=": "with --from-crs",
+    "dtype='float64'": "--double",
+    "flat=True": "--flat",
+}
+_NAME = rf"(?P<name>{'|'.join(_NAMES)})="
+_QUOTED = re.compile(rf"(?<![^\s(]){_NAME}'(?P<value>[^']*)'")
+_NUMBER = re.compile(rf"(?<=[\s(]){_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
+_BARE = re.compile(rf"(?<![^\s(]){_NAME}(?=[\s,;:)]|$)")
+_SUBJECT = re.compile(r"(?:^|(?<=: ))(adaptive|cell|distance|point_format|resolution) is ")
+
+
+def as_on_command_line(message: str) -> str:
+    """Replace Python options in a message by those of the command line.
+
+    Parameters
+    ----------
+    message : str
+        A message of the library.
+
+    Returns
+    -------
+    str
+        The message for people who gave options to a command.
+
+    Examples
+    --------
+    >>> as_on_command_line("coordinates are degrees: transform them with to_crs=")
+    'coordinates are degrees: transform them with --to-crs'
+    >>> as_on_command_line("more than 32 bits in steps of scale=1e-09: give a larger one")
+    'more than 32 bits in steps of --scale 1e-09: give a larger one'
+    """
+    for phrase, words in _PHRASES.items():
+        message = message.replace(phrase, words)
+    message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too
+    for pattern in (_QUOTED, _NUMBER, _BARE):
+        message = pattern.sub(_as_option, message)
+    return _SUBJECT.sub(lambda found: f"{_option(found[1])} is ", message)
+
+
+def _as_option(found: re.Match[str]) -> str:
+    """Write an option as a shell takes it, with its value if it has one."""
+    value = found.groupdict().get("value")
+    option = _option(found["name"])
+    return option if value is None else f"{option} {shlex.quote(value)}"
+
+
+def _option(name: str) -> str:
+    return "--min-distance" if name == "distance" else f"--{name.replace('_', '-')}"
