@@ -89,11 +89,7 @@ def merged(
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
     before = {name for each in clouds for name in files.parts_not_read(each)}
     with stage(f"merging {len(sources)} files"), files.without_warnings():
-        try:
-            cloud = merge(clouds.pop(0) for _ in sources)
-        except InputError as error:
-            error.args = (str(error).replace("to_crs=", "--to-crs"),)
-            raise
+        cloud = merge(clouds.pop(0) for _ in sources)
     if cloud.crs is not None and lacking:
         note(f"{', '.join(lacking)}: no coordinate system: taken to be that of the others")
     _say_parts(cloud)
