@@ -33,6 +33,11 @@ def tiles(**options: Any) -> liftmesh.Tiled:
     return liftmesh.tile(**{"out": f"tiles-{len(os.listdir())}", **options})  # noqa: PTH208
 
 
+def tiled_surface(**options: Any) -> object:
+    """The same of a surface."""
+    return liftmesh.tile_surface(**{"out": f"tiles-{len(os.listdir())}", **options})  # noqa: PTH208
+
+
 CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] = {
     "delaunay": (liftmesh.delaunay, liftmesh.delaunay, {"points": PLANAR}),
     "regular": (liftmesh.regular, liftmesh.regular, {"points": PLANAR, "weights": ROWS[:, 2]}),
@@ -115,6 +120,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         {"target": b"", "mesh": SURFACE, "format": "ply"},
     ),
     "tile": (tiles, liftmesh.tile, {"source": PLANAR}),
+    "tile_surface": (tiled_surface, liftmesh.tile_surface, {"source": ROWS}),
     "open_tiled": (liftmesh.open_tiled, liftmesh.open_tiled, {"directory": "missing"}),
     "save": (
         partial(SURFACE.save, format="ply"),

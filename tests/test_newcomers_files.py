@@ -83,7 +83,7 @@ def test_cloudcompare_to_a_viewer_and_back(tmp_path: Path) -> None:
     surface = liftmesh.triangulate(tmp_path / "a.ply", crs="EPSG:25832")
     written = surface.save(tmp_path / "a.glb")
     assert (written.dropped, written.renamed) == ((), ())
-    assert written.origin == (0.0, 5400000.0, 0.0)  # float holds .125 and .875 beside that
+    assert written.origin == (500000.0, 5400000.0, 0.0)  # y needs it, and x has it, too
     shown = trimesh.load_scene(tmp_path / "a.glb").to_geometry()
     assert np.abs(shown.vertices - surface.vertices).max() < 1e-4
     assert shown.vertex_attributes["_SCALAR_SCAN_ANGLE"].ravel().tolist() == [-3.5, -2, 0, 12.25]
