@@ -13,7 +13,7 @@ environment=.venv-paper
 replace_committed() {
     mkdir -p data/paper
     cp out/paper/*.csv out/paper/*.json out/paper/*.md data/paper/
-    cp out/paper/figures/{figure_4_3,figure_6_1,figure_6_2,rejections,power_diagram,metric,farthest}.png data/paper/
+    cp out/paper/figures/{figure_4_3,figure_6_1,figure_6_2,rejections,power_diagram,metric,farthest,disks,stars,adaptive_thinning}.png data/paper/
     say
     say "data/paper holds the tables of this machine, out/paper/figures all figures."
 }

@@ -39,7 +39,7 @@ class ClippedCells:
     points, domain, parts, rings, ring_corners, corners, beyond, duplicates, hidden
         As of `Cells`.
     tolerance : float or None
-        What sides may be off curves; None if all are straight.
+        How far sides may be from curves; None if all are straight.
 
     Examples
     --------

@@ -135,13 +135,13 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes disks."""
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",)
-    yield "apollonius_diagram", DISKS, find_cells, ("disjoint",)
+    yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far")
     for name in CELLS:
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells
     for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
         yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
-    yield "ApolloniusGraph.verify", DISKS, verify, ("disjoint",)
+    yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 
 
