@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/floating_point.hpp"
+#include "base/prefetch.hpp"
 #include "delaunay/delaunay.hpp"
 #include "parallel/select.hpp"
 #include "tiles/filler.hpp"
@@ -38,6 +39,8 @@ class Merge {
     }
 
  private:
+    static constexpr std::size_t ahead = 8;  // triangles whose corners are on their way
+
     std::size_t corner(std::size_t t, std::size_t k) const {
         return static_cast<std::size_t>(mesh_.simplices[3 * t + k]);
     }
@@ -47,16 +50,16 @@ class Merge {
         return in_blocks(ground_.size(), block, pool_, [this](std::size_t t, auto last, auto) {
             std::size_t box = 0;
             for (; t < last; ++t) {
-                prefetch(t + 8);
+                if (!territory_.is_everything && t + ahead < last) prefetch(t + ahead);
                 if (ground_[t] != Ground::filler && is_settled(t, box))
                     ground_[t] = Ground::settled;
             }
         });
     }
 
+    // Records lie in the order of the input, so each is far from the one before.
     [[gnu::always_inline]] void prefetch(std::size_t t) const {
-        if (t >= ground_.size() || territory_.is_everything) return;
-        for (std::size_t k = 0; k < 3; ++k) points_.prefetch(corner(t, k));
+        for (std::size_t k = 0; k < 3; ++k) liftmesh::prefetch(&records_[corner(t, k)]);
     }
 
     bool is_settled(std::size_t t, std::size_t& box) const {
@@ -123,7 +126,10 @@ class Merge {
         }
         constexpr std::size_t block = std::size_t{1} << 14;
         return in_blocks(settled.size(), block, pool_, [&](std::size_t i, auto last, auto) {
-            for (; i < last; ++i) write(settled[i], i, place);
+            for (; i < last; ++i) {
+                if (i + ahead < last) prefetch(settled[i + ahead]);
+                write(settled[i], i, place);
+            }
         });
     }
 

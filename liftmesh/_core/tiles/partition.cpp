@@ -15,15 +15,39 @@ namespace {
 
 constexpr std::int32_t nowhere = -1;
 
-std::int32_t tile_of(Point p, std::span<const Cut> cuts) {
-    if (cuts.empty()) return 0;
-    std::int32_t at = 0;
-    do {
-        const Cut& cut = cuts[static_cast<std::size_t>(at)];
-        at = cut.children[!before(cut.axis, p, cut.at)];
-    } while (at >= 0);
-    return ~at;
-}
+// Down the tree with several points at a time: the steps of one wait for each other, those of
+// different points do not, and none of them branches on where a point lies.
+class Descent {
+ public:
+    static constexpr std::size_t width = 8;
+
+    explicit Descent(std::span<const Cut> cuts) : cuts_(cuts) {}
+
+    // The tiles of `width` points.
+    void find(const Point* points, std::int32_t* tiles) const {
+        std::int32_t at[width];
+        std::fill_n(at, width, cuts_.empty() ? ~0 : 0);
+        for (bool is_above = !cuts_.empty(); is_above;) {
+            is_above = false;
+            for (std::size_t i = 0; i < width; ++i) {
+                at[i] = step(at[i], points[i]);
+                is_above |= at[i] >= 0;
+            }
+        }
+        for (std::size_t i = 0; i < width; ++i) tiles[i] = ~at[i];
+    }
+
+ private:
+    std::int32_t step(std::int32_t at, Point p) const {
+        const Cut& cut = cuts_[static_cast<std::size_t>(std::max(at, 0))];
+        const bool by_x = before_xy(p, cut.at), by_y = before_yx(p, cut.at);
+        const bool is_x = cut.axis == Axis::x;
+        const std::int32_t next = cut.children[!((is_x & by_x) | (!is_x & by_y))];
+        return at < 0 ? at : next;
+    }
+
+    std::span<const Cut> cuts_;
+};
 
 void extend(Box& box, Point p) {
     box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y)};
@@ -42,15 +66,24 @@ Partition partition(const Input& rows, RowId first, std::span<const Cut> cuts, s
     out.begins.resize(tiles + 1);
     out.boxes.assign(tiles, empty);
     const auto tile = allocate<std::int32_t>(rows.rows);
-    const auto assign = [&](std::size_t i) {
-        const Point p = rows[i];
-        tile[i] = is_finite(p) ? tile_of(p, cuts) : nowhere;
-        if (tile[i] == nowhere)
-            out.skipped.push_back(first + static_cast<RowId>(i));
-        else
-            ++out.begins[static_cast<std::size_t>(tile[i]) + 1];
+    const Descent descent(cuts);
+    const auto assign = [&](std::size_t group) {
+        const std::size_t begin = group * Descent::width;
+        const std::size_t count = std::min(Descent::width, rows.rows - begin);
+        Point points[Descent::width] = {};
+        for (std::size_t i = 0; i < count; ++i) points[i] = rows[begin + i];
+        std::int32_t found[Descent::width];
+        descent.find(points, found);
+        for (std::size_t i = 0; i < count; ++i) {
+            tile[begin + i] = is_finite(points[i]) ? found[i] : nowhere;
+            if (tile[begin + i] == nowhere)
+                out.skipped.push_back(first + static_cast<RowId>(begin + i));
+            else
+                ++out.begins[static_cast<std::size_t>(found[i]) + 1];
+        }
     };
-    if (!for_each_in_blocks(rows.rows, interrupt, assign)) return out;
+    const std::size_t groups = (rows.rows + Descent::width - 1) / Descent::width;
+    if (!for_each_in_blocks(groups, interrupt, assign)) return out;
     std::partial_sum(out.begins.begin(), out.begins.end(), out.begins.begin());
     out.records = allocate<Record>(static_cast<std::size_t>(out.begins.back()));
     std::vector<std::int64_t> next(out.begins.begin(), out.begins.end() - 1);
