@@ -210,39 +210,6 @@ def test_the_unit_of_a_band_is_said(tmp_path: Path) -> None:
     assert "the units differ: x is in metre, y in metre, z in foot" in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("unit", "source", "target", "factor"),
-    [
-        ("ft", "EPSG:26910", "EPSG:32610", 1),  # neither says what heights are: the band still does
-        ("ft", "EPSG:26910", "EPSG:26910+5703", 0.3048),
-        ("US survey foot", "EPSG:26910", "EPSG:26910+5703", 1200 / 3937),
-        ("US survey foot", "EPSG:26910", "EPSG:26910+6360", 1),
-        ("metre", "EPSG:26910", "EPSG:26910+6360", 3937 / 1200),
-        ("ft", "EPSG:26910+5703", "EPSG:32610", 0.3048),  # heights keep their system
-        ("", "EPSG:26910", "EPSG:26910+5703", 1),
-    ],
-)
-def test_heights_of_a_band_in_another_system(
-    unit: str, source: str, target: str, factor: float
-) -> None:
-    data = geotiff(units=(unit,))
-    found = read(data, crs=source, to_crs=target)
-    np.testing.assert_allclose(found.points[:, 2], HEIGHTS.ravel() * factor, rtol=1e-15)
-    states_heights = "+" in source + target
-    layout = found.metadata["raster"]
-    assert layout.get("unit") == (None if states_heights or not unit else unit)
-    assert layout["width"] == 4
-    chunks = [*lm.read_chunks(io.BytesIO(data), format="tif", crs=source, to_crs=target)]
-    assert_same_bits(chunks[0].points, found.points)
-
-
-def test_a_unit_that_is_not_known_is_not_converted() -> None:
-    data = geotiff(units=("cubits",))
-    assert read(data, crs="EPSG:26910", to_crs="EPSG:32610").metadata["raster"]["unit"] == "cubits"
-    with pytest.raises(InputError, match=r"heights are in 'cubits', .*: give a system without hei"):
-        read(data, crs="EPSG:26910", to_crs="EPSG:26910+5703")
-
-
 def test_bands() -> None:
     data = geotiff(np.stack([HEIGHTS, HEIGHTS + 1, HEIGHTS + 2]))
     cloud = read(data)
