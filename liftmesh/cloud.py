@@ -10,7 +10,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.arrays import as_rows3
-from liftmesh.choices import shown
+from liftmesh.choices import counted, shown
 from liftmesh.color_depth import check_depth, judged, with_depth
 from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict, constructed_from
@@ -103,7 +103,8 @@ class Cloud:
             _check_array(name, values)
             if len(values) != len(self.points):
                 raise InputError(
-                    f"{name} has {len(values)} rows for {len(self.points)} points: "
+                    f"{name} has {counted(len(values), 'row')} for "
+                    f"{counted(len(self.points), 'point')}: "
                     "give one row per point"
                 )
 

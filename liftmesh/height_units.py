@@ -8,12 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
+from liftmesh.choices import shown
 from liftmesh.crs import FOOT, METRE, SURVEY_FOOT, System, Unit, described
+from liftmesh.errors import InputError
 
-if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+
+class Placed(Protocol):
+    """What has coordinates in a system: a cloud, or a surface."""
+
+    @property
+    def crs(self) -> str | None:
+        """WKT or a number."""
+
+    @property
+    def metadata(self) -> Mapping[str, Any]:
+        """What a file says besides."""
+
 
 _NAMES = {
     METRE: ("m", "metre", "meter", "metres", "meters"),
@@ -22,12 +34,12 @@ _NAMES = {
 }
 
 
-def system_of(cloud: Cloud) -> System | None:
-    """Read what a cloud's coordinate system says, with the unit of a raster's band as that of z.
+def system_of(cloud: Placed) -> System | None:
+    """Read what a coordinate system says, with the unit of a raster's band as that of z.
 
     Parameters
     ----------
-    cloud : Cloud
+    cloud : Cloud or Surface
         The rows.
 
     Returns
@@ -49,12 +61,12 @@ def system_of(cloud: Cloud) -> System | None:
     return replace(system, units=(*system.units[:2], unit))
 
 
-def band_unit(cloud: Cloud) -> Unit | None:
+def band_unit(cloud: Placed) -> Unit | None:
     """Return the unit that the band of a raster says of its heights.
 
     Parameters
     ----------
-    cloud : Cloud
+    cloud : Cloud or Surface
         The rows.
 
     Returns
@@ -69,9 +81,62 @@ def band_unit(cloud: Cloud) -> Unit | None:
     >>> band_unit(replace(liftmesh.as_cloud([[0, 0, 1]]), metadata=band)).name
     'US survey foot'
     """
-    raster = cloud.metadata.get("raster")
+    raster = getattr(cloud, "metadata", {}).get("raster")  # surfaces in tiles have none
     text = raster.get("unit") if isinstance(raster, Mapping) else None
     if not isinstance(text, str) or not text.strip():
         return None
     name = text.strip()
     return next((unit for unit, names in _NAMES.items() if name.lower() in names), Unit(name, None))
+
+
+def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
+    """Return what heights are multiplied by before and after a transformation to another system.
+
+    A transformation takes heights for those that the systems state. Where a band says another unit
+    than its system, they are converted to that one before; where its system states none, they pass
+    as they are, and are converted afterwards to the unit that the target states, if any.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        The rows.
+    target : str
+        The system that they are to have.
+
+    Returns
+    -------
+    (float, float)
+        Both are 1 if the band says nothing.
+
+    Raises
+    ------
+    InputError
+        The unit of the band is not known, and heights would have to be converted from it.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> band = {"raster": {"unit": "ft"}}
+    >>> cloud = replace(liftmesh.as_cloud([[0, 0, 1]]), crs="EPSG:26910", metadata=band)
+    >>> height_factors(cloud, "EPSG:26910+5703"), height_factors(cloud, "EPSG:32610")
+    ((1.0, 0.3048), (1.0, 1.0))
+    """
+    band = band_unit(cloud)
+    stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
+    if band is None or (stated is None and wanted is None):
+        return 1.0, 1.0
+    if band.metres is None:
+        raise InputError(
+            f"to_crs={shown(target)}: the band says that heights are in {shown(band.name)}, which "
+            "cannot be converted: give a system without heights"
+        )
+    if stated is not None:
+        return band.metres / stated, 1.0
+    return 1.0, 1.0 if wanted is None else band.metres / wanted
+
+
+def _unit_of_heights(crs: str | None) -> float | None:
+    """Return how many metres the unit of z has that a system states."""
+    system = described(crs)
+    unit = None if system is None else system.units[2]
+    return None if unit is None else unit.metres

@@ -54,6 +54,13 @@ def end_children() -> None:
 
 threading.Thread(target=_watch, daemon=True).start()
 
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put long tests first: one that began last would run alone, while other processors wait."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
 LEFT_OUT = ("skipped", "xfailed", "deselected")
 
 

@@ -358,7 +358,7 @@ def test_errors_say_what_is_no_graph() -> None:
     for change, message in (
         ({"simplices": graph.simplices * 1.0}, r"simplices have the shape \(2, 3\) .*float64"),
         ({"convex_hull": graph.convex_hull.ravel()}, r"give whole numbers of the shape \(k, 2\)"),
-        ({"neighbors": graph.neighbors[1:]}, "neighbors have 1 rows for 2 triangles"),
+        ({"neighbors": graph.neighbors[1:]}, "neighbors have 1 row for 2 triangles"),
         ({"circles": graph.circles[1:]}, r"circles have the shape \(1, 3\)"),
         ({"radii": -graph.radii}, "row 0 has the radius -1.0"),
     ):

@@ -68,7 +68,7 @@ WRONG = [
     ({"x": [1, 2]}, "column 'x' has 2 values for 30 rows"),
     ({"x": np.zeros((30, 2))}, r"column 'x' has the shape \(30, 2\)"),
     ({"x": "abc"}, "column 'x' is 'abc'"),
-    (pd.DataFrame({"x": [1]}), "data has 1 values for 30 rows"),
+    (pd.DataFrame({"x": [1]}), "data has 1 value for 30 rows"),
     (5, "data is 5: give a mapping"),
 ]
 

@@ -219,7 +219,7 @@ def test_named_values_are_added() -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"colors": [[1, 2, 3]]}, "colors has 1 rows for 60 points"),
+        ({"colors": [[1, 2, 3]]}, "colors has 1 row for 60 points"),
         ({"attributes": {"a": 5}}, "attribute 'a' is 5: give an array with one row per point"),
         ({"attributes": [1]}, "attributes are a list: give a dict"),
         ({"attributes": {"a": [[1], [2, 3]]}}, "attribute 'a' cannot be converted to an array"),

@@ -6,14 +6,17 @@ import io
 
 import numpy as np
 import pytest
+import rasterio
+from affine import Affine
 from lidar import encoded, geo_keys, record, records, with_records
 
 import liftmesh as lm
-from liftmesh import Cloud, DataWarning
+from liftmesh import Cloud, DataWarning, InputError
 from liftmesh.crs import described
 from liftmesh.transformation import transformed
 
 FEET = np.array([[6_000_000.0, 2_000_000.0, 1000.0], [6_000_100.0, 2_000_000.0, 1001.0]])
+HEIGHTS = np.arange(12.0).reshape(3, 4) / 7 + 100
 
 
 def read(points: np.ndarray, to_crs: str, **keys: int) -> Cloud:
@@ -68,3 +71,49 @@ def test_a_system_of_heights_that_both_have_needs_no_grid() -> None:
     found = transformed(points, "EPSG:28992+5709", "EPSG:25832+5709")
     assert found[0, 2] == 5.5
     assert np.array_equal(found[:, :2], transformed(points, "EPSG:28992", "EPSG:25832")[:, :2])
+
+
+def band_in(unit: str) -> bytes:
+    """A GeoTIFF whose band says a unit, if any."""
+    with rasterio.MemoryFile() as memory:
+        with memory.open(
+            driver="GTiff", count=1, height=3, width=4, dtype=np.float64,
+            transform=Affine(2.0, 0.0, 500000.0, 0.0, -2.0, 5400000.0),
+        ) as file:  # fmt: skip
+            file.write(HEIGHTS, 1)
+            file.units = (unit,)
+        return bytes(memory.getbuffer())
+
+
+@pytest.mark.parametrize(
+    ("unit", "source", "target", "factor"),
+    [
+        ("ft", "EPSG:26910", "EPSG:32610", 1),  # neither says what heights are: the band still does
+        ("ft", "EPSG:26910", "EPSG:26910+5703", 0.3048),
+        ("US survey foot", "EPSG:26910", "EPSG:26910+5703", 1200 / 3937),
+        ("US survey foot", "EPSG:26910", "EPSG:26910+6360", 1),
+        ("metre", "EPSG:26910", "EPSG:26910+6360", 3937 / 1200),
+        ("ft", "EPSG:26910+5703", "EPSG:32610", 0.3048),  # heights keep their system
+        ("", "EPSG:26910", "EPSG:26910+5703", 1),
+    ],
+)
+def test_heights_of_a_band_in_another_system(
+    unit: str, source: str, target: str, factor: float
+) -> None:
+    data = band_in(unit)
+    found = lm.read(io.BytesIO(data), format="tif", crs=source, to_crs=target)
+    np.testing.assert_allclose(found.points[:, 2], HEIGHTS.ravel() * factor, rtol=1e-15)
+    states_heights = "+" in source + target
+    layout = found.metadata["raster"]
+    assert layout.get("unit") == (None if states_heights or not unit else unit)
+    assert layout["width"] == 4
+    chunks = [*lm.read_chunks(io.BytesIO(data), format="tif", crs=source, to_crs=target)]
+    assert np.array_equal(chunks[0].points, found.points)
+
+
+def test_a_unit_that_is_not_known_is_not_converted() -> None:
+    data = band_in("cubits")
+    found = lm.read(io.BytesIO(data), format="tif", crs="EPSG:26910", to_crs="EPSG:32610")
+    assert found.metadata["raster"]["unit"] == "cubits"
+    with pytest.raises(InputError, match=r"heights are in 'cubits', .*: give a system without hei"):
+        lm.read(io.BytesIO(data), format="tif", crs="EPSG:26910", to_crs="EPSG:26910+5703")

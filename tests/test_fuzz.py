@@ -34,6 +34,7 @@ def script(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=SCRIPTS, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", TARGETS)
 def test_five_seconds_find_nothing(name: str, tmp_path: Path) -> None:
     done = script("fuzz", name, "--seconds", 5, "--seed", 20, "--folder", tmp_path)
@@ -46,6 +47,7 @@ def test_five_seconds_find_nothing(name: str, tmp_path: Path) -> None:
     assert finds == 0
 
 
+@pytest.mark.long
 def test_parallel_paths_without_a_data_race() -> None:
     done = script("sanitize", "thread", "--rows", 36_000)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -35,6 +35,28 @@ def test_rows_in_order_and_values_that_all_have() -> None:
     ]
 
 
+@pytest.mark.parametrize("crs", [None, "EPSG:25832"])
+@pytest.mark.parametrize(("step", "is_far"), [(3, False), (40, False), (45, True), (1e300, True)])
+def test_clouds_that_are_far_apart_are_told(crs: str | None, step: float, is_far: bool) -> None:
+    one, two = (Cloud(ROWS + np.array([k * step, 0, 0]), crs=crs) for k in range(2))
+    clouds = [one, Cloud(np.full((1, 3), np.nan), crs=crs), two]
+    if not is_far or crs:
+        merged = liftmesh.merge(clouds).metadata["merged"]
+    else:
+        with pytest.warns(DataWarning, match=r"cloud 2 is .* away from cloud 0, and neither sta"):
+            merged = liftmesh.merge(clouds).metadata["merged"]
+    told = [each.get("distance") for each in merged]
+    assert told == [None, None, step - 4 if is_far and not crs else None]
+
+
+def test_the_command_line_tells_that_files_are_far_apart(tmp_path: Path) -> None:
+    for name, step in (("a.csv", 0), ("b.csv", 1000)):
+        np.savetxt(tmp_path / name, ROWS + np.array([step, 0, 0]), delimiter=",")
+    told = command("triangulate", "a.csv", "b.csv", "all.ply", cwd=tmp_path).stderr
+    assert "a.csv: 3 rows\n" in told
+    assert "b.csv: 3 rows, 996 away from all earlier files, and none states a coordinate" in told
+
+
 def strips() -> list[Cloud]:
     """Two diagonal strips, whose boxes overlap nearly whole, and they in the middle alone."""
     rng = np.random.default_rng(2)

@@ -1,4 +1,4 @@
-"""README.md does what it says: its examples are run, in a folder with the shipped clouds."""
+"""README.md and the pages beside it do what they say: their examples are run, with the clouds."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from liftmesh.cli import exit_codes
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text("utf-8")
+EXAMPLES = {"README.md": 60, "READING.md": 20, "TILES.md": 15, "PAPER.md": 15}  # at least so many
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+def blocks(language: str, page: str = README) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
@@ -29,12 +30,17 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def test_every_page_with_examples_is_run() -> None:
+    pages = {path.name for path in ROOT.glob("*.md") if blocks("pycon", path.read_text("utf-8"))}
+    assert pages == {*EXAMPLES, "CELLS.md"}  # which has a test of its own
+
+
 @pytest.mark.usefixtures("folder")
-def test_python_examples() -> None:
-    examples = doctest.DocTestParser().get_doctest(
-        "\n".join(blocks("pycon")), {}, "README.md", str(ROOT / "README.md"), 0
-    )
-    assert len(examples.examples) > 20
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_python_examples(name: str) -> None:
+    text = "\n".join(blocks("pycon", (ROOT / name).read_text("utf-8")))
+    examples = doctest.DocTestParser().get_doctest(text, {}, name, str(ROOT / name), 0)
+    assert len(examples.examples) > EXAMPLES[name]
     told: list[str] = []
     result = doctest.DocTestRunner(optionflags=FLAGS).run(examples, out=told.append)
     assert result.failed == 0, "".join(told)
@@ -76,6 +82,16 @@ def test_two_commands_set_everything_up() -> None:
 
 
 def test_every_file_that_is_linked_exists() -> None:
-    links = re.findall(r"\]\((?!https?:)([^)#]+)\)", README)
-    assert "data/jacksboro.png" in links
+    links = re.findall(r"\]\((?!https?:)([^)#]+)[^)]*\)", README)
+    assert {"data/jacksboro.png", "READING.md", "TILES.md"} <= {*links}
     assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_every_heading_that_is_linked_exists() -> None:
+    for name in EXAMPLES:
+        text = (ROOT / name).read_text("utf-8")
+        for page, anchor in re.findall(r"\]\(([\w/]*\.md)?#([^)]+)\)", text):
+            there = (ROOT / page).read_text("utf-8") if page else text
+            headings = re.findall(r"^#+ (.+)$", there, flags=re.MULTILINE)
+            anchors = {re.sub(r"[^\w -]", "", each).lower().replace(" ", "-") for each in headings}
+            assert anchor in anchors, (name, page, anchor)

@@ -38,6 +38,29 @@ def test_areas_are_those_on_the_ground(mixed) -> None:
     assert mixed.volume().cubic_metres == pytest.approx(FACTOR)
 
 
+@pytest.mark.parametrize(
+    ("crs", "unit", "factor"),
+    [
+        ("EPSG:25832", "ft", FACTOR),
+        ("EPSG:25832", "US survey foot", 1200 / 3937),
+        ("EPSG:25832", "metre", 1),
+        (FEET_HIGH, "metre", 1),  # the band is nearer to its samples than the system
+        ("EPSG:25832", "cubits", 1),
+        (None, "ft", 1),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:the units differ")
+def test_the_unit_of_a_band_counts(crs: str | None, unit: str, factor: float) -> None:
+    cloud = liftmesh.Cloud(PLANE, crs=crs, metadata={"raster": {"unit": unit}})
+    surface = liftmesh.triangulate(cloud)
+    expected = liftmesh.triangulate(PLANE * (1, 1, factor))
+    assert surface.slope([1, 2]) == pytest.approx(expected.slope([1, 2]), rel=1e-12)
+    assert surface.area() == pytest.approx(expected.area(), rel=1e-12)
+    slopes = surface.raster(1, quantity="slope").values
+    np.testing.assert_allclose(slopes, expected.raster(1, quantity="slope").values, rtol=1e-12)
+    assert surface.slope([1, 2], z_factor=1) == pytest.approx(45)
+
+
 def test_a_factor_replaces_what_the_system_says(mixed) -> None:
     assert mixed.slope([1, 2], z_factor=1) == pytest.approx(45)
     assert mixed.raster(1, quantity="slope", z_factor=1).values[0, 0] == pytest.approx(45)

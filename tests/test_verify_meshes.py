@@ -130,7 +130,7 @@ def test_values_given_replace_those_of_the_cloud(tmp_path: Path) -> None:
         ({"colors": np.zeros(50)}, r"colors need the shape \(n, 3\) or \(n, 4\) and numbers"),
         ({"colors": ["red"] * 50}, r"colors need the shape .* not \(50,\) of <U3"),
         ({"normals": np.zeros((50, 4))}, r"normals need the shape \(n, 3\) and numbers"),
-        ({"attributes": {"a": [1]}}, "a has 1 rows for 50 points"),
+        ({"attributes": {"a": [1]}}, "a has 1 row for 50 points"),
         ({"attributes": np.zeros(50)}, "attributes are a ndarray: give a dict"),
         ({"crs": 25832}, "crs is 25832"),
     ],

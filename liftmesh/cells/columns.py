@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.choices import shown
+from liftmesh.choices import counted, shown
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.same_crs import common_system, given_system, system_of
@@ -184,4 +184,6 @@ def _values(name: Any, given: Any, rows: int) -> Any:
 
 def _check_length(what: str, count: int, rows: int) -> None:
     if count != rows:
-        raise InputError(f"{what} has {count:,} values for {rows:,} rows: give one for each")
+        raise InputError(
+            f"{what} has {counted(count, 'value')} for {counted(rows, 'row')}: give one for each"
+        )

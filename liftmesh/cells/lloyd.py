@@ -23,7 +23,7 @@ from liftmesh.cells.domain import as_domain
 from liftmesh.cells.dual import dual_of
 from liftmesh.cells.measure import Measure, check_extent, total_mass
 from liftmesh.cells.sites import sites_of
-from liftmesh.choices import as_count, shown
+from liftmesh.choices import as_count, counted, shown
 from liftmesh.errors import InputError
 from liftmesh.same_crs import system_of
 
@@ -63,7 +63,8 @@ class Relaxed:
     def __repr__(self) -> str:
         steps = len(self.energies) - 1
         state = f"{'converged' if self.converged else 'not converged'} after {steps:,} steps"
-        return f"<Relaxed: {len(self.points):,} rows, {state}, the last of {self.largest_move:.3g}>"
+        rows = counted(len(self.points), "row")
+        return f"<Relaxed: {rows}, {state}, the last of {self.largest_move:.3g}>"
 
 
 def lloyd(

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh._typing import Floats, Rows
 from liftmesh.arrays import as_pairs, as_reals, check_finite, read_only
 from liftmesh.cells.sites import sites_of
-from liftmesh.choices import shown
+from liftmesh.choices import counted, shown
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.member import options_of
@@ -90,7 +90,7 @@ class NaturalNeighbors:
         if held.ndim == 0 or len(held) != self.rows_in_all:
             raise InputError(
                 f"values have the shape {held.shape}: give one for each of the "
-                f"{self.rows_in_all:,} rows"
+                f"{counted(self.rows_in_all, 'row')}"
             )
         count = np.diff(self.indptr)
         found = np.full((len(count), *held.shape[1:]), np.nan)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Mask
+from liftmesh.choices import counted
 from liftmesh.io.format import OWN, crs_comment
 from liftmesh.io.ply.names import property_names, statements
 from liftmesh.io.ply.writer import PORTABLE, portable
@@ -64,7 +65,10 @@ def write_ply(
         own = index.reshape(-1)[sizes[:first].sum() :][: sizes[block].sum()]
         stream.write(_lines(own, sizes[block], [column[block] for column in values.values()]))
     lost = [f"{name} (not numbers)" for name in texts]
-    return (*lost, *([f"{len(cells.empty):,} rows without an area"] if len(cells.empty) else []))
+    return (
+        *lost,
+        *([f"{counted(len(cells.empty), 'row')} without an area"] if len(cells.empty) else []),
+    )
 
 
 def _header(

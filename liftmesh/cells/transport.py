@@ -32,7 +32,7 @@ from liftmesh.cells.dual import Dual, dual_of
 from liftmesh.cells.lloyd import as_tolerance
 from liftmesh.cells.measure import Measure, check_extent, total_mass
 from liftmesh.cells.sites import sites_of
-from liftmesh.choices import as_count, as_switch, shown
+from liftmesh.choices import as_count, as_switch, counted, shown
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.same_crs import system_of
@@ -91,7 +91,8 @@ class Transported:
         state = "converged" if self.converged else "not converged"
         state = "stalled" if self.stalled else state
         return (
-            f"<Transported: {len(self.masses):,} rows, {state} after {len(self.damping):,} steps, "
+            f"<Transported: {counted(len(self.masses), 'row')}, {state} after "
+            f"{counted(len(self.damping), 'step')}, "
             f"{self.errors[-1]:.2g} of the whole in the wrong cells>"
         )
 
@@ -209,9 +210,13 @@ def _normalised(masses: ArrayLike, rows: int, total: float, *, strict: bool) -> 
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"masses are {shown(masses)}: give a number for each row") from error
     if given.ndim == 0:
-        raise InputError(f"masses are {shown(masses)}: give a number for each of {rows:,} rows")
+        raise InputError(
+            f"masses are {shown(masses)}: give a number for each of {counted(rows, 'row')}"
+        )
     if given.shape != (rows,):
-        raise InputError(f"masses have the shape {given.shape} for {rows:,} rows: give one each")
+        raise InputError(
+            f"masses have the shape {given.shape} for {counted(rows, 'row')}: give one each"
+        )
     bad = ~((given > 0) & np.isfinite(given))
     if bad.any():
         row = int(bad.argmax())

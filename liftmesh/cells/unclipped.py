@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.arrays import read_only
+from liftmesh.choices import counted
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
 
 if TYPE_CHECKING:
@@ -93,8 +94,8 @@ class Unclipped:
         self.point_region = read_only(region)
 
     def __repr__(self) -> str:
-        count = len(self.region_vertices[0]) - 1
-        return f"<Unclipped: {count:,} cells of {len(self.points):,} rows in the whole plane>"
+        cells = counted(len(self.region_vertices[0]) - 1, "cell")
+        return f"<Unclipped: {cells} of {counted(len(self.points), 'row')} in the whole plane>"
 
     @cached_property
     def ridge_vertices(self) -> list[list[int]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from liftmesh.choices import counted
 from liftmesh.cli import files
 from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import InputError
@@ -102,13 +103,17 @@ def merged(
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
     from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
-    from liftmesh.terrain.report import counted  # noqa: PLC0415 - as above
 
+    far = (
+        ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
+        "different ones; --from-crs says which"
+    )
     for each in parts_of(cloud):
         inside = f", {each['overlap']:,} of them where an earlier file has some"
         note(
             f"{each['source']}: {counted(each['rows'], 'row')}"
             + (inside if each["overlap"] else "")
+            + (far.format(each["distance"]) if "distance" in each else "")
         )
     flown = cloud.metadata.get("flight_lines")
     if flown and flown["lines"] > 1:

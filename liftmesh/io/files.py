@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
+from liftmesh._typing import Floats
 from liftmesh.choices import Returns, as_count
 from liftmesh.color_depth import check_depth
-from liftmesh.crs import check_system
+from liftmesh.crs import check_system, described
 from liftmesh.errors import FormatError, InputError
+from liftmesh.height_units import height_factors
 from liftmesh.interruption import kept
 from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.format import configured
@@ -367,14 +369,26 @@ def placed(cloud: Cloud, crs: str | None, target: str | None) -> Cloud:
     if target is None:
         return cloud
     target = with_heights(cloud.crs, target)
-    points = transformed(cloud.points, cloud.crs, target)
-    layout = cloud.metadata.get("las")  # its scales are those of other coordinates
-    entries = {**cloud.metadata} | ({"las": _unscaled(layout)} if isinstance(layout, dict) else {})
-    return replace(cloud, points=points, crs=target, metadata=entries)
+    before, after = height_factors(cloud, target)
+    points = _raised(transformed(_raised(cloud.points, before), cloud.crs, target), after)
+    return replace(cloud, points=points, crs=target, metadata=_moved(cloud.metadata, target))
 
 
-def _unscaled(layout: dict[str, Any]) -> dict[str, Any]:
-    return {key: each for key, each in layout.items() if key not in ("scale", "offset")}
+def _raised(points: Floats, factor: float) -> Floats:
+    return points if factor == 1 else points * (1, 1, factor)
+
+
+def _moved(metadata: Mapping[str, Any], target: str) -> dict[str, Any]:
+    """Return what still holds of coordinates in another system."""
+    stale: dict[str, tuple[str, ...]] = {"las": ("scale", "offset")}
+    system = described(target)
+    if system is not None and system.units[2] is not None:  # then heights are in that unit
+        stale["raster"] = ("unit",)
+    entries = dict(metadata)
+    for name, keys in stale.items():
+        if isinstance(held := metadata.get(name), Mapping):
+            entries[name] = {key: each for key, each in held.items() if key not in keys}
+    return entries
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from liftmesh.crs import length_unit
+from liftmesh.crs import is_number, length_unit, urn_of
 from liftmesh.errors import FormatError
 from liftmesh.height_units import band_unit
 from liftmesh.io.text_tables import write_rows
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
 
 _SPACE = "http://www.landxml.org/schema/LandXML-1.2"
-_EPSG = re.compile(r"EPSG:([0-9]{1,9})")
+_EPSG = re.compile(r"^urn:ogc:def:crs:EPSG::([0-9]{1,9})$")
 _METRIC = (
     '<Metric areaUnit="squareMeter" linearUnit="meter" volumeUnit="cubicMeter" '
     'temperatureUnit="celsius" pressureUnit="milliBars"/>'
@@ -101,7 +101,7 @@ def _units(cloud: Cloud) -> str:
 def _system(crs: str | None) -> str:
     if crs is None or not is_possible(crs):
         return ""
-    number = _EPSG.fullmatch(crs)
-    if number is not None:
-        return f'<CoordinateSystem desc={attribute(crs)} epsgCode="{number[1]}"/>\n'
-    return f"<CoordinateSystem ogcWktCode={attribute(crs)}/>\n"
+    number = _EPSG.search(urn_of(crs))
+    code = "" if number is None else f' epsgCode="{number[1]}"'
+    kind = "desc" if is_number(crs) else "ogcWktCode"
+    return f"<CoordinateSystem {kind}={attribute(crs)}{code}/>\n"

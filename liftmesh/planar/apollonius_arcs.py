@@ -5,10 +5,11 @@ Seen from the centre of the smaller disk p, a side that its cell shares with tha
     R = P / (2 (d cos t + r)),   P = d^2 - r^2,
 
 with t the direction, counted from that of q, R the distance, d the distance of the centres, and r
-what the radius of q has more: the polar form of a conic about its focus. Its tangent at t has, in
-these axes, the direction (-r sin t, d + r cos t). Two tangents meet in the direction of the mean m
-of both t, at the distance P / (2 (d cos m + r cos h)), with h half of what these differ by. If p is
-nearly inside q, d - r is P / (d + r), and 1 + cos t is 2 cos^2 (t / 2): so nothing cancels.
+the difference of the radii, q's less p's: the polar form of a conic about its focus. Its tangent at
+t has, in these axes, the direction (-r sin t, d + r cos t). Two tangents meet in the direction of
+the mean m of both t, at the distance P / (2 (d cos m + r cos h)), with h half of what these differ
+by. If p is nearly inside q, d - r is P / (d + r), and 1 + cos t is 2 cos^2 (t / 2): so nothing
+cancels.
 
 The curve is convex, so between two points it stays in the triangle of the chord and the tangents
 there. If the tangent turns by u, and the chord has the length L, that is at most L / 2 tan(u / 2)
@@ -70,9 +71,9 @@ class Arcs:
     ends : (s, 2) ndarray of int32
         The vertices where it starts and ends, counter-clockwise about p; -1 if there is none.
     focus, axis : (s, 2) ndarray of float64
-        The centre of p, and what that of q has more.
-    more : (s,) ndarray of float64
-        What the radius of q has more.
+        The centre of p, and the vector from there to the centre of q.
+    radius_difference : (s,) ndarray of float64
+        The radius of q less that of p.
     power : (s,) ndarray of float64
         P.
     turns : (s, 2) ndarray of float64
@@ -91,12 +92,12 @@ class Arcs:
     ends: Rows
     focus: Floats
     axis: Floats
-    more: Floats
+    radius_difference: Floats
     power: Floats
     turns: Floats
 
     @cached_property
-    def apart(self) -> Floats:
+    def centre_distance(self) -> Floats:
         """The distance d of the centres."""
         distance: Floats = np.hypot(self.axis[:, 0], self.axis[:, 1])
         return distance
@@ -104,16 +105,16 @@ class Arcs:
     @cached_property
     def direction(self) -> Floats:
         """The axis, one long."""
-        unit: Floats = self.axis / self.apart[:, None]
+        unit: Floats = self.axis / self.centre_distance[:, None]
         return unit
 
     @cached_property
-    def gap(self) -> Floats:
-        """The difference d - r, half of which is how near the curve comes to p."""
-        gap: Floats = self.power / (self.apart + self.more)
-        return gap
+    def clearance(self) -> Floats:
+        """The difference d - r; half of it is the distance from p to the vertex of the curve."""
+        clearance: Floats = self.power / (self.centre_distance + self.radius_difference)
+        return clearance
 
-    def taken(self, chosen: Mask) -> Arcs:
+    def select(self, chosen: Mask) -> Arcs:
         """Return some arcs.
 
         Parameters
@@ -129,8 +130,8 @@ class Arcs:
         rows, ends, focus, axis = (
             self.rows[chosen], self.ends[chosen], self.focus[chosen], self.axis[chosen]
         )  # fmt: skip
-        more, power = self.more[chosen], self.power[chosen]
-        return Arcs(rows, ends, focus, axis, more, power, self.turns[chosen])
+        difference, power = self.radius_difference[chosen], self.power[chosen]
+        return Arcs(rows, ends, focus, axis, difference, power, self.turns[chosen])
 
     def near(self, box: Box) -> Arcs:
         """Cut off what is farther from p than all of a box.
@@ -148,7 +149,7 @@ class Arcs:
         corners = np.array([[box[i], box[j]] for i in (0, 2) for j in (1, 3)])
         step = corners - self.focus[:, None]
         reach = _FARTHER * np.hypot(step[..., 0], step[..., 1]).max(axis=1)
-        share = (self.power / (2 * reach) + self.gap) / (2 * self.apart)
+        share = (self.power / (2 * reach) + self.clearance) / (2 * self.centre_distance)
         widest = 2 * np.arccos(np.sqrt(np.clip(share, 0, 1)))
         first, last = self.turns.T
         is_cut = np.stack([first < -widest, last > widest], axis=1)
@@ -156,7 +157,7 @@ class Arcs:
         turns = np.stack([np.maximum(first, -widest), np.minimum(last, widest)], axis=1)
         left = (turns[:, 0] < turns[:, 1]) | (ends >= 0).all(axis=1)
         limited = replace(self, ends=ends.astype(np.int32), turns=turns)
-        return limited.taken(left)
+        return limited.select(left)
 
     def at(self, arc: Indices, turn: Floats) -> Floats:
         """Return points of curves.
@@ -186,8 +187,8 @@ class Arcs:
 
     def _meets(self, arc: Indices, mean: Floats, half: Floats | int) -> Floats:
         """Return d cos m + r cos h."""
-        near: Floats = 2 * self.apart[arc] * np.cos(mean / 2) ** 2 - self.gap[arc]
-        meets: Floats = near - 2 * self.more[arc] * np.sin(np.divide(half, 2)) ** 2
+        near: Floats = 2 * self.centre_distance[arc] * np.cos(mean / 2) ** 2 - self.clearance[arc]
+        meets: Floats = near - 2 * self.radius_difference[arc] * np.sin(np.divide(half, 2)) ** 2
         return meets
 
     def polylines(self, vertices: Floats, box: Box, tolerance: float) -> Polylines:
@@ -261,14 +262,15 @@ class Arcs:
         that is known: all of the arc is in the box, and each half is a quarter as high.
         """
         mean, half = (low + high) / 2, (high - low) / 2
-        more = self.more[arc]
-        meets, gap = self._meets(arc, mean, half), self.gap[arc]
+        difference = self.radius_difference[arc]
+        meets, clearance = self._meets(arc, mean, half), self.clearance[arc]
         start, end = self._seen(arc, low, low, 0), self._seen(arc, high, high, 0)
         apex = self._seen(arc, mean, mean, half)
         (ax, ay), (bx, by) = (
-            (-more * np.sin(t), gap + 2 * more * np.cos(t / 2) ** 2) for t in (low, high)
+            (-difference * np.sin(t), clearance + 2 * difference * np.cos(t / 2) ** 2)
+            for t in (low, high)
         )
-        sine, cosine = 2 * more * np.sin(half) * meets, ax * bx + ay * by
+        sine, cosine = 2 * difference * np.sin(half) * meets, ax * bx + ay * by
         length = np.hypot(*(end - start).T)
         with np.errstate(all="ignore"):
             both = np.hypot(ax, ay) * np.hypot(bx, by)
@@ -276,7 +278,7 @@ class Arcs:
         around = np.stack([start, end, apex]) + self.focus[arc]
         is_seen = (around.max(axis=0) >= box[:2]).all(axis=1)
         is_seen &= (around.min(axis=0) <= box[2:]).all(axis=1)
-        is_wide = (half > _WIDEST / 2) & (more > 0)
+        is_wide = (half > _WIDEST / 2) & (difference > 0)
         is_off = ~(height <= tolerance) & is_seen & (half > _NARROWEST)
         coarse: Mask = is_wide | is_off | ~(meets > 0)
         coarse &= half > _NARROWEST

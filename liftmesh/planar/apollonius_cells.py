@@ -16,7 +16,7 @@ from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.planar.apollonius_arcs import Arcs, Box, TooManyPointsError
 from liftmesh.planar.apollonius_vertices import vertices_of
-from liftmesh.planar.disk_powers import more_of
+from liftmesh.planar.disk_powers import differences_of
 
 if TYPE_CHECKING:
     from liftmesh.planar.apollonius_graph import ApolloniusGraph
@@ -106,8 +106,8 @@ def arcs_of(found: Sides, disks: Floats, vertices: Floats) -> Arcs:
     # Counter-clockwise about the first disk, a side starts at the triangle on its right.
     ends = np.where(is_turned[:, None], found.ends, found.ends[:, ::-1])
     near, far = rows.T
-    relative, power = more_of(disks, far, near)
-    focus, axis, more = disks[near, :2], relative[:, :2], relative[:, 2]
+    relative, power = differences_of(disks, far, near)
+    focus, axis, difference = disks[near, :2], relative[:, :2], relative[:, 2]
     turns = np.full((len(near), 2), (-np.pi, np.pi))
     for k in range(2):
         has_end = ends[:, k] >= 0
@@ -115,7 +115,7 @@ def arcs_of(found: Sides, disks: Floats, vertices: Floats) -> Arcs:
         along = axis[has_end]
         cross, dot = along[:, 0] * step[:, 1] - along[:, 1] * step[:, 0], (along * step).sum(1)
         turns[has_end, k] = np.arctan2(cross, dot)
-    return Arcs(rows, ends, focus, axis, more, power, turns)
+    return Arcs(rows, ends, focus, axis, difference, power, turns)
 
 
 def coinciding(found: Sides, centers: Floats, vertices: Floats) -> Floats:

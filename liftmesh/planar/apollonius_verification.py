@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Indices, Mask, Progress, Rows
-from liftmesh.choices import check_progress
+from liftmesh.choices import check_progress, counted
 from liftmesh.errors import InputError
 from liftmesh.planar.apollonius import are_finite, as_disks
 from liftmesh.planar.apollonius_offenders import BEYOND, MEANINGS, DiskEvidence, Place
@@ -68,8 +68,8 @@ def verify_graph(
     circles = _as_circles(graph.circles, len(lists["simplices"]))
     if len(lists["neighbors"]) != len(lists["simplices"]):
         raise InputError(
-            f"neighbors have {len(lists['neighbors']):,} rows for {len(lists['simplices']):,} "
-            "triangles: give one for each"
+            f"neighbors have {counted(len(lists['neighbors']), 'row')} for "
+            f"{counted(len(lists['simplices']), 'triangle')}: give one for each"
         )
     skipped = lists.pop("skipped")
     finite = are_finite(disks)

@@ -16,7 +16,7 @@ from math import isqrt
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.planar.disk_powers import more_of
+from liftmesh.planar.disk_powers import differences_of
 
 _STEPS = 3  # of Newton's method: from half of the digits, one would do
 _OFF = 2.0**-44  # of the terms: what equations may be off
@@ -30,7 +30,7 @@ def vertices_of(disks: Floats, simplices: Rows, circles: Floats) -> Floats:
     Parameters
     ----------
     disks : (n, 3) ndarray of float64
-        All disks, as rows x, y, r: see `more_of`.
+        All disks, as rows x, y, r: see `differences_of`.
     simplices : (m, 3) ndarray of int32
         The triangles, counter-clockwise about their circles.
     circles : (m, 3) ndarray of float64
@@ -49,7 +49,7 @@ def vertices_of(disks: Floats, simplices: Rows, circles: Floats) -> Floats:
     """
     turn = disks[simplices, 2].argmin(axis=1)[:, None] + np.arange(3)
     p, q, r = np.take_along_axis(simplices, turn % 3, axis=1).T
-    (first, power), (second, other) = (more_of(disks, k, p) for k in (q, r))
+    (first, power), (second, other) = (differences_of(disks, k, p) for k in (q, r))
     rows, half = np.stack([first, second], axis=1), np.stack([power, other], axis=1) / 2
     found = np.c_[circles[:, :2] - disks[p, :2], circles[:, 2]]
     found[:, 2] = np.hypot(found[:, 0], found[:, 1])

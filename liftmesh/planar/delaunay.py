@@ -22,6 +22,7 @@ from liftmesh.choices import (
     as_switch,
     check_option,
     check_progress,
+    counted,
 )
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
@@ -321,7 +322,9 @@ def check_options(nonfinite: NonFinite, order: RowOrder, progress: object) -> No
 
 
 def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> DegenerateInputError:
-    held = f"{len(rows)} rows" + (f", {skipped} of them skipped as not finite," if skipped else "")
+    held = counted(len(rows), "row") + (
+        f", {skipped} of them skipped as not finite," if skipped else ""
+    )
     if distinct < 3:
         columns = "; if these are columns, give points.T" if rows.shape == (2, 3) else ""
         return DegenerateInputError(

@@ -14,19 +14,19 @@ from liftmesh._typing import Floats, Rows
 _SPLIT = 2.0**27 + 1
 
 
-def more_of(disks: Floats, of: Rows, than: Rows) -> tuple[Floats, Floats]:
-    """Compute what disks have more than others, and their powers.
+def differences_of(disks: Floats, of: Rows, than: Rows) -> tuple[Floats, Floats]:
+    """Subtract disks from others, and compute the powers of the pairs.
 
     Parameters
     ----------
     disks : (n, 3) ndarray of float64
         Rows x, y, r, less than 2^300 and with squares that do not underflow.
     of, than : (k,) ndarray of int32
-        The disks, and the others.
+        The disks, and those that are subtracted from them.
 
     Returns
     -------
-    more : (k, 3) ndarray of float64
+    difference : (k, 3) ndarray of float64
         The differences of x, y and r.
     powers : (k,) ndarray of float64
         P of each pair.
@@ -35,19 +35,19 @@ def more_of(disks: Floats, of: Rows, than: Rows) -> tuple[Floats, Floats]:
     --------
     >>> import numpy as np
     >>> disks = np.array([[0, 0, 1.0], [3, 4, 1.0], [2**-30, 0, 1 - 2**-30 + 2**-52]])
-    >>> more, powers = more_of(disks, np.array([1, 2]), np.array([0, 0]))
+    >>> difference, powers = differences_of(disks, np.array([1, 2]), np.array([0, 0]))
     >>> float(powers[0]), bool(abs(powers[1] / (2**-81 - 2**-104) - 1) < 1e-15)
     (25.0, True)
     """
     a, b = disks[of], disks[than]
-    more = a - b
-    taken = more - a
-    rest = (a - (more - taken)) - (b + taken)
-    square = more * more
-    high = more * _SPLIT
-    high -= high - more
-    low = more - high
-    lost = ((high * high - square) + 2 * high * low) + low * low + 2 * more * rest
+    difference = a - b
+    rounded = difference - a
+    rest = (a - (difference - rounded)) - (b + rounded)
+    square = difference * difference
+    high = difference * _SPLIT
+    high -= high - difference
+    low = difference - high
+    lost = ((high * high - square) + 2 * high * low) + low * low + 2 * difference * rest
     x, y, r = square.T
     total = x + y
     other = total - x
@@ -56,4 +56,4 @@ def more_of(disks: Floats, of: Rows, than: Rows) -> tuple[Floats, Floats]:
     other = power - total
     lost_of_power = (total - (power - other)) - (r + other)
     least = lost_of_sum + lost_of_power + (lost[:, 0] + lost[:, 1] - lost[:, 2])
-    return more, power + least
+    return difference, power + least

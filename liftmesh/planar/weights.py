@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Mask, Reals
-from liftmesh.choices import shown
+from liftmesh.choices import counted, shown
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.floats import as_floats, is_readable, unmasked
 
@@ -125,9 +125,14 @@ def as_weights(kind: str, given: Any, rows: int) -> Weights:
         array = array[:, 0]
     if array.ndim != 1:
         what = f"are {shown(given)}" if array.ndim == 0 else f"have the shape {array.shape}"
-        raise InputError(f"{kind} {what}: give an array of one number for each of {rows:,} rows")
+        raise InputError(
+            f"{kind} {what}: give an array of one number for each of {counted(rows, 'row')}"
+        )
     if len(array) != rows:
-        raise InputError(f"{kind} hold {len(array):,} numbers for {rows:,} rows: give one for each")
+        raise InputError(
+            f"{kind} hold {counted(len(array), 'number')} for {counted(rows, 'row')}: "
+            "give one for each"
+        )
     values = as_floats(unmasked(array, kind), kind)
     return Weights(kind, values if is_readable(values) else values.copy())
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.arrays import as_coordinates, read_only
-from liftmesh.choices import shown
+from liftmesh.choices import counted, shown
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
 
@@ -174,7 +174,10 @@ class Frame:
             if not isinstance(heights, np.ndarray) or heights.dtype.kind not in "iuf":
                 raise InputError(f"heights are {shown(heights)}: give arrays of numbers")
             if heights.shape != (len(points),):
-                raise InputError(f"{len(points)} rows need as many heights, not {heights.shape}")
+                raise InputError(
+                    f"heights have the shape {heights.shape} for {counted(len(points), 'row')}: "
+                    "give one for each"
+                )
         along = np.flatnonzero(self.normal)
         if len(along) == 1 and not self.origin.any():
             moved: Floats = points.copy()

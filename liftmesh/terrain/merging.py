@@ -23,7 +23,7 @@ from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import said
 from liftmesh.same_crs import are_different, is_same
-from liftmesh.terrain.overlap import overlap_of
+from liftmesh.terrain.overlap import distances_of, overlap_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
 _LINE = "point_source_id"  # the flight line
@@ -56,14 +56,16 @@ def merge(clouds: Iterable[object]) -> Cloud:
         All rows, without faces, with the colours, normals and named values that every cloud has.
         ``metadata["merged"]`` has an entry for each: "source", "rows", and "overlap", its rows in
         square cells of the plane, twice as wide as rows are apart, where an earlier one has rows,
-        too. If rows have a ``point_source_id``, ``metadata["flight_lines"]`` has the number of
-        "lines", and "overlap", the rows in cells of several. ``metadata["skipped"]`` names what is
-        left out.
+        too; and "distance" from the earlier ones if none states a coordinate system, and it is more
+        than ten times as far as the boxes of all in the plane are long. If rows have a
+        ``point_source_id``, ``metadata["flight_lines"]`` has the number of "lines", and "overlap",
+        the rows in cells of several. ``metadata["skipped"]`` names what is left out.
 
     Warns
     -----
     DataWarning
-        Only some state a coordinate system: it is taken to be that of all.
+        Only some state a coordinate system: it is taken to be that of all. Or none does, and one is
+        far from those before it.
 
     Raises
     ------
@@ -99,6 +101,8 @@ def merge(clouds: Iterable[object]) -> Cloud:
     if new := left_out[notes:]:
         entries["skipped"] = tuple(dict.fromkeys([*entries.get("skipped", ()), *new]))
     entries |= _account(points, sizes, names, values.get(_LINE))
+    if crs is None:
+        _note_distances(entries["merged"], distances_of(points, sizes))
     return Cloud(
         points,
         colors=colors,
@@ -185,6 +189,18 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
             f"{_titled(other)}: give to_crs=, which transforms both"
         )
     return crs
+
+
+def _note_distances(merged: list[dict[str, Any]], distances: Sequence[float]) -> None:
+    """Say how far clouds are from those before them, if that is far, here and in a warning."""
+    for each, distance in zip(merged, distances, strict=True):
+        if distance:
+            each["distance"] = distance
+            message = (
+                f"{each['source']} is {distance:.4g} away from {merged[0]['source']}, and neither "
+                "states a coordinate system: they may be in different ones; say which with crs="
+            )
+            warnings.warn(message, DataWarning, stacklevel=3)
 
 
 def _states_heights(crs: str | None) -> bool:

@@ -17,6 +17,7 @@ from liftmesh._typing import Array, Floats, Indices
 
 _BLOCK = 1 << 18  # rows at a time
 _DENSE = 4  # cells for each row that a table may have
+_FAR = 10  # times the longest side of a box: what is unlikely of tiles of one survey
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,42 @@ def overlap_of(points: Floats, sizes: Sequence[int], lines: Array | None) -> Ove
             seen[each] = True
     count, between = (0, 0) if lines is None else _between(grid, lines)
     return Overlap(cell, rows, count, between)
+
+
+def distances_of(points: Floats, sizes: Sequence[int]) -> list[float]:
+    """Return how far parts of a cloud are from those before them, where that is far.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray of float64
+        All rows, part by part.
+    sizes : sequence of int
+        Rows of each part.
+
+    Returns
+    -------
+    list of float
+        For each part the distance of its bounding box in the plane from the box of all before it;
+        0 if that is not more than ten times the longest side of a box.
+
+    Examples
+    --------
+    >>> rows = np.array([[0, 0, 1], [4, 4, 1], [1000, 4, 2], [1003, 0, 3.0]])
+    >>> distances_of(rows, [2, 2]), distances_of(rows - [990, 0, 0] * (rows > 900), [2, 2])
+    ([0.0, 996.0], [0.0, 0.0])
+    """
+    ends = np.cumsum(sizes, dtype=np.intp).tolist()
+    parts = [points[end - size : end, :2] for end, size in zip(ends, sizes, strict=True)]
+    boxes = {k: _box(each) for k, each in enumerate(parts) if np.isfinite(each).all(axis=1).any()}
+    far, least, most = [0.0] * len(parts), np.full(2, np.inf), np.full(2, -np.inf)
+    with np.errstate(over="ignore"):
+        longest = max((float((high - low).max()) for low, high in boxes.values()), default=0.0)
+        for k, (low, high) in boxes.items():
+            step = np.maximum(np.maximum(low - most, least - high), 0)
+            distance = math.hypot(*step.tolist()) if least[0] <= most[0] else 0.0
+            far[k] = distance if distance > _FAR * longest > 0 else 0.0
+            least, most = np.minimum(least, low), np.maximum(most, high)
+    return far
 
 
 def _between(grid: _Grid, lines: Array) -> tuple[int, int]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from liftmesh._typing import Rows
+from liftmesh.choices import counted
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io.tables.columns import described
 
@@ -112,12 +113,3 @@ class Report:
         if self.unused:
             parts.append(f"{counted(self.unused, 'row')} in no face")
         return ", ".join(parts) or "none"
-
-
-def counted(number: int, noun: str) -> str:
-    """Return a number with its noun in the singular or the plural.
-
-    >>> counted(1, "row"), counted(1000, "row")
-    ('1 row', '1,000 rows')
-    """
-    return f"{number:,} {noun}" if number == 1 else f"{number:,} {noun}s"

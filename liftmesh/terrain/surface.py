@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.choices import counted
 from liftmesh.cloud import Cloud
 from liftmesh.color_depth import kept_depth
 from liftmesh.frozen import constructed_from, freeze
@@ -25,7 +26,6 @@ from liftmesh.terrain.measures import Measuring
 from liftmesh.terrain.parts import as_parts
 from liftmesh.terrain.profile import Profiling
 from liftmesh.terrain.raster import Rasterizing
-from liftmesh.terrain.report import counted
 from liftmesh.terrain.sampling import Sampling
 from liftmesh.terrain.solid import Closing
 from liftmesh.terrain.trimming import Trimming

@@ -2,7 +2,7 @@
 
 Surveys with metres in the plane and feet in height exist, and in feet of two kinds. Angles and
 areas in space compare heights with lengths, so heights are converted first, as far as the
-coordinate system says the units; where it does not, the caller may.
+coordinate system and the band of a raster say the units; where they do not, the caller may.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from liftmesh.arrays import as_reals
 from liftmesh.choices import shown
-from liftmesh.crs import described
 from liftmesh.errors import InputError
+from liftmesh.height_units import system_of
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -27,7 +27,8 @@ def metres_of(surface: Surface) -> tuple[float, float, float] | None:
     Parameters
     ----------
     surface : Surface
-        Its coordinate system says the units of x, y and z, or does not.
+        Its coordinate system says the units of x, y and z, or does not; the band of a raster may
+        say that of z.
 
     Returns
     -------
@@ -41,7 +42,7 @@ def metres_of(surface: Surface) -> tuple[float, float, float] | None:
     >>> metres_of(liftmesh.triangulate(points, crs="EPSG:7415"))
     (1.0, 1.0, 1.0)
     """
-    system = described(surface.crs)
+    system = system_of(surface)
     units = () if system is None else system.units
     metres = [each.metres for each in units if each is not None and each.metres is not None]
     if len(metres) != 3:

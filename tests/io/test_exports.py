@@ -85,6 +85,22 @@ def test_landxml_in_feet(metres: str, unit: str) -> None:
     assert next(root.iter(SPACE + "CoordinateSystem")).get("ogcWktCode") == FEET.format(metres)
 
 
+@pytest.mark.parametrize(
+    ("crs", "code"),
+    [
+        ("epsg:25832", "25832"),
+        ("urn:ogc:def:crs:EPSG::25832", "25832"),
+        (FEET.format("0.3048").removesuffix("]") + ',AUTHORITY["EPSG","2222"]]', "2222"),
+        (FEET.format("0.3048").removesuffix("]") + ',AUTHORITY["ESRI","2222"]]', None),
+        (FEET.format("0.3048").replace('"b"', '"b",AUTHORITY["EPSG","4269"]'), None),
+    ],
+)
+def test_landxml_states_the_number_that_a_system_has(crs: str, code: str | None) -> None:
+    found = next(landxml(replace(MESH, crs=crs)).iter(SPACE + "CoordinateSystem"))
+    assert found.get("epsgCode") == code
+    assert found.get("ogcWktCode" if crs.startswith("PROJCS") else "desc") == crs
+
+
 @pytest.mark.parametrize("kind", ["landxml", "3mf"])
 @pytest.mark.parametrize(
     ("crs", "cause"),

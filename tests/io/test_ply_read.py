@@ -130,7 +130,7 @@ def test_other_elements_and_properties_are_passed_over_in_place(mixed: bool) -> 
             "face property flags (2 rows)",
             "face property texcoord (2 rows)",
             "face property quality (2 rows)",
-            "element tail (1 rows)",
+            "element tail (1 row)",
         )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array, Rows
+from liftmesh.choices import counted
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
 from liftmesh.io.faces import face_counts, triangulated
@@ -188,7 +189,7 @@ class _Reading:
         return Ragged.joined(parts) if parts else Ragged.empty(usable[0].dtype)
 
     def _skip_element(self, element: Element) -> None:
-        self._skipped.append(f"element {element.name} ({element.rows} rows)")
+        self._skipped.append(f"element {element.name} ({counted(element.rows, 'row')})")
         self._exhaust(element)
 
     def _exhaust(self, element: Element) -> None:
@@ -197,7 +198,9 @@ class _Reading:
             pass
 
     def _note_skipped(self, element: Element, names: list[str]) -> None:
-        self._skipped += [f"{element.name} property {each} ({element.rows} rows)" for each in names]
+        self._skipped += [
+            f"{element.name} property {each} ({counted(element.rows, 'row')})" for each in names
+        ]
 
     def _metadata(self, faces: Ragged | None) -> dict[str, Any]:
         found: dict[str, Any] = {

@@ -85,8 +85,9 @@ class BinaryBody:
         """Compare the size that the header promises with the file before memory is allocated."""
         here, left = self._stream.tell(), remaining(self._stream)
         if element.rows * row > left:
+            rows = "1 row" if element.rows == 1 else f"{element.rows} rows"
             raise FormatError(
-                f"{self._name}: byte {here}: the header promises {element.rows} rows of element "
+                f"{self._name}: byte {here}: the header promises {rows} of element "
                 f"{element.name}, at least {element.rows * row} bytes, but {left} are left: "
                 "the file is truncated, or its header is wrong"
             )
