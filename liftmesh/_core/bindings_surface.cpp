@@ -134,14 +134,10 @@ class PyRelief {
             return liftmesh::contours(relief_, levels.data(), levels.shape(0), found,
                                       {threads, shared}, interrupt);
         });
-        auto points = liftmesh::allocate<double>(2 * found.points.size());
-        for (std::size_t i = 0; i < found.points.size(); ++i) {
-            points[2 * i] = found.points[i].x;
-            points[2 * i + 1] = found.points[i].y;
-        }
-        return nb::make_tuple(adopt(std::move(points), found.points.size(), 2),
-                              as_array(found.starts), as_array(found.levels),
-                              as_array(found.is_closed));
+        auto points = liftmesh::reuse<double>(std::move(found.points));
+        const auto count = static_cast<std::size_t>(found.starts.back());
+        return nb::make_tuple(adopt(std::move(points), count, 2), as_array(found.starts),
+                              as_array(found.levels), as_array(found.is_closed));
     }
 
     // From this surface to another one: above, below and area. The faces touch each other.
