@@ -254,6 +254,15 @@ class TestLevels:
         with pytest.raises(liftmesh.InputError, match="a height of a face is not finite"):
             surface.contours(interval=1)
 
+    @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+    def test_one_height_that_was_written_since_is_enough(self, value: float) -> None:
+        points = np.random.default_rng(4).random((40_000, 3))
+        surface = liftmesh.triangulate(points)
+        assert surface.contours(interval=0.25, threads=2).levels.tolist()[-1] == 0.75
+        points[12_345, 2] = value
+        with pytest.raises(liftmesh.InputError, match="a height of a face is not finite"):
+            surface.contours(interval=0.25, threads=2)
+
     def test_the_callers_decimals_change_no_level(self) -> None:
         points = meadow() + np.array([0, 0, 1000])
         surface = liftmesh.triangulate(points)

@@ -16,6 +16,7 @@
 #include "bindings_locate.hpp"
 #include "bindings_runs.hpp"
 #include "surface/contours.hpp"
+#include "surface/height_range.hpp"
 #include "surface/overlay.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
@@ -140,6 +141,15 @@ class PyRelief {
                               as_array(found.levels), as_array(found.is_closed));
     }
 
+    // NaN if a height of a face is not finite.
+    nb::tuple height_range(unsigned threads, bool shared) const {
+        liftmesh::HeightRange found;
+        run_unlocked([&](liftmesh::Interrupt& interrupt) {
+            return liftmesh::height_range(relief_, found, {threads, shared}, interrupt);
+        });
+        return nb::make_tuple(found.least, found.greatest);
+    }
+
     // From this surface to another one: above, below and area. The faces touch each other.
     nb::tuple between(const PyRelief& other, std::int32_t face, std::int32_t touching) const {
         check_face(face);
@@ -234,6 +244,7 @@ void bind_surface(nb::module_& m) {
         .def("between", &PyRelief::between, "other"_a, "face"_a, "touching"_a)
         .def("between_within", &PyRelief::between_within, "other"_a, "parts"_a, "faces"_a,
              "touching"_a)
+        .def("height_range", &PyRelief::height_range, "threads"_a, "shared"_a)
         .def("contours", &PyRelief::contours, "levels"_a, "threads"_a, "shared"_a)
         .def("scan", &PyRelief::scan, "locator"_a, "transform"_a, "first_row"_a, "pixels"_a,
              "threads"_a, "shared"_a);
