@@ -2,7 +2,8 @@
 
     python scripts/bench_surface.py                       a million rows, points and pixels
     python scripts/bench_surface.py --tasks rasters --pixels 100000000 --json found.json
-    python scripts/bench_surface.py --tasks contours --threads 2
+    python scripts/bench_surface.py --tasks contours --levels 169
+    python scripts/bench_surface.py --tasks heights --threads 1 2       on an idle machine
 
 Heights at unsorted points, rasters and contours of one surface over uniform points, whose heights
 are a wave. Every program gets the triangulation ready, but gdal_grid, which reads a file of the
@@ -10,8 +11,9 @@ points and writes a raster: reading and writing are timed by themselves, and sub
 the points first, as liftmesh does; PDAL's loop is rebuilt (`heights/faceraster.cpp`). Counted are
 seconds of the processor, the best of the rounds, in turn; a first call, which may make an index,
 comes before. SciPy and matplotlib take no more than `--most` points and pixels, and seconds are for
-a million of them. A last table has the ratios that are promised. Programs that are not installed
-are left out: apt-get install g++ libcgal-dev gdal-bin.
+a million of them. liftmesh takes its turns with each number of threads: one table says by how much
+the clock gains, and the last one has the ratios that are promised of the first number. Programs
+that are not installed are left out: apt-get install g++ libcgal-dev gdal-bin.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import process_time
+from time import perf_counter, process_time
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -48,7 +50,7 @@ Take: TypeAlias = Callable[[], float]
 SIDE = 1000.0
 MILLION = 1e6
 TASKS = ("heights", "rasters", "contours")
-LEVELS = np.linspace(-90, 90, 33)
+THREADS_GAIN = 1.7  # of heights, by the clock, with two
 
 
 @dataclass(frozen=True)
@@ -62,21 +64,33 @@ class Contestant:
     name: str
     asked: int
     take: Take
+    threads: int = 1
 
 
 @dataclass(frozen=True)
 class Result:
-    """The best seconds of the processor; for a million points or pixels, or for all at once."""
+    """The best seconds of the processor and of the clock."""
 
     task: str
     name: str
     asked: int
     seconds: float
+    clock: float = 0.0
+    threads: int = 1
 
     @property
     def comparable(self) -> float:
-        """Seconds for a million."""
-        return self.seconds * MILLION / self.asked if self.asked else self.seconds
+        """Seconds of the processor for a million points or pixels, or for all at once."""
+        return self.seconds * self._share
+
+    @property
+    def comparable_clock(self) -> float:
+        """Seconds of the clock, likewise."""
+        return self.clock * self._share
+
+    @property
+    def _share(self) -> float:
+        return MILLION / self.asked if self.asked else 1.0
 
 
 @dataclass(frozen=True)
@@ -125,6 +139,8 @@ def main() -> None:
     console = Console() if os.isatty(1) else Console(width=100)
     for task in options.tasks:
         console.print(table_of(task, results, options))
+    if len(options.threads) > 1:
+        console.print(table_of_threads(results, options))
     console.print(table_of_goals(results, options))
     if options.json:
         found = [asdict(each) | {"comparable": each.comparable} for each in results]
@@ -140,7 +156,8 @@ def read_options() -> Namespace:
     add("--points", type=int, default=1_000_000, help="at which heights are asked")
     add("--pixels", type=int, default=1_000_000, help="of rasters")
     add("--most", type=int, default=100_000, help="points and pixels of SciPy and matplotlib")
-    add("--threads", type=int, default=1, help="of liftmesh")
+    add("--levels", type=int, default=33, help="of contours")
+    add("--threads", nargs="+", type=int, default=[1, 2], metavar="K", help="of liftmesh")
     add("--rounds", type=int, default=3)
     add("--tasks", nargs="+", choices=TASKS, default=TASKS)
     add("--json", type=Path, metavar="FILE")
@@ -159,20 +176,26 @@ def contestants(
 ) -> Iterator[Contestant]:
     """List who takes part in the tasks that are asked for."""
     surface = liftmesh.triangulate(rows)
-    if "heights" in options.tasks:
-        yield from of_heights(surface, options, folder)
-    if "rasters" in options.tasks:
-        yield from of_rasters(surface, options, folder)
-    if "contours" in options.tasks:
-        yield from of_contours(surface, options)
+    makers = {"heights": of_heights, "rasters": of_rasters, "contours": of_contours}
+    for task in options.tasks:
+        yield from makers[task](surface, options, folder)
+
+
+def own(
+    task: str, name: str, asked: int, options: Namespace, call: Callable[[int], Any]
+) -> Iterator[Contestant]:
+    """List liftmesh with each number of threads, which the call is given."""
+    for threads in options.threads:
+        take = timed(lambda threads=threads: call(threads))
+        yield Contestant(task, name, asked, take, threads)
 
 
 def of_heights(surface: liftmesh.Surface, options: Namespace, folder: Path) -> Iterator[Contestant]:
     """Heights at points in the middle of the square."""
     asked = np.random.default_rng(SEED + 1).uniform(0.01 * SIDE, 0.99 * SIDE, (options.points, 2))
     for method in ("linear", "nearest", "laplace", "sibson"):
-        take = timed(lambda method=method: surface.sample(asked, method, threads=options.threads))
-        yield Contestant("heights", f"{OURS}, {method}", len(asked), take)
+        call = lambda threads, method=method: surface.sample(asked, method, threads=threads)  # noqa: E731
+        yield from own("heights", f"{OURS}, {method}", len(asked), options, call)
     some = asked[: options.most]
     for name, find in interpolators(surface).items():
         yield Contestant("heights", name, len(some), timed(lambda find=find: find(some)))
@@ -198,22 +221,18 @@ def interpolators(
 def of_rasters(surface: liftmesh.Surface, options: Namespace, folder: Path) -> Iterator[Contestant]:
     """Rasters of the square, of float32."""
     side = max(int(options.pixels**0.5), 1)
-    step, pixels, threads = SIDE / side, side * side, options.threads
+    step, pixels = SIDE / side, side * side
     grid = {"transform": (step, 0, 0, 0, -step, SIDE), "shape": (side, side), "dtype": "float32"}
-    yield Contestant(
-        "rasters", OURS, pixels, timed(lambda: surface.raster(**grid, threads=threads))
-    )
-    yield Contestant("rasters", SCAN, pixels, timed(scan(surface, grid, threads)))
-    yield Contestant(
-        "rasters",
-        ALL,
-        pixels,
-        timed(
-            lambda: liftmesh.triangulate(surface.vertices, threads=threads).raster(
-                **grid, threads=threads
-            )
+    rows = surface.vertices
+    calls = {
+        OURS: lambda threads: surface.raster(**grid, threads=threads),
+        SCAN: scan(surface, grid),
+        ALL: lambda threads: liftmesh.triangulate(rows, threads=threads).raster(
+            **grid, threads=threads
         ),
-    )
+    }
+    for name, call in calls.items():
+        yield from own("rasters", name, pixels, options, call)
     few = max(int(min(options.pixels, options.most) ** 0.5), 1)
     centres = (np.stack(np.meshgrid(*2 * [np.arange(few)]), axis=-1) + 0.5) * (SIDE / few)
     find = interpolators(surface)["matplotlib, linear"]
@@ -223,11 +242,11 @@ def of_rasters(surface: liftmesh.Surface, options: Namespace, folder: Path) -> I
     yield from of_other_rasters(surface, side, folder)
 
 
-def scan(surface: liftmesh.Surface, grid: dict[str, Any], threads: int) -> Call:
+def scan(surface: liftmesh.Surface, grid: dict[str, Any]) -> Callable[[int], Any]:
     """The kernel's scan into pixels that are there, without the memory for them."""
     relief, locator = relief_of(surface), surface.triangulation._locator  # noqa: SLF001
     pixels = np.zeros((*grid["shape"], 1), grid["dtype"])
-    return lambda: relief.scan(locator, grid["transform"], 0, pixels, threads, False)
+    return lambda threads: relief.scan(locator, grid["transform"], 0, pixels, threads, False)
 
 
 def of_other_rasters(surface: liftmesh.Surface, side: int, folder: Path) -> Iterator[Contestant]:
@@ -249,24 +268,32 @@ def of_other_rasters(surface: liftmesh.Surface, side: int, folder: Path) -> Iter
             yield Contestant("rasters", name, side * side, timed(call))
 
 
-def of_contours(surface: liftmesh.Surface, options: Namespace) -> Iterator[Contestant]:
+def of_contours(
+    surface: liftmesh.Surface, options: Namespace, _folder: Path
+) -> Iterator[Contestant]:
     """Lines at many levels."""
-    own = lambda: surface.contours(LEVELS, threads=options.threads)  # noqa: E731
+    levels = np.linspace(-90, 90, options.levels)
+    call = lambda threads: surface.contours(levels, threads=threads)  # noqa: E731
+    yield from own("contours", OURS, 0, options, call)
     theirs, heights = surface.to_matplotlib(), surface.vertices[:, 2]
-    other = lambda: Figure().subplots().tricontour(theirs, heights, LEVELS)  # noqa: E731
-    yield Contestant("contours", OURS, 0, timed(own))
+    other = lambda: Figure().subplots().tricontour(theirs, heights, levels)  # noqa: E731
     yield Contestant("contours", "matplotlib", 0, timed(other))
 
 
 def measured(those: list[Contestant], rounds: int) -> list[Result]:
     """Let all take turns; the first turn does not count."""
-    best = [float("inf")] * len(those)
+    best = [(float("inf"), float("inf"))] * len(those)
     for turn in range(rounds + 1):
         for number, each in enumerate(those):
+            began = perf_counter()
             seconds = each.take()
+            clock = perf_counter() - began
             if turn:
-                best[number] = min(best[number], seconds)
-    return [Result(x.task, x.name, x.asked, s) for x, s in zip(those, best, strict=True)]
+                best[number] = min(best[number][0], seconds), min(best[number][1], clock)
+    return [
+        Result(x.task, x.name, x.asked, *taken, x.threads)
+        for x, taken in zip(those, best, strict=True)
+    ]
 
 
 def timed(call: Call) -> Take:
@@ -289,20 +316,47 @@ def of_children() -> float:
 def table_of(task: str, results: list[Result], options: Namespace) -> Table:
     """Make the table of a task, with times of liftmesh's first line."""
     of_task = [each for each in results if each.task == task]
-    load = f"load {os.getloadavg()[0]:.1f}"
     unit = "CPU seconds" if task == "contours" else "CPU seconds a million"
-    table = Table(title=f"{task}: {options.n:,} rows, {options.threads} threads, {load}")
-    for title in ("program", unit, f"times {OURS}"):
+    table = Table(title=f"{task}: {options.n:,} rows, {load()}")
+    for title in ("program", "threads", unit, f"times {OURS}"):
         table.add_column(title, justify="left" if title == "program" else "right")
     for each in of_task:
         ratio = each.comparable / max(of_task[0].comparable, 1e-9)
-        table.add_row(each.name, f"{each.comparable:.3f}", f"{ratio:.2f}")
+        table.add_row(each.name, f"{each.threads}", f"{each.comparable:.3f}", f"{ratio:.2f}")
+    return table
+
+
+def is_ours(result: Result) -> bool:
+    """Whether liftmesh made it."""
+    return result.name.startswith(OURS)
+
+
+def load() -> str:
+    """Say how busy the machine is."""
+    return f"load {os.getloadavg()[0]:.1f}"
+
+
+def table_of_threads(results: list[Result], options: Namespace) -> Table:
+    """Make the table of liftmesh's seconds by the clock, and how many times as fast each is."""
+    first, *more = options.threads
+    table = Table(title=f"by the clock: {options.n:,} rows, {load()}")
+    titles = [f"threads: {count}" for count in options.threads]
+    for title in ("task", "program", *titles, *(f"gain of {count}" for count in more)):
+        table.add_column(title, justify="left" if title in {"task", "program"} else "right")
+    clocks = {(x.task, x.name, x.threads): x.comparable_clock for x in results}
+    for task, name in dict.fromkeys((x.task, x.name) for x in results if is_ours(x)):
+        seconds = [clocks[task, name, count] for count in options.threads]
+        gains = [f"{clocks[task, name, first] / max(each, 1e-9):.2f}" for each in seconds[1:]]
+        table.add_row(task, name, *(f"{each:.3f}" for each in seconds), *gains)
+    if "heights" in options.tasks:
+        table.caption = f"promised for two, of heights, on an idle machine: {THREADS_GAIN:g}"
     return table
 
 
 def table_of_goals(results: list[Result], options: Namespace) -> Table:
     """Make the table of the ratios that are promised, of the tasks that were asked for."""
-    seconds = {(each.task, each.name): each.comparable for each in results}
+    counted = [x for x in results if x.threads == options.threads[0] or not is_ours(x)]
+    seconds = {(each.task, each.name): each.comparable for each in counted}
     table = Table(title=f"ratios: {options.n:,} rows, {options.pixels:,} pixels")
     for title in ("task", "program", "times", "at least", "found"):
         table.add_column(title, justify="right" if title in {"at least", "found"} else "left")

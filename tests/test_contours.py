@@ -127,6 +127,40 @@ def test_no_bit_depends_on_threads() -> None:
     np.testing.assert_array_equal(one.starts, three.starts)
 
 
+def steps_of_faces(surface: liftmesh.Surface, level: float) -> np.ndarray:
+    """Where a level enters and leaves each face, above on the left, from the lesser ends."""
+    corners = surface.vertices[surface.faces]  # counter-clockwise
+    tails, heads = corners, np.roll(corners, -1, axis=1)
+    lesser = (tails[..., 0] < heads[..., 0]) | (
+        (tails[..., 0] == heads[..., 0]) & (tails[..., 1] < heads[..., 1])
+    )
+    low, high = (np.where(lesser[..., None], *each) for each in ((tails, heads), (heads, tails)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (level - low[..., 2]) / (high[..., 2] - low[..., 2])
+        points = low[..., :2] + share[..., None] * (high - low)[..., :2]
+    above = tails[..., 2] >= level, heads[..., 2] >= level
+    enters, leaves = above[0] & ~above[1], ~above[0] & above[1]
+    return np.hstack([points[enters], points[leaves]])
+
+
+def test_every_crossed_face_has_one_step() -> None:
+    rng = np.random.default_rng(31)
+    points = rng.random((40_000, 3)) * (100, 100, 1)
+    points[:, 2] += 5 * np.sin(points[:, 0] / 9)
+    surface = liftmesh.triangulate(points).trim(max_edge=1.5)
+    levels = [-3.01, 0.017, 2.9, 4.0]
+    lines = surface.contours(levels, threads=2)
+    for level in levels:
+        found = [np.hstack([x.points[:-1], x.points[1:]]) for x in lines if x.level == level]
+        expected = steps_of_faces(surface, level)
+        assert len(expected) > 1000
+        np.testing.assert_array_equal(in_order(np.vstack(found)), in_order(expected))
+
+
+def in_order(rows: np.ndarray) -> np.ndarray:
+    return rows[np.lexsort(rows.T)]
+
+
 def rolling(n: int = 4000) -> liftmesh.Surface:
     rng = np.random.default_rng(5)
     x, y = rng.random((2, n)) * 100
@@ -219,6 +253,15 @@ class TestLevels:
         points[:, 2] = np.nan
         with pytest.raises(liftmesh.InputError, match="a height of a face is not finite"):
             surface.contours(interval=1)
+
+    @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+    def test_one_height_that_was_written_since_is_enough(self, value: float) -> None:
+        points = np.random.default_rng(4).random((40_000, 3))
+        surface = liftmesh.triangulate(points)
+        assert surface.contours(interval=0.25, threads=2).levels.tolist()[-1] == 0.75
+        points[12_345, 2] = value
+        with pytest.raises(liftmesh.InputError, match="a height of a face is not finite"):
+            surface.contours(interval=0.25, threads=2)
 
     def test_the_callers_decimals_change_no_level(self) -> None:
         points = meadow() + np.array([0, 0, 1000])

@@ -167,6 +167,37 @@ def test_the_nearest_agrees_with_a_tree_and_threads_change_nothing() -> None:
         np.testing.assert_array_equal(surface.sample(queries, method, threads=3), one)
 
 
+@pytest.mark.parametrize(
+    ("exponent", "offset"),
+    [(-1074, 0), (-1000, 0), (-530, 0), (515, 0), (1000, 0), (-2, 0), (-2, 2**45)],
+)
+def test_of_four_nearest_the_least_counts_at_any_size(exponent: int, offset: int) -> None:
+    size = 2.0**exponent
+    even = np.stack(np.meshgrid(*2 * [np.arange(0, 14, 2)]), axis=-1).reshape(-1, 2)
+    rows = np.random.default_rng(2).permutation(even)
+    surface = liftmesh.triangulate(np.column_stack([(offset + rows) * size, rows @ [1, 100]]))
+    middles = np.stack(np.meshgrid(*2 * [np.arange(1, 13, 2)]), axis=-1)
+    found = surface.sample((offset + middles) * size, "nearest")
+    np.testing.assert_array_equal(found, (middles - 1) @ [1, 100])
+
+
+def test_the_nearest_around_a_vertex_of_many_faces() -> None:
+    rng = np.random.default_rng(23)
+    angles, sides = rng.random(400) * 2 * np.pi, rng.random((400, 1)) * 1e-6 + 1
+    ring = np.column_stack([np.cos(angles), np.sin(angles)]) * sides
+    planar = np.vstack([ring, [[0, 0]], rng.uniform([2, -0.5], [3, 0.5], (200, 2))])
+    surface = liftmesh.triangulate(np.column_stack([planar, np.arange(len(planar))]))
+    faces_at = np.bincount(surface.faces.ravel())
+    assert faces_at.max() > 200
+    queries = np.vstack(
+        [rng.uniform(-0.7, 0.7, (300, 2)), rng.uniform([1, -0.4], [3, 0.4], (300, 2))]
+    )
+    _, rows = cKDTree(planar).query(queries)
+    found = surface.sample(queries, "nearest")
+    assert np.isfinite(found).sum() > 500
+    np.testing.assert_array_equal(found, np.where(np.isnan(surface.sample(queries)), np.nan, rows))
+
+
 def test_masked_faces_have_no_height() -> None:
     surface = liftmesh.triangulate(meadow()).trim(max_edge=12)
     queries = np.random.default_rng(0).uniform(0, 100, (2000, 2))

@@ -16,6 +16,7 @@
 #include "bindings_locate.hpp"
 #include "bindings_runs.hpp"
 #include "surface/contours.hpp"
+#include "surface/height_range.hpp"
 #include "surface/overlay.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
@@ -134,14 +135,19 @@ class PyRelief {
             return liftmesh::contours(relief_, levels.data(), levels.shape(0), found,
                                       {threads, shared}, interrupt);
         });
-        auto points = liftmesh::allocate<double>(2 * found.points.size());
-        for (std::size_t i = 0; i < found.points.size(); ++i) {
-            points[2 * i] = found.points[i].x;
-            points[2 * i + 1] = found.points[i].y;
-        }
-        return nb::make_tuple(adopt(std::move(points), found.points.size(), 2),
-                              as_array(found.starts), as_array(found.levels),
-                              as_array(found.is_closed));
+        auto points = liftmesh::reuse<double>(std::move(found.points));
+        const auto count = static_cast<std::size_t>(found.starts.back());
+        return nb::make_tuple(adopt(std::move(points), count, 2), as_array(found.starts),
+                              as_array(found.levels), as_array(found.is_closed));
+    }
+
+    // NaN if a height of a face is not finite.
+    nb::tuple height_range(unsigned threads, bool shared) const {
+        liftmesh::HeightRange found;
+        run_unlocked([&](liftmesh::Interrupt& interrupt) {
+            return liftmesh::height_range(relief_, found, {threads, shared}, interrupt);
+        });
+        return nb::make_tuple(found.least, found.greatest);
     }
 
     // From this surface to another one: above, below and area. The faces touch each other.
@@ -238,6 +244,7 @@ void bind_surface(nb::module_& m) {
         .def("between", &PyRelief::between, "other"_a, "face"_a, "touching"_a)
         .def("between_within", &PyRelief::between_within, "other"_a, "parts"_a, "faces"_a,
              "touching"_a)
+        .def("height_range", &PyRelief::height_range, "threads"_a, "shared"_a)
         .def("contours", &PyRelief::contours, "levels"_a, "threads"_a, "shared"_a)
         .def("scan", &PyRelief::scan, "locator"_a, "transform"_a, "first_row"_a, "pixels"_a,
              "threads"_a, "shared"_a);

@@ -33,7 +33,7 @@ from liftmesh.terrain.sampling import relief_of
 from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+    from liftmesh import _kernel
 
 _MOST_LEVELS = 1_000_000
 
@@ -309,11 +309,11 @@ class Contouring:
         >>> slope.contours([2])[0].points.tolist()
         [[1.0, 3.0], [1.0, 0.0]]
         """
+        limit, relief = as_threads(threads, len(self.faces)), relief_of(self)
         wanted, is_index = wanted_levels(
-            levels, interval, base, index_every, lambda: _heights_of(self)
+            levels, interval, base, index_every, lambda: _heights_of(relief, *limit)
         )
-        limit = as_threads(threads, len(self.faces))
-        points, starts, places, closed = relief_of(self).contours(wanted, *limit)
+        points, starts, places, closed = relief.contours(wanted, *limit)
         crs = self.crs if self.frame.name == "xy" else None
         return Contours(
             points, starts, wanted[places], closed.view(np.bool_), is_index[places], crs
@@ -390,10 +390,9 @@ def _multiples(
     return levels, np.array([number % index_every == 0 for number in numbers])
 
 
-def _heights_of(surface: Surface) -> tuple[Fraction, Fraction]:
+def _heights_of(relief: _kernel.Relief, threads: int, shared: bool) -> tuple[Fraction, Fraction]:
     """Return the least and the greatest height of a face."""
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
-    low, high = float(heights.min()), float(heights.max())
+    low, high = relief.height_range(threads, shared)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise InputError(
             "a height of a face is not finite: the array of the vertices was written since"

@@ -87,7 +87,8 @@ std::vector<double> answers(Terrain& terrain, const std::vector<Point>& asked, s
     if (!done) return {};
     all.insert(all.end(), shares.rows.begin(), shares.rows.end());
     all.insert(all.end(), shares.weights.begin(), shares.weights.end());
-    for (const Point p : lines.points) all.insert(all.end(), {p.x, p.y});
+    const Point* const end = lines.points.get() + lines.starts.back();
+    for (const Point* p = lines.points.get(); p != end; ++p) all.insert(all.end(), {p->x, p->y});
     all.insert(all.end(), found.rows.begin(), found.rows.end());
     return all;
 }

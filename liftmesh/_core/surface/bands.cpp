@@ -63,7 +63,7 @@ bool Bands::list() {
             for (std::int32_t band = reached.first; band <= reached.last; ++band)
                 lists_.put(static_cast<std::size_t>(band), block, face);
         });
-    lists_.close();
+    lists_.close(-1);
     return done && !pool_.interrupt().requested();
 }
 

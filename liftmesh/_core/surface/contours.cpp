@@ -1,207 +1,178 @@
 #include "surface/contours.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <atomic>
+#include <cstddef>
 #include <utility>
 
 #include "base/floating_point.hpp"
-#include "parallel/blocks.hpp"
-#include "surface/crossing.hpp"
-#include "surface/lists.hpp"
+#include "surface/crossed.hpp"
+#include "surface/places.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t block_size = std::size_t{1} << 14, most_blocks = 256;
-constexpr std::size_t most_lists = std::size_t{1} << 20;  // unless there are more levels
-
 struct Line {
-    std::vector<Point> points;
+    std::size_t first, last;  // points
     bool is_closed;
 };
 
-bool before(const Line& p, const Line& q) {
-    return std::lexicographical_compare(p.points.begin(), p.points.end(), q.points.begin(),
-                                        q.points.end(), before_xy);
-}
+// The lines of one level, in their order.
+struct Lines {
+    Buffer<Point> points;
+    std::vector<Line> lines;
 
-// The faces that each level crosses.
-class Crossed {
- public:
-    Crossed(const Relief& relief, const double* levels, std::size_t count, ThreadPool& pool)
-        : relief_(relief),
-          levels_(levels),
-          count_(count),
-          pool_(pool),
-          lists_(count, std::clamp<std::size_t>(
-                            relief.mesh().count / block_size, 1,
-                            std::clamp<std::size_t>(most_lists / (count + 1), 1, most_blocks))) {}
-
-    bool list() {
-        if (!for_each([this](std::size_t block, std::size_t level, std::int32_t) {
-                lists_.count(level, block);
-            }))
-            return false;
-        lists_.make_room();
-        const bool done = for_each([this](std::size_t block, std::size_t level, std::int32_t face) {
-            lists_.put(level, block, face);
-        });
-        lists_.close();
-        return done;
-    }
-
-    // Faces, or -1.
-    const std::int32_t* begin(std::size_t level) const { return lists_.begin(level); }
-    const std::int32_t* end(std::size_t level) const { return lists_.end(level); }
-
- private:
-    // visit(block, level, face) wherever a level crosses a face.
-    template <class Visit>
-    bool for_each(Visit visit) {
-        const std::size_t faces = relief_.mesh().count, blocks = lists_.blocks();
-        const bool done = pool_.run(blocks, [&, faces, blocks](std::size_t block) {
-            Patience patience(pool_.interrupt());
-            const auto last = static_cast<std::int32_t>(faces * (block + 1) / blocks);
-            for (auto face = static_cast<std::int32_t>(faces * block / blocks); face < last;
-                 ++face) {
-                if (!relief_.is_shown(face)) continue;
-                const auto [first, end] = levels_of(face);
-                if (patience.ends(1 + end - first)) return;
-                for (std::size_t level = first; level < end; ++level) visit(block, level, face);
-            }
-        });
-        return done && !pool_.interrupt().requested();
-    }
-
-    // The levels above the lowest corner and not above the highest.
-    std::pair<std::size_t, std::size_t> levels_of(std::int32_t face) const {
-        const double a = height(face, 0), b = height(face, 1), c = height(face, 2);
-        const double low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
-        std::size_t first = 0;
-        for (std::size_t size = count_; size > 0;) {  // without a branch that depends on heights
-            const std::size_t half = (size + 1) / 2;
-            first += levels_[first + half - 1] <= low ? half : 0;
-            size = size - half;
-        }
-        std::size_t last = first;
-        while (last < count_ && levels_[last] <= high) ++last;
-        return {first, last};
-    }
-    double height(std::int32_t face, int k) const {
-        return relief_.height_of(relief_.mesh().vertex(face, k));
-    }
-
-    const Relief& relief_;
-    const double* levels_;
-    std::size_t count_;
-    ThreadPool& pool_;
-    FaceLists lists_;
+    std::size_t count() const { return lines.empty() ? 0 : lines.back().last; }
 };
 
-// The lines of one level.
+// Traces the lines of one level after another.
 class Tracer {
  public:
-    Tracer(const Relief& relief, double level, std::vector<bool>& is_done, Patience& patience)
-        : relief_(relief), level_(level), is_done_(is_done), patience_(patience) {}
+    Tracer(const Crossed& crossed, std::size_t faces, Interrupt& interrupt)
+        : crossed_(crossed), places_(faces), patience_(interrupt) {}
 
-    std::vector<Line> run(const std::int32_t* first, const std::int32_t* last) {
-        for (const std::int32_t* face = first; face != last && !patience_.ends(); ++face)
-            if (*face >= 0 && !is_done(*face)) trace(*face);
-        for (const std::int32_t* face = first; face != last; ++face)
-            if (*face >= 0) is_done(*face) = false;
-        std::sort(lines_.begin(), lines_.end(), before);
-        return std::move(lines_);
+    Lines run(std::size_t level) {
+        level_ = level;
+        steps_ = crossed_.begin(level);
+        count_ = static_cast<std::size_t>(crossed_.end(level) - steps_);
+        points_.clear();
+        lines_.clear();
+        link();
+        for (std::size_t i = 0; i < count_ && !patience_.ends(); ++i)
+            if (before_[i] < 0 && steps_[i].face >= 0) trace_open(i);
+        for (std::size_t i = 0; i < count_ && !patience_.ends(); ++i)
+            if (!is_done_[i] && steps_[i].face >= 0) trace_closed(i);
+        return sorted();
     }
 
  private:
-    std::vector<bool>::reference is_done(std::int32_t face) {
-        return is_done_[static_cast<std::size_t>(face)];
-    }
-
-    // The sides, by the corners opposite, by which the line enters a face and leaves it. One corner
-    // is alone on its side of the level.
-    struct Passage {
-        int entry, exit;
-    };
-    Passage passage(std::int32_t face) const {
-        bool above[3];
-        for (int k = 0; k < 3; ++k)
-            above[k] = relief_.height_of(relief_.mesh().vertex(face, k)) >= level_;
-        const int k = above[1] == above[2] ? 0 : above[0] == above[2] ? 1 : 2;
-        const int following = (k + 1) % 3, last = (k + 2) % 3;
-        return above[k] ? Passage{last, following} : Passage{following, last};
-    }
-
-    // Forward until it closes or ends, and in that case backward from where it began.
-    void trace(std::int32_t face) {
-        Line line{{}, false};
-        const int entry = passage(face).entry;
-        add(line, face, entry);
-        std::int32_t at = face;
-        while (relief_.is_shown(at) && !is_done(at) && !patience_.ends()) {
-            is_done(at) = true;
-            const int side = passage(at).exit;
-            add(line, at, side);
-            at = relief_.mesh().neighbor(at, side);
+    // Finds the step that follows each. A place may be wrong if steps are none.
+    void link() {
+        for (std::size_t i = 0; i < count_; ++i)
+            if (steps_[i].face >= 0) places_.add(steps_[i].face, static_cast<std::int32_t>(i));
+        is_done_.assign(count_, 0);
+        before_.assign(count_, -1);
+        next_.resize(count_);
+        for (std::size_t i = 0; i < count_; ++i) {
+            const std::int32_t next = places_.find(steps_[i].next);
+            next_[i] = next >= 0 && step(next).face == steps_[i].next ? next : -1;
+            if (next_[i] >= 0)
+                before_[static_cast<std::size_t>(next)] = static_cast<std::int32_t>(i);
         }
-        line.is_closed = at == face;
-        if (!line.is_closed) {
-            std::reverse(line.points.begin(), line.points.end());
-            extend_back(line, relief_.mesh().neighbor(face, entry));
-            std::reverse(line.points.begin(), line.points.end());
-        }
-        if (line.points.size() < 2) return;
-        if (line.is_closed) begin_at_least(line.points);
-        lines_.push_back(std::move(line));
+        for (std::size_t i = 0; i < count_; ++i)
+            if (steps_[i].face >= 0) places_.remove(steps_[i].face);
+    }
+    const Step& step(std::int32_t place) const { return steps_[static_cast<std::size_t>(place)]; }
+
+    void trace_open(std::size_t first) {
+        const std::size_t start = points_.size();
+        add(start, crossed_.entry(level_, steps_[first].face));
+        follow(start, first);
+        finish({start, points_.size(), false});
     }
 
-    void extend_back(Line& line, std::int32_t at) {
-        while (relief_.is_shown(at) && !is_done(at) && !patience_.ends()) {
-            is_done(at) = true;
-            const int side = passage(at).entry;
-            add(line, at, side);
-            at = relief_.mesh().neighbor(at, side);
+    void trace_closed(std::size_t first) {
+        const std::size_t start = points_.size();
+        add(start, step(before_[first]).exit);
+        follow(start, first);
+        finish({start, points_.size(), true});
+    }
+
+    void follow(std::size_t start, std::size_t at) {
+        while (!is_done_[at] && !patience_.ends()) {
+            is_done_[at] = 1;
+            add(start, steps_[at].exit);
+            if (next_[at] < 0) return;
+            at = static_cast<std::size_t>(next_[at]);
         }
     }
 
-    void add(Line& line, std::int32_t face, int side) const {
-        const Point at = crossing(relief_.corner(face, (side + 1) % 3),
-                                  relief_.corner(face, (side + 2) % 3), level_);
+    // The line begins at `start`.
+    void add(std::size_t start, Point at) {
         if (at.x != at.x || at.y != at.y) return;  // rows were written meanwhile
-        if (line.points.empty() || !(line.points.back() == at)) line.points.push_back(at);
+        if (points_.size() == start || !(points_.back() == at)) points_.push_back(at);
     }
 
-    // Of several visits to the least point, the one with the least successor comes first.
-    static void begin_at_least(std::vector<Point>& points) {
-        points.pop_back();  // the first, again
-        const std::size_t count = points.size();
+    void finish(const Line& line) {
+        if (line.last < line.first + 2) return points_.resize(line.first);
+        if (line.is_closed) begin_at_least(&points_[line.first], line.last - line.first - 1);
+        lines_.push_back(line);
+    }
+
+    // Of a closed line, whose first point comes again after the last one. Of several visits to the
+    // least point, the one with the least successor comes first.
+    static void begin_at_least(Point* points, std::size_t count) {
         std::size_t best = 0;
-        for (std::size_t i = 1; i < count; ++i) {
-            const Point next = points[(i + 1) % count], best_next = points[(best + 1) % count];
+        for (std::size_t i = 1; i < count; ++i)
             if (before_xy(points[i], points[best]) ||
-                (points[i] == points[best] && before_xy(next, best_next)))
+                (points[i] == points[best] && before_xy(points[i + 1], points[best + 1])))
                 best = i;
-        }
-        std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(best),
-                    points.end());
-        points.push_back(points.front());
+        std::rotate(points, points + best, points + count);
+        points[count] = points[0];
     }
 
-    const Relief& relief_;
-    double level_;
-    std::vector<bool>& is_done_;
-    Patience& patience_;
+    Lines sorted() {
+        std::sort(lines_.begin(), lines_.end(),
+                  [this](const Line& p, const Line& q) { return is_before(p, q); });
+        Lines found{allocate<Point>(points_.size()), {}};
+        found.lines.reserve(lines_.size());
+        for (const Line& line : lines_) {
+            const std::size_t start = found.count();
+            std::copy(&points_[line.first], &points_[0] + line.last, &found.points[start]);
+            found.lines.push_back({start, start + line.last - line.first, line.is_closed});
+        }
+        return found;
+    }
+    bool is_before(const Line& p, const Line& q) const {
+        const Point* const all = points_.data();
+        return std::lexicographical_compare(all + p.first, all + p.last, all + q.first,
+                                            all + q.last, before_xy);
+    }
+
+    const Crossed& crossed_;
+    Places places_;
+    Patience patience_;
+    std::size_t level_ = 0, count_ = 0;
+    const Step* steps_ = nullptr;
+    std::vector<std::int32_t> next_, before_;  // steps, or -1
+    std::vector<std::uint8_t> is_done_;
+    std::vector<Point> points_;
     std::vector<Line> lines_;
 };
 
-void append(Contours& found, const std::vector<Line>& lines, std::size_t level) {
-    for (const Line& line : lines) {
-        found.points.insert(found.points.end(), line.points.begin(), line.points.end());
-        found.starts.push_back(static_cast<std::int64_t>(found.points.size()));
-        found.levels.push_back(static_cast<std::int32_t>(level));
-        found.is_closed.push_back(line.is_closed);
+// The lines of all levels; threads share the levels. False if the interrupt came first.
+bool trace(const Relief& relief, const double* levels, std::vector<Lines>& found,
+           ThreadPool& pool) {
+    Crossed crossed(relief, levels, found.size(), pool);
+    if (!crossed.list()) return false;
+    std::atomic<std::size_t> next = 0;
+    return pool.run(std::min<std::size_t>(found.size(), pool.size()), [&](std::size_t) {
+        Tracer tracer(crossed, relief.mesh().count, pool.interrupt());
+        for (std::size_t level; (level = next.fetch_add(1)) < found.size();) {
+            if (pool.interrupt().requested()) return;
+            found[level] = tracer.run(level);
+        }
+    });
+}
+
+// One level after the other.
+bool join(std::vector<Lines>& lines, Contours& found, ThreadPool& pool) {
+    std::vector<std::size_t> first(lines.size() + 1);
+    found.starts = {0};
+    for (std::size_t level = 0; level < lines.size(); ++level) {
+        for (const Line& line : lines[level].lines) {
+            found.starts.push_back(static_cast<std::int64_t>(first[level] + line.last));
+            found.levels.push_back(static_cast<std::int32_t>(level));
+            found.is_closed.push_back(line.is_closed);
+        }
+        first[level + 1] = first[level] + lines[level].count();
     }
+    found.points = allocate<Point>(first.back());
+    return pool.run(lines.size(), [&](std::size_t level) {
+        const Lines some = std::move(lines[level]);
+        std::copy_n(some.points.get(), some.count(), &found.points[first[level]]);
+    });
 }
 
 }  // namespace
@@ -209,26 +180,10 @@ void append(Contours& found, const std::vector<Line>& lines, std::size_t level) 
 bool contours(const Relief& relief, const double* levels, std::size_t count, Contours& found,
               Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    found.starts = {0};
     ThreadPool pool(threads.for_rows(relief.mesh().count), interrupt);
-    Crossed crossed(relief, levels, count, pool);
-    if (!crossed.list()) return false;
-    const std::size_t shares = std::min<std::size_t>(count, pool.size());
-    std::vector<std::vector<Line>> lines(count);
-    const bool done = pool.run(shares, [&](std::size_t share) {
-        Patience patience(pool.interrupt());
-        std::vector<bool> is_done(relief.mesh().count);
-        for (std::size_t level = share; level < count && !patience.ends(); level += shares)
-            lines[level] = Tracer(relief, levels[level], is_done, patience)
-                               .run(crossed.begin(level), crossed.end(level));
-    });
-    if (!done || pool.interrupt().requested()) return false;
-    for (std::size_t level = 0; level < count; ++level) {
-        append(found, lines[level], level);
-        lines[level] = {};
-        if (interrupt.requested()) return false;
-    }
-    return true;
+    std::vector<Lines> lines(count);
+    return trace(relief, levels, lines, pool) && join(lines, found, pool) &&
+           !pool.interrupt().requested();
 }
 
 }  // namespace liftmesh

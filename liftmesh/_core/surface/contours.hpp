@@ -6,18 +6,23 @@
 // from its lexicographically lesser end: it is the same from both faces. Where the level is that of
 // a corner, the point is the corner, and points that follow each other at one position are one: a
 // plateau at the level has a line around it, a ridge one there and back, and a summit none.
+//
+// The mesh is read in the order of its faces only: each step of a line is computed there, and put
+// into the list of its level (`crossed.hpp`). Then the steps of a level are linked, by the places
+// of faces in the list, and lines are followed through that list, which the cache holds.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "base/buffer.hpp"
 #include "parallel/thread_pool.hpp"
 #include "surface/relief.hpp"
 
 namespace liftmesh {
 
 struct Contours {
-    std::vector<Point> points;
+    Buffer<Point> points;
     std::vector<std::int64_t> starts;  // of lines in the points, and the end of the last
     std::vector<std::int32_t> levels;  // of each line, as places in the list
     std::vector<std::uint8_t> is_closed;

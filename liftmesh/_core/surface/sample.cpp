@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/buffer.hpp"
+#include "surface/nearest.hpp"
 
 namespace liftmesh {
 
@@ -53,14 +54,30 @@ double natural_height(const Relief& relief, Point query, std::int32_t triangle, 
         place.kind == Place::inside ||
         (place.kind == Place::side && relief.mesh().neighbor(triangle, place.k) >= 0);
     const double linear = relief.height(query, triangle, place, patience);
-    const bool is_nearest = method == Natural::nearest && place.kind == Place::side;
-    if (linear != linear || !(is_within || is_nearest)) return linear;
+    if (linear != linear || !is_within) return linear;
     NaturalNeighbors neighbors(relief.mesh(), room);
     const bool is_sound = neighbors.find(query, triangle, patience);
     if (patience.ends(0)) return no_height;
-    if (!is_sound) return linear;
-    if (method == Natural::nearest) return relief.height_of(neighbors.nearest());
-    return height_between(relief, neighbors, method, linear);
+    return is_sound ? height_between(relief, neighbors, method, linear) : linear;
+}
+
+// Where the walk takes long, of the natural neighbours.
+double nearest_height(const Relief& relief, Point query, std::int32_t triangle,
+                      Patience& patience) {
+    thread_local NaturalNeighbors::Room room;
+    const Place place = relief.place(query, triangle);
+    if (place.kind == Place::vertex) return relief.height(query, triangle, place, patience);
+    const bool is_covered =
+        relief.is_shown(triangle) ||
+        (place.kind == Place::side && relief.is_shown(relief.mesh().neighbor(triangle, place.k)));
+    if (place.kind == Place::beyond || !is_covered) return no_height;
+    const std::int32_t row = nearest_vertex(relief.mesh(), query, triangle);
+    if (row >= 0) return relief.height_of(row);
+    NaturalNeighbors neighbors(relief.mesh(), room);
+    const bool is_sound = neighbors.find(query, triangle, patience);
+    if (patience.ends(0)) return no_height;
+    return is_sound ? relief.height_of(neighbors.nearest())
+                    : relief.height(query, triangle, place, patience);
 }
 
 }  // namespace
@@ -76,11 +93,15 @@ bool sample_heights(const Relief& relief, Locator& locator, const Queries& queri
 
 bool sample_natural(const Relief& relief, Locator& locator, const Queries& queries, Natural method,
                     double* heights, Threads threads, Interrupt& interrupt) {
+    const auto height = [&, method](Point query, std::int32_t triangle, Patience& patience) {
+        return method == Natural::nearest
+                   ? nearest_height(relief, query, triangle, patience)
+                   : natural_height(relief, query, triangle, method, patience);
+    };
     return at_each(locator, queries, threads, interrupt,
                    [&](std::size_t i, std::int32_t triangle, Patience& patience) {
-                       heights[i] = triangle < 0 ? no_height
-                                                 : natural_height(relief, queries[i], triangle,
-                                                                  method, patience);
+                       heights[i] =
+                           triangle < 0 ? no_height : height(queries[i], triangle, patience);
                    });
 }
 
