@@ -137,12 +137,7 @@ def run(
         common |= {"duplicates": duplicates or "first", **selection}
     paths = [str(path) for path in sources]
     with terminal.bar(1.0) as advance:
-        shown = [0.0]
-
-        def progress(share: float) -> None:
-            advance(f"triangulating into {out}", share - shown[0])
-            shown[0] = share
-
+        progress = _Shown(advance, f"triangulating into {out}")
         if workers is None and scheduler is None:
             count = options.parse_threads(threads)
             found = _alone(surface=surface)(paths, out, threads=count, progress=progress, **common)
@@ -151,6 +146,24 @@ def run(
                 make = _by_dask(surface=surface)
                 found = make(paths, out, client=client, progress=progress, **common)
     _say(found, json=json)
+
+
+class _Shown:
+    """Shows on a bar how far a run is, and how many rows are done in a second."""
+
+    def __init__(self, advance: Callable[..., None], text: str) -> None:
+        self._advance = advance
+        self._text = text
+        self._share, self._rows = 0.0, 0
+
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are."""
+        self._rows = rows
+
+    def __call__(self, share: float) -> None:
+        """Hear how much is done."""
+        self._advance(self._text, share - self._share, self._rows)
+        self._share = share
 
 
 def _check_options(
