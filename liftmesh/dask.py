@@ -33,7 +33,6 @@ from liftmesh.optional import load
 from liftmesh.tiles.clouds import (
     alike,
     in_record_file,
-    in_record_files,
     valued_parts,
     valued_parts_of_file,
 )
@@ -237,6 +236,10 @@ class _Workers:
         self._run = os.urandom(4).hex()  # no other run has the same names
         self._rounds = 0  # nor has another round of the same stage
 
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are."""
+        self._meter.begin(rows)
+
     def parts(self, source: object, rows: int, scratch: Path) -> list[Part]:
         """Cut a source into parts that all workers can read."""
         files = files_of(source)
@@ -259,7 +262,7 @@ class _Workers:
             return alike([part for parts in found for part in parts])
         blocks = _blocks(source, rows, every_column=True)
         if blocks is None:
-            return in_record_files(valued_parts(source, rows, scratch, reading), scratch)
+            return in_files(valued_parts(source, rows, scratch, reading), scratch)
         if reading.options:
             given = ", ".join(reading.options)
             raise InputError(f"{given}: options of files, and there is no file")

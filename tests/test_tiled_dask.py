@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -225,9 +226,35 @@ def test_a_client_dies_and_comes_back(
     assert not (tmp_path / "manifest.json").exists()
     done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
     assert done
+    damaged, _ = done.popitem()
+    os.truncate(damaged, damaged.stat().st_size - 5)
     liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
     assert contents(tmp_path) == expected
     assert {path: path.stat().st_mtime_ns for path in done} == done
+
+
+def test_files_of_workers_are_cut_off_as_by_a_full_disk(
+    client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    """The runs have 48 kB each, and the shards 90 in NPY: no worker can write one."""
+
+    def limit(size: int) -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+    options: dict[str, Any] = {"tile_rows": TILE_ROWS, "client": client}
+    client.run(limit, 60_000)
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            liftmesh.dask.delaunay(source, tmp_path, **options)
+    finally:
+        client.run(limit, resource.RLIM_INFINITY)
+    names = {path.name for path in tmp_path.rglob("*")}
+    assert {"job.json", "run-00011.npy"} <= names
+    assert not names & {"manifest.json", "tile-00003.npy"}
+    found = liftmesh.dask.delaunay(source, tmp_path, **options)
+    assert found.is_sound()
+    assert (tmp_path / "hull.npy").read_bytes() == expected["hull.npy"]
+    assert found.verify().canonical
 
 
 def test_the_scheduler_is_lost_and_started_again(
