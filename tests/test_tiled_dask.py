@@ -40,14 +40,12 @@ OPTIONS: dict[str, Any] = {"tile_rows": TILE_ROWS, "shards": "parquet", "neighbo
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalCluster]:
-    with LocalCluster(
+    with liftmesh.dask.local_cluster(
         n_workers=2,
-        threads_per_worker=1,
         memory_limit="400MB",
-        dashboard_address=":0",
         local_directory=str(tmp_path_factory.mktemp("workers")),
     ) as made:
-        yield made
+        yield made.cluster
 
 
 @pytest.fixture
@@ -316,6 +314,19 @@ def test_the_first_error_ends_the_run_and_is_not_tried_again(
     with pytest.raises(OSError, match="no disk"):
         workers.each("scan", task, [(1,)])
     assert (tmp_path / "1").read_text() == "xxx"
+
+
+def test_a_worker_that_dies_at_a_task_is_replaced_however_long_it_takes() -> None:
+    """By default Dask gives up a worker that needs 15 seconds to start again."""
+    impatient = dask.config.set({"distributed.deploy.lost-worker-timeout": "1ms"})
+    silent = {"silence_logs": logging.CRITICAL}
+    with impatient, liftmesh.dask.local_cluster(n_workers=1, **silent) as client:
+        client.cluster.scheduler.allowed_failures = 0
+        workers = liftmesh.dask._Workers(client, None)
+        with pytest.raises(ConnectionError, match=r"workers died 1 times at scan-00000-.*memory"):
+            workers.each("scan", lambda: os.kill(os.getpid(), signal.SIGKILL), [()])
+        client.wait_for_workers(1, timeout=120)
+        assert workers.each("scan", abs, [(-3,)]) == [3]
 
 
 def test_a_stage_can_be_repeated(client: Client) -> None:

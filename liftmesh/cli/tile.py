@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -204,18 +204,18 @@ def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
 
 @contextmanager
 def _client(workers: str | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
+    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
-    count = None if workers is None else options.parse_count("--workers", workers, 1)
-    distributed = load("dask.distributed", extra="dask")
-    with ExitStack() as stack:
-        place = scheduler
-        if count is not None:
-            settings: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": ":0"}
-            settings |= {} if limit is None else {"memory_limit": limit}
-            settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
-            place = stack.enter_context(distributed.LocalCluster(n_workers=count, **settings))
-        yield stack.enter_context(distributed.Client(place))
+    if workers is None:
+        with load("dask.distributed", extra="dask").Client(scheduler) as client:
+            yield client
+        return
+    settings: dict[str, Any] = {} if limit is None else {"memory_limit": limit}
+    settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
+    count = options.parse_count("--workers", workers, 1)
+    with local_cluster(n_workers=count, **settings) as client:
+        yield client
 
 
 def _say(found: Tiled, *, json: bool) -> None:
