@@ -218,6 +218,10 @@ def merge_frontiers(
 def find_rows(
     rows: NDArray[np.int64], triangles: NDArray[np.int64], threads: int
 ) -> NDArray[np.int32]: ...
+def reach_of(points: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.float64]: ...
+def find_reaching(
+    points: NDArray[np.float64], faces: NDArray[np.int32], box: NDArray[np.float64]
+) -> NDArray[np.bool_]: ...
 def partition(
     rows: NDArray[np.floating[Any]],
     first: int,

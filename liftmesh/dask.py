@@ -33,7 +33,6 @@ from liftmesh.optional import load
 from liftmesh.tiles.clouds import (
     alike,
     in_record_file,
-    in_record_files,
     valued_parts,
     valued_parts_of_file,
 )
@@ -69,6 +68,7 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
 
 _TRIES = 3  # of a task that raises OSError, as a network disk may
+_REPLACED = "10 minutes"  # in which a worker that died may start again, on a busy machine
 
 
 def delaunay(  # noqa: PLR0913 - options are keywords
@@ -119,7 +119,8 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     InputError, NonFiniteError, DegenerateInputError, FormatError, OSError
         As for `liftmesh.tile`.
     ConnectionError
-        The scheduler is gone, or has dropped the tasks; the run can be resumed.
+        The scheduler is gone, or has dropped the tasks, or workers died several times at one of
+        them; the run can be resumed.
     MissingDependencyError
         Dask is not installed, or Parquet is read or written without pyarrow.
 
@@ -237,6 +238,10 @@ class _Workers:
         self._run = os.urandom(4).hex()  # no other run has the same names
         self._rounds = 0  # nor has another round of the same stage
 
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are."""
+        self._meter.begin(rows)
+
     def parts(self, source: object, rows: int, scratch: Path) -> list[Part]:
         """Cut a source into parts that all workers can read."""
         files = files_of(source)
@@ -259,7 +264,7 @@ class _Workers:
             return alike([part for parts in found for part in parts])
         blocks = _blocks(source, rows, every_column=True)
         if blocks is None:
-            return in_record_files(valued_parts(source, rows, scratch, reading), scratch)
+            return in_files(valued_parts(source, rows, scratch, reading), scratch)
         if reading.options:
             given = ", ".join(reading.options)
             raise InputError(f"{given}: options of files, and there is no file")
@@ -307,6 +312,12 @@ class _Workers:
         """Wait for all; the first error ends the others."""
         try:
             return self._waited(stage, futures)
+        except self._distributed.KilledWorker as error:
+            raise ConnectionError(
+                f"workers died {error.allowed_failures + 1} times at {error.task}, as they do if "
+                "memory is short: give them more, and call again with the same arguments: what is "
+                "done is kept; or begin anew with fewer tile_rows"
+            ) from error
         except CancelledError as error:
             reason = str(error).splitlines()[0] if str(error) else "cancelled"
             raise ConnectionError(
@@ -316,7 +327,9 @@ class _Workers:
 
     def _waited(self, stage: str, futures: Sequence[Any]) -> list[Any]:
         found: dict[str, Any] = {}
-        done = self._distributed.as_completed(futures, with_results=True, raise_errors=True)
+        done = self._distributed.as_completed(
+            futures, with_results=True, raise_errors=True, loop=self._client.loop
+        )
         try:
             for future, result in done:
                 found[future.key] = future.result() if future.cancelled() else result
@@ -339,9 +352,36 @@ def _client(given: Any) -> Iterator[Any]:
             raise InputError("the client is asynchronous: give one made with asynchronous=False")
         yield used
         return
-    options = {"threads_per_worker": 1, "dashboard_address": ":0"}
-    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as made:
+    with local_cluster() as made:
         yield made
+
+
+@contextmanager
+def local_cluster(**options: Any) -> Iterator[Any]:
+    """Start workers of one thread on this machine, and close them in the end.
+
+    A worker that dies is replaced. Dask gives it up if that takes more than 15 seconds, and with
+    the last worker the tasks would wait for ever: so it may take longer here.
+
+    Parameters
+    ----------
+    **options
+        As for `dask.distributed.LocalCluster`.
+
+    Yields
+    ------
+    distributed.Client
+        A client of the cluster.
+    """
+    distributed = load("dask.distributed", extra="dask")
+    config = load("dask.config", extra="dask")
+    settings = {"threads_per_worker": 1, "dashboard_address": ":0", **options}
+    with (
+        config.set({"distributed.deploy.lost-worker-timeout": _REPLACED}),
+        distributed.LocalCluster(**settings) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
+        yield client
 
 
 def _current(distributed: Any) -> Any:

@@ -1,48 +1,145 @@
-"""Triangulate tiny sets with ties in tiles, and compare with exact integers.
+"""Triangulate sets in tiles, and compare with exact integers, or with one call.
 
     python scripts/fuzz_tiles.py --seconds 600
     python scripts/fuzz_tiles.py --seed 123 --cases 1      one case again
+    python scripts/fuzz_tiles.py --rows 100000             each family against one call
+    python scripts/fuzz_tiles.py --rows 1000000 --families uniform --tiles 32 --workers 0 2 --verify
 
-Each case draws a set of points, a plan of tiles, the order of rows, the chunks in which they come,
-and which merges are left to their parents. The triangles have to be those of the definition, by
-Python's integers (`tests/oracle.py`), each once, and neighbours those that share an edge. A set
-that fails is printed with its seed.
+Of tiny sets with ties, each case draws a set of points, a plan of tiles, the order of rows, the
+chunks in which they come, and which merges are left to their parents. The triangles have to be
+those of the definition, by Python's integers (`tests/oracle.py`), each once, and neighbours those
+that share an edge. A set that fails is printed with its seed.
+
+With --rows, the families of `tile_families.py` have so many rows, and come in several orders, are
+cut into several numbers of tiles, and are triangulated by this process (0 workers) or by workers of
+Dask. The triangles have to be those of one call, by a hash of their coordinates that depends on
+neither the order of rows nor of triangles; with --verify, they are proved, too.
 """
 
 from __future__ import annotations
 
 import sys
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
+from typing import Any
 
 import numpy as np
+from bench_tiles import BLOCK, MIXERS, mark_of, turned
 from distributions import Points
 from numpy.random import Generator
+from numpy.typing import NDArray
+from tile_families import FAMILIES
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
 import oracle
 from tilings import Tree
 
+import liftmesh
 from liftmesh.tiles.plan import Plan, planned
 
 _RING = [(x, y) for x in range(-25, 26) for y in range(-25, 26) if x * x + y * y == 325]
 _SCALES = (1.0, 5e-324, 2.0**1018)
 
+ORDERS: dict[str, Callable[[Points, Generator], Points]] = {
+    "made": lambda points, _: points,
+    "sorted": lambda points, _: points[np.lexsort(points.T[::-1])],
+    "reversed": lambda points, _: points[::-1].copy(),
+    "shuffled": lambda points, rng: rng.permutation(points),
+}
+Make = Callable[..., liftmesh.Tiled]
+
 
 def main() -> None:
-    """Run cases until the time is over."""
-    parser = ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
-    parser.add_argument("--seconds", type=float, default=60)
-    parser.add_argument("--cases", type=int, metavar="N", help="so many cases at most")
-    parser.add_argument("--seed", type=int, default=0, help="of the first case")
-    options = parser.parse_args()
+    """Run cases until the time is over, or all that are asked for."""
+    options = parsed(sys.argv[1:])
+    if options.rows is not None:
+        compare(options)
+        return
     end, done = monotonic() + options.seconds, 0
     while monotonic() < end and done != options.cases:
         check(options.seed + done)
         done += 1
     print(f"{done:,} cases agree with the definition")
+
+
+def parsed(words: list[str]) -> Namespace:
+    """Parse the command line."""
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("--seconds", type=float, default=60)
+    add("--cases", type=int, metavar="N", help="so many cases at most")
+    add("--seed", type=int, default=0, help="of the first case, and of families")
+    add("--rows", type=int, metavar="N", help="of families, against one call")
+    add("--families", nargs="+", choices=FAMILIES, default=tuple(FAMILIES), metavar="F")
+    add("--tiles", nargs="+", type=int, default=(2, 16, 256), metavar="N")
+    add("--orders", nargs="+", choices=ORDERS, default=tuple(ORDERS), metavar="O")
+    add("--workers", nargs="+", type=int, default=(0,), metavar="N", help="of Dask; 0: none")
+    add("--verify", action="store_true", help="prove the triangles, too")
+    add("--folder", metavar="FOLDER", help="where files are written")
+    return parser.parse_args(words)
+
+
+def compare(options: Namespace) -> None:
+    """Triangulate all families in all ways; print a line for each family, or raise."""
+    with ExitStack() as stack:
+        makers = {count: maker(count, stack) for count in options.workers}
+        for family in options.families:
+            made = FAMILIES[family](options.rows, np.random.default_rng(options.seed)) + 0.0
+            expected = mark_of_places(made, iter([liftmesh.delaunay(made).simplices]))
+            for order in options.orders:
+                points = ORDERS[order](made, np.random.default_rng(options.seed))
+                for tiles in options.tiles:
+                    for count, make in makers.items():
+                        found = mark_in_tiles(points, tiles, make, options)
+                        if found != expected:
+                            case = f"{order}, {tiles} tiles, {count} workers"
+                            raise AssertionError(f"{family}, seed {options.seed}: {case}")
+            cases = len(options.orders) * len(options.tiles) * len(makers)
+            print(f"{family}: {len(made):,} rows, {cases} cases are one call's", flush=True)
+
+
+def maker(workers: int, stack: ExitStack) -> Make:
+    """Return what triangulates in tiles; a cluster is there until the end."""
+    if workers == 0:
+        return liftmesh.tile
+    from dask import distributed  # noqa: PLC0415 - slow to import
+
+    from liftmesh.dask import delaunay  # noqa: PLC0415 - with it
+
+    settings = {"threads_per_worker": 1, "dashboard_address": ":0"}
+    cluster = stack.enter_context(distributed.LocalCluster(n_workers=workers, **settings))
+    client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
+
+    def make(*arguments: Any, **options: Any) -> liftmesh.Tiled:
+        return delaunay(*arguments, client=client, **options)
+
+    return make
+
+
+def mark_in_tiles(points: Points, tiles: int, make: Make, options: Namespace) -> str:
+    """Triangulate points in a folder of their own."""
+    with TemporaryDirectory(dir=options.folder) as folder:
+        np.save(Path(folder) / "points.npy", points)
+        rows = max(16, -(-len(points) // tiles))
+        found = make(Path(folder) / "points.npy", Path(folder) / "out", tile_rows=rows)
+        if options.verify and not found.verify().canonical:
+            raise AssertionError(f"{len(points):,} rows in {tiles} tiles: not proved")
+        return mark_of_places(points, found.blocks())
+
+
+def mark_of_places(points: Points, blocks: Iterator[NDArray[Any]]) -> str:
+    """Hash the coordinates of triangles, which each begin at their least corner."""
+    sums = np.zeros(len(MIXERS), np.uint64)
+    for block in blocks:
+        for begin in range(0, len(block), BLOCK):
+            rows = turned(np.array(block[begin : begin + BLOCK], dtype=np.int64), points)
+            sums += mark_of(points[rows].reshape(-1, 6).view(np.int64))
+    return "".join(f"{each:016x}" for each in sums)
 
 
 def check(seed: int) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import bench_tiles
+import fuzz_tiles
 import numpy as np
 import pytest
 import tiles_out_of_core
@@ -72,3 +73,18 @@ def test_generated_points_have_one_hash_whatever_the_tiles(
     assert one == "".join(f"{each:016x}" for each in mark)
     assert "10,000 rows in 12 tiles" in capsys.readouterr().out
     assert list(tmp_path.iterdir()) == []
+
+
+def test_families_in_any_order_and_tiling_are_compared_with_one_call(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = "--rows 120 --families circle --tiles 3 --verify --folder"
+    options = fuzz_tiles.parsed([*words.split(), str(tmp_path)])
+    fuzz_tiles.compare(options)
+    assert capsys.readouterr().out == "circle: 120 rows, 4 cases are one call's\n"
+    orders = [each(POINTS, np.random.default_rng(1)) for each in fuzz_tiles.ORDERS.values()]
+    assert len({each.tobytes() for each in orders}) == len(orders)
+    blocks = liftmesh.Tiled.blocks
+    monkeypatch.setattr(liftmesh.Tiled, "blocks", lambda self: (b[1:] for b in blocks(self)))
+    with pytest.raises(AssertionError, match="uniform, seed 0: made, 2 tiles, 0 workers"):
+        fuzz_tiles.compare(fuzz_tiles.parsed(["--rows", "90", "--families", "uniform"]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +73,7 @@ def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
 def test_progress_on_a_terminal(folder: Path) -> None:
     shown, code = on_terminal("tile", "a.npy", "out", "--tile-rows", "500", cwd=folder)
     assert code == 0
-    assert "left:" in shown
+    assert re.search(r"left: \S+ [\d.]+ [kM]?/s triangulating into out", shown)
 
 
 @pytest.mark.parametrize(

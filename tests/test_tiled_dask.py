@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -39,14 +40,12 @@ OPTIONS: dict[str, Any] = {"tile_rows": TILE_ROWS, "shards": "parquet", "neighbo
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalCluster]:
-    with LocalCluster(
+    with liftmesh.dask.local_cluster(
         n_workers=2,
-        threads_per_worker=1,
         memory_limit="400MB",
-        dashboard_address=":0",
         local_directory=str(tmp_path_factory.mktemp("workers")),
     ) as made:
-        yield made
+        yield made.cluster
 
 
 @pytest.fixture
@@ -225,9 +224,35 @@ def test_a_client_dies_and_comes_back(
     assert not (tmp_path / "manifest.json").exists()
     done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
     assert done
+    damaged, _ = done.popitem()
+    os.truncate(damaged, damaged.stat().st_size - 5)
     liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
     assert contents(tmp_path) == expected
     assert {path: path.stat().st_mtime_ns for path in done} == done
+
+
+def test_files_of_workers_are_cut_off_as_by_a_full_disk(
+    client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    """The runs have 48 kB each, and the shards 90 in NPY: no worker can write one."""
+
+    def limit(size: int) -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+    options: dict[str, Any] = {"tile_rows": TILE_ROWS, "client": client}
+    client.run(limit, 60_000)
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            liftmesh.dask.delaunay(source, tmp_path, **options)
+    finally:
+        client.run(limit, resource.RLIM_INFINITY)
+    names = {path.name for path in tmp_path.rglob("*")}
+    assert {"job.json", "run-00011.npy"} <= names
+    assert not names & {"manifest.json", "tile-00003.npy"}
+    found = liftmesh.dask.delaunay(source, tmp_path, **options)
+    assert found.is_sound()
+    assert (tmp_path / "hull.npy").read_bytes() == expected["hull.npy"]
+    assert found.verify().canonical
 
 
 def test_the_scheduler_is_lost_and_started_again(
@@ -289,6 +314,19 @@ def test_the_first_error_ends_the_run_and_is_not_tried_again(
     with pytest.raises(OSError, match="no disk"):
         workers.each("scan", task, [(1,)])
     assert (tmp_path / "1").read_text() == "xxx"
+
+
+def test_a_worker_that_dies_at_a_task_is_replaced_however_long_it_takes() -> None:
+    """By default Dask gives up a worker that needs 15 seconds to start again."""
+    impatient = dask.config.set({"distributed.deploy.lost-worker-timeout": "1ms"})
+    silent = {"silence_logs": logging.CRITICAL}
+    with impatient, liftmesh.dask.local_cluster(n_workers=1, **silent) as client:
+        client.cluster.scheduler.allowed_failures = 0
+        workers = liftmesh.dask._Workers(client, None)
+        with pytest.raises(ConnectionError, match=r"workers died 1 times at scan-00000-.*memory"):
+            workers.each("scan", lambda: os.kill(os.getpid(), signal.SIGKILL), [()])
+        client.wait_for_workers(1, timeout=120)
+        assert workers.each("scan", abs, [(-3,)]) == [3]
 
 
 def test_a_stage_can_be_repeated(client: Client) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,9 @@ from commands import liftmesh as command
 from tiled_surfaces import steep_cloud
 
 import liftmesh
-from liftmesh import Surface, TiledSurface
+from liftmesh import Surface, TiledSurface, _kernel
 from liftmesh.errors import FormatError, InputError
-from liftmesh.tiles import surface_raster, windows
+from liftmesh.tiles import circles, surface_raster, windows
 
 CLOUD = steep_cloud()
 SMOOTH = np.random.default_rng(2).random((3_000, 2)) * 20
@@ -43,18 +44,27 @@ LAYOUTS: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("quantity", ["height", "slope", "aspect", "hillshade"])
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        *({"quantity": each} for each in ("height", "slope", "aspect", "hillshade")),
+        *({"method": each} for each in ("nearest", "laplace", "sibson")),
+    ],
+    ids=str,
+)
 def test_rasters_have_the_bits_of_one_call(
-    both: tuple[TiledSurface, Surface], quantity: Any, monkeypatch: pytest.MonkeyPatch
+    both: tuple[TiledSurface, Surface], wanted: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of windows with few pixels and few faces, some of which are cut again, down to one pixel."""
     monkeypatch.setattr(surface_raster, "_SIDE", 24)
     monkeypatch.setattr(surface_raster, "_FACES", 40)
+    monkeypatch.setattr(surface_raster, "_FEWEST", 16)
     monkeypatch.setattr(windows, "_BLOCK", 100)
+    monkeypatch.setattr(circles, "_BLOCK", 60)
     tiled, surface = both
     for layout in LAYOUTS:
-        found = tiled.raster(**layout, quantity=quantity, z_factor=1.5)
-        expected = surface.raster(**layout, quantity=quantity, z_factor=1.5)
+        found = tiled.raster(**layout, **wanted, z_factor=1.5)
+        expected = surface.raster(**layout, **wanted, z_factor=1.5)
         assert (found.transform, found.crs, found.quantity) == (
             *(expected.transform, expected.crs, expected.quantity),
         )
@@ -68,8 +78,8 @@ def test_a_window_reads_few_faces(
     seen: list[int] = []
     part_of = surface_raster.part_of
 
-    def counted(tiled: TiledSurface, box: Any, most: int, threads: int | None) -> Any:
-        found = part_of(tiled, box, most, threads)
+    def counted(tiled: TiledSurface, near: Any, most: int, threads: int | None) -> Any:
+        found = part_of(tiled, near, most, threads)
         seen.append(0 if isinstance(found, int) else len(found.faces))
         assert most >= 1 << 31 or seen[-1] <= most
         return found
@@ -82,6 +92,68 @@ def test_a_window_reads_few_faces(
     most = 2 * max(shard["triangles"] for shard in tiled.manifest["shards"])
     assert 0 < max(seen) <= most
     assert len(tiled.shards) == 1 or max(seen) < tiled.nsimplex / 2
+
+
+@pytest.mark.parametrize("scale", [1.0, 5e-324, 2.0**-540, 2.0**1010])
+def test_faces_whose_circles_reach_a_window_are_found(scale: float) -> None:
+    """By rationals: none is missed at any scale, and at that of ordinary points none is added."""
+    rng = np.random.default_rng(9)
+    points = rng.integers(-2_000, 2_000, (60, 2)) * scale
+    faces = liftmesh.delaunay(points).simplices
+    exact = [circle([points[row] for row in face]) for face in faces.tolist()]
+    x0, y0, x1, y1 = _kernel.reach_of(points, faces)[0]
+    for x, y, square in exact:
+        for low, centre, high in ((x0, x, x1), (y0, y, y1)):
+            assert low == -np.inf or (Fraction(low) - centre) ** 2 >= square > 0
+            assert high == np.inf or (Fraction(high) - centre) ** 2 >= square
+    for _ in range(12):
+        low = rng.integers(-3_000, 3_000, 2)
+        box = np.append(low, low + rng.integers(0, 400, 2)) * scale
+        found = _kernel.find_reaching(points, faces, box[None])
+        reach = np.array([is_within(each, [*map(Fraction, box.tolist())]) for each in exact])
+        assert not (reach & ~found).any()
+        assert scale != 1 or np.array_equal(found, reach)
+    with pytest.raises(IndexError, match="a corner that is no point"):
+        _kernel.reach_of(points[:-1], faces)
+
+
+def circle(corners: list[Any]) -> tuple[Fraction, Fraction, Fraction]:
+    """Compute the centre of three points, and the square of its distance from them."""
+    (ax, ay), (bx, by), (cx, cy) = ([Fraction(each) for each in at.tolist()] for at in corners)
+    bx, by, cx, cy = bx - ax, by - ay, cx - ax, cy - ay
+    b, c, twice = bx * bx + by * by, cx * cx + cy * cy, 2 * (bx * cy - by * cx)
+    x, y = (b * cy - c * by) / twice, (c * bx - b * cx) / twice
+    return ax + x, ay + y, x * x + y * y
+
+
+def is_within(disk: tuple[Fraction, ...], box: list[Fraction]) -> bool:
+    x, y, square = disk
+    across = max(box[0] - x, 0, x - box[2])
+    along = max(box[1] - y, 0, y - box[3])
+    return across * across + along * along <= square
+
+
+def test_a_cloud_optimised_file_is_that_of_one_call(
+    both: tuple[TiledSurface, Surface], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(surface_raster, "_SIDE", 512)
+    tiled, surface = both
+    size = (tiled.extent[3] - tiled.extent[0]) / 700
+    for compress in ("deflate", None):
+        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress)
+        expected = surface.raster(size, dtype="float32")
+        expected.save(tmp_path / "b.tif", cog=True, compress=compress)
+        with rasterio.open(path) as file, rasterio.open(tmp_path / "b.tif") as other:
+            assert file.tags(ns="IMAGE_STRUCTURE") == other.tags(ns="IMAGE_STRUCTURE")
+            assert file.tags(ns="IMAGE_STRUCTURE")["LAYOUT"] == "COG"
+            assert file.overviews(1) == other.overviews(1) == [2]
+            assert (file.transform, file.crs) == (other.transform, other.crs)
+            assert np.isnan(file.nodata)
+            for shape in (expected.values.shape, tuple(-(-n // 2) for n in expected.values.shape)):
+                one, two = (each.read(1, out_shape=shape) for each in (file, other))
+                assert one.tobytes() == two.tobytes()
+            assert file.read(1).tobytes() == expected.values.tobytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.tif", "b.tif"]
 
 
 def test_a_file_holds_the_values_of_one_call(
@@ -142,6 +214,8 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
         (lambda t, _: t.raster(0), InputError, "resolution is 0"),
         (lambda t, _: t.raster(), InputError, "give either the resolution, or transform"),
         (lambda t, _: t.raster(1, quantity="depth"), InputError, "quantity is 'depth'"),
+        (lambda t, _: t.raster(1, method="kriging"), InputError, "method is 'kriging'"),
+        (lambda t, _: t.raster(1, quantity="slope", method="sibson"), InputError, "leave out meth"),
         (lambda t, _: t.raster(1, progress=3), InputError, "progress is 3"),
         (lambda t, to: t.save_raster(to / "a.png", 1), FormatError, "written as GeoTIFF"),
         (lambda t, to: t.save_raster(to / "a.tif", 1, compress="x"), InputError, "compress is 'x'"),
@@ -186,6 +260,11 @@ def test_the_commands(tmp_path: Path) -> None:
     assert (told["rows"], told["columns"]) == expected.values.shape
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.read(1).tobytes() == expected.values.tobytes()
+    options = ("--resolution", "0.5", "--method", "sibson", "--cog", "--double")
+    assert command("raster", "out", "b.tif", *options, cwd=tmp_path).returncode == 0
+    with rasterio.open(tmp_path / "b.tif") as file:
+        assert file.read(1).tobytes() == surface.raster(0.5, method="sibson").values.tobytes()
+        assert file.tags(ns="IMAGE_STRUCTURE")["LAYOUT"] == "COG"
     command("contour", "out", "a.geojson", "--interval", "0.25", cwd=tmp_path)
     surface.contours(interval=0.25).save(tmp_path / "b.geojson")
     written = [(tmp_path / name).read_bytes() for name in ("a.geojson", "b.geojson")]
@@ -196,8 +275,7 @@ def test_the_commands(tmp_path: Path) -> None:
     ("words", "message"),
     [
         (("raster", "out", "a.tif", "--resolution", 1, "--max-edge", 3), "--max-edge is for files"),
-        (("raster", "out", "a.tif", "--resolution", 1, "--method", "nearest"), "--method is for"),
-        (("raster", "out", "a.tif", "--resolution", 1, "--cog"), "--cog is for files"),
+        (("raster", "out", "a.tif", "--resolution", 1, "--crs", "EPSG:7415"), "--crs is for files"),
         (("contour", "out", "a.gpkg", "--interval", 1, "--plane", "xz"), "--plane is for files"),
         (("raster", "flat", "a.tif", "--resolution", 1), "flat holds triangles without heights"),
         (("raster", "none", "a.tif", "--resolution", 1), "no finished triangulation is here"),

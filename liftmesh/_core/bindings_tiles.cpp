@@ -10,6 +10,7 @@
 #include "parallel/blocks.hpp"
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
+#include "tiles/reach.hpp"
 #include "tiles/row_index.hpp"
 
 namespace bindings {
@@ -25,6 +26,7 @@ using Records = nb::ndarray<const std::int64_t, nb::shape<-1, 3>, nb::c_contig, 
 using Edges = nb::ndarray<const std::int32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 using Rows = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Boxes = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using Faces = nb::ndarray<const std::int32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Axes = nb::ndarray<const std::uint8_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
 template <class T, class Array>
@@ -109,6 +111,25 @@ nb::object find_rows(const Rows& rows, const Records& triangles, unsigned thread
     return adopt(std::move(places), triangles.shape(0), 3);
 }
 
+liftmesh::Corners corners_of(const Pairs& points, const Faces& faces) {
+    const liftmesh::Corners corners{span_of<liftmesh::Point>(points),
+                                    {faces.data(), 3 * faces.shape(0)}};
+    if (!corners.are_valid()) throw std::out_of_range("a face has a corner that is no point");
+    return corners;
+}
+
+nb::object reach_of(const Pairs& points, const Faces& faces) {
+    return array_of<double>(std::vector{liftmesh::reach_of(corners_of(points, faces))});
+}
+
+nb::object find_reaching(const Pairs& points, const Faces& faces, const Boxes& box) {
+    if (box.shape(0) != 1) throw std::invalid_argument("a window has one box");
+    const std::size_t count = faces.shape(0);
+    auto reaches = liftmesh::allocate<bool>(count);
+    liftmesh::find_reaching(corners_of(points, faces), span_of<Box>(box)[0], reaches.get());
+    return adopt(std::move(reaches), count, 1);
+}
+
 }  // namespace
 
 void bind_tiles(nb::module_& m) {
@@ -116,6 +137,8 @@ void bind_tiles(nb::module_& m) {
           "is_everything"_a, "with_neighbors"_a, "threads"_a, "shared"_a, "progress"_a.none(),
           "folder"_a.none() = nb::none());
     m.def("find_rows", &find_rows, "rows"_a, "triangles"_a, "threads"_a);
+    m.def("reach_of", &reach_of, "points"_a, "faces"_a);
+    m.def("find_reaching", &find_reaching, "points"_a, "faces"_a, "box"_a);
     m.def("partition", &partition, "rows"_a, "first"_a, "axes"_a, "at"_a, "children"_a, "tiles"_a);
 }
 

@@ -104,9 +104,9 @@ def run(
     files.check_place(target)
     files.check_apart(reading.polygon, source, target)
     if source.is_dir():
-        other = None if method == "linear" else method
-        tiled = opened(source, reading, method=other, cog=cog, crs=crs)
+        tiled = opened(source, reading, crs=crs)
         values: dict[str, Any] = {"quantity": quantity, "z_factor": factor, "bounds": covered}
+        values |= {"method": method, "cog": cog}
         values |= {"dtype": "float64" if double else "float32", "compress": packing}
         values |= {"threads": reading.threads}
         _write(tiled, target, steps if len(steps) > 1 else steps[0], values, as_json=json)

@@ -138,7 +138,7 @@ def _watched(
 
 
 @contextmanager
-def bar(total: float, rows: int = 0) -> Iterator[Callable[[str, float], None]]:
+def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
     """Show a progress bar, on a terminal only.
 
     Parameters
@@ -151,11 +151,12 @@ def bar(total: float, rows: int = 0) -> Iterator[Callable[[str, float], None]]:
     Yields
     ------
     callable
-        Takes the current activity (empty: unchanged) and the work done since the last call.
+        Takes the current activity (empty: unchanged) and the work done since the last call, and
+        the rows if they were not known before.
     """
     console = _console(sys.stderr)
     if console is None:
-        yield lambda _text, _done: None
+        yield lambda _text, _done, _rows=0: None
         return
     from rich.progress import (  # noqa: PLC0415 - a pipe does without
         BarColumn,
@@ -167,11 +168,11 @@ def bar(total: float, rows: int = 0) -> Iterator[Callable[[str, float], None]]:
 
     text, rate = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[rate]}")
     left = (TextColumn("left:"), TimeRemainingColumn())
-    columns = (BarColumn(), TimeElapsedColumn(), *left, *([rate] if rows else []), text)
+    columns = (BarColumn(), TimeElapsedColumn(), *left, rate, text)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=total, rate="")
 
-        def advance(text: str, done: float) -> None:
+        def advance(text: str, done: float, rows: int = rows) -> None:
             shown = progress.tasks[0]
             part = (shown.completed + done) / total
             progress.update(

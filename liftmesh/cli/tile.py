@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -137,12 +137,7 @@ def run(
         common |= {"duplicates": duplicates or "first", **selection}
     paths = [str(path) for path in sources]
     with terminal.bar(1.0) as advance:
-        shown = [0.0]
-
-        def progress(share: float) -> None:
-            advance(f"triangulating into {out}", share - shown[0])
-            shown[0] = share
-
+        progress = _Shown(advance, f"triangulating into {out}")
         if workers is None and scheduler is None:
             count = options.parse_threads(threads)
             found = _alone(surface=surface)(paths, out, threads=count, progress=progress, **common)
@@ -151,6 +146,24 @@ def run(
                 make = _by_dask(surface=surface)
                 found = make(paths, out, client=client, progress=progress, **common)
     _say(found, json=json)
+
+
+class _Shown:
+    """Shows on a bar how far a run is, and how many rows are done in a second."""
+
+    def __init__(self, advance: Callable[..., None], text: str) -> None:
+        self._advance = advance
+        self._text = text
+        self._share, self._rows = 0.0, 0
+
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are."""
+        self._rows = rows
+
+    def __call__(self, share: float) -> None:
+        """Hear how much is done."""
+        self._advance(self._text, share - self._share, self._rows)
+        self._share = share
 
 
 def _check_options(
@@ -191,18 +204,18 @@ def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
 
 @contextmanager
 def _client(workers: str | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
+    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
-    count = None if workers is None else options.parse_count("--workers", workers, 1)
-    distributed = load("dask.distributed", extra="dask")
-    with ExitStack() as stack:
-        place = scheduler
-        if count is not None:
-            settings: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": ":0"}
-            settings |= {} if limit is None else {"memory_limit": limit}
-            settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
-            place = stack.enter_context(distributed.LocalCluster(n_workers=count, **settings))
-        yield stack.enter_context(distributed.Client(place))
+    if workers is None:
+        with load("dask.distributed", extra="dask").Client(scheduler) as client:
+            yield client
+        return
+    settings: dict[str, Any] = {} if limit is None else {"memory_limit": limit}
+    settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
+    count = options.parse_count("--workers", workers, 1)
+    with local_cluster(n_workers=count, **settings) as client:
+        yield client
 
 
 def _say(found: Tiled, *, json: bool) -> None:

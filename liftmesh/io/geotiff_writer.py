@@ -89,12 +89,14 @@ def write_windows(
     transform: Sequence[float],
     crs: str | None,
     *,
+    cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
     """Write one band from windows, which need not fit in memory together; NaN is nodata.
 
     GDAL writes to a file of its own in a hidden folder beside the target, which is copied from
-    there and put in place when it is whole.
+    there and put in place when it is whole. A cloud optimised file cannot be written in windows:
+    it is made from that one, block by block.
 
     Parameters
     ----------
@@ -106,7 +108,7 @@ def write_windows(
         Of the values.
     windows : iterable
         Rows and columns of each window, and its values; together all pixels, each once.
-    transform, crs, compress
+    transform, crs, cog, compress
         As for `write`.
 
     Raises
@@ -135,12 +137,24 @@ def write_windows(
     beside = Path(os.path.realpath(path)).parent
     with TemporaryDirectory(prefix=".liftmesh-raster-", dir=beside) as folder:
         written = Path(folder) / "raster.tif"
-        with rasterio.Env(**_ALONE), rasterio.open(written, "w", **profile) as file:
-            for (down, across), values in windows:
-                window = (down.start, down.stop), (across.start, across.stop)
-                file.write(values, 1, window=window)
+        with rasterio.Env(**_ALONE):
+            with rasterio.open(written, "w", **profile) as file:
+                for (down, across), values in windows:
+                    window = (down.start, down.stop), (across.start, across.stop)
+                    file.write(values, 1, window=window)
+            if cog:
+                written = _optimised(written, rows * columns * kind.itemsize, compress)
         with written.open("rb") as source, replacing(path) as stream:
             shutil.copyfileobj(source, stream, _PIECE)
+
+
+def _optimised(path: Path, size: int, compress: str | None) -> Path:
+    """Copy a file as a cloud optimised one, beside it."""
+    copied = path.with_name("optimised.tif")
+    options = {**_cog(compress), "BIGTIFF": "YES"} if size >> 31 else _cog(compress)
+    load("rasterio.shutil", extra="terrain").copy(path, copied, **options)
+    path.unlink()
+    return copied
 
 
 def checked(crs: str | None, compress: str | None) -> Any:

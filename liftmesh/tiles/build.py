@@ -65,8 +65,9 @@ def tile(  # noqa: PLR0913 - options are keywords
     threads : int, optional
         As for `delaunay`; one tile is triangulated at a time.
     progress : callable, optional
-        Called with the fraction of the work done. An exception that it raises ends the run, which
-        can be resumed.
+        Called with the fraction of the work done. If it has a method ``begin``, this is called
+        first, with the number of rows. An exception that it raises ends the run, which can be
+        resumed.
 
     Returns
     -------

@@ -6,7 +6,7 @@ written to the scratch folder first, as records (`schema.py`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -24,8 +24,17 @@ from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
 from liftmesh.tiles.parquet import parquet_parts
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
-from liftmesh.tiles.sources import NpyPart, Origin, Part, files_of, npy_parts, parts_of, planar
-from liftmesh.tiles.store import concatenated, kind_of, save_array, values_of
+from liftmesh.tiles.sources import (
+    NpyPart,
+    Origin,
+    Part,
+    files_of,
+    npy_parts,
+    parts_of,
+    planar,
+    written,
+)
+from liftmesh.tiles.store import kind_of, save_array, values_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -66,6 +75,10 @@ class HeldPart:
         """Copy the records."""
         copied: Array = self.held.copy()
         return copied
+
+    def saved(self, path: Path) -> Valued:
+        """Write the records to a file."""
+        return in_record_file(self.held, path, self.schema, self.origin)
 
 
 @dataclass(frozen=True)
@@ -323,29 +336,22 @@ def spooled(clouds: Iterable[Cloud], rows: int, scratch: Path, origin: Origin) -
     OSError
         A file cannot be written.
     """
-    found: list[Valued] = []
-    for records, schema in _regrouped(clouds, rows, origin.source):
-        path = scratch / f"points-{origin.number:05d}-{len(found):05d}.npy"
-        first = found[-1].origin.row + found[-1].rows if found else 0
-        found.append(in_record_file(records, path, schema, replace(origin, row=first)))
-    return found
+    seen: list[Schema] = []
+
+    def write(records: Array, path: Path, at: Origin) -> Valued:
+        return in_record_file(records, path, seen[0], at)
+
+    return written(_records_of(clouds, seen, origin.source), rows, scratch, origin, write)
 
 
-def _regrouped(clouds: Iterable[Cloud], rows: int, name: str) -> Iterator[tuple[Array, Schema]]:
-    held: list[Array] = []
-    schema = Schema()
-    for number, cloud in enumerate(each for each in clouds if len(each)):
-        before, schema = schema, schema_of(cloud)
-        if number:
-            _check_alike(before, schema, name, "what came before")
-        held.append(records_from(cloud))
-        if sum(map(len, held)) >= rows:
-            whole = concatenated(held)
-            full = len(whole) // rows * rows
-            yield from ((whole[i : i + rows], schema) for i in range(0, full, rows))
-            held = [whole[full:].copy()]
-    if sum(map(len, held)):
-        yield concatenated(held), schema
+def _records_of(clouds: Iterable[Cloud], seen: list[Schema], name: str) -> Iterator[Array]:
+    """Yield the rows of clouds that all have one schema, which is noted."""
+    for cloud in clouds:
+        if len(cloud):
+            schema = schema_of(cloud)
+            seen[:] = seen or [schema]
+            _check_alike(seen[0], schema, name, "what came before")
+            yield records_from(cloud)
 
 
 def in_record_file(records: Array, path: Path, schema: Schema, origin: Origin) -> FilePart:
@@ -369,29 +375,6 @@ def in_record_file(records: Array, path: Path, schema: Schema, origin: Origin) -
     """
     save_array(path, records)
     return FilePart(str(path), len(records), schema, origin)
-
-
-def in_record_files(parts: Sequence[Valued], folder: Path) -> list[Valued]:
-    """Write the parts that are in memory to files, for other processes.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        Parts of a source.
-    folder : Path
-        Where to write.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-    """
-    return [
-        in_record_file(part.held, folder / f"points-{number:05d}.npy", part.schema, part.origin)
-        if isinstance(part, HeldPart)
-        else part
-        for number, part in enumerate(parts)
-    ]
 
 
 def alike(parts: list[Valued]) -> list[Valued]:

@@ -151,7 +151,9 @@ def triangulated(
         rows = options.tile_rows or before or fitting
         parts = cut(source, min(rows, _PART_ROWS), folders.scratch)
         check_apart(folders, parts)
-        check_format(folders.shards, sum(part.rows for part in parts))
+        count = sum(part.rows for part in parts)
+        check_format(folders.shards, count)
+        runner.begin(count)
         if options.surface is not None and parts:
             check_system(schema_of_parts(parts).crs, "xy")
         if not options.resumes:

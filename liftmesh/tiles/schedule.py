@@ -22,6 +22,9 @@ SHARES = {"spool": 0, "scan": 1, "partition": 2, "triangulate": 7, "link": 0}
 class Runner(Protocol):
     """What calls tasks."""
 
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are, before the first task on them."""
+
     def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
         """Call a task with each of some arguments, in any order; return its results in order."""
 
@@ -35,6 +38,12 @@ class Meter:
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self._before = 0.0
+
+    def begin(self, rows: int) -> None:
+        """Tell how many rows there are, if anybody wants to know."""
+        tell = getattr(self._progress, "begin", None)
+        if tell is not None:
+            tell(rows)
 
     def show(self, stage: str, share: float) -> None:
         """Report which share of a stage is done."""
@@ -51,6 +60,10 @@ class Serial:
     def __init__(self, threads: int, progress: Progress | None = None) -> None:
         self._threads = threads
         self._meter = Meter(progress)
+
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are."""
+        self._meter.begin(rows)
 
     def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
         """Call a task with each of some arguments."""

@@ -8,10 +8,10 @@ iterators) is written to the scratch folder first, x and y alone.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from liftmesh.io.registry import as_cloud
 from liftmesh.io.streams import remaining
 from liftmesh.tiles.las import las_parts
 from liftmesh.tiles.parquet import parquet_files, parquet_parts
-from liftmesh.tiles.store import save_array
+from liftmesh.tiles.store import concatenated, save_array
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,13 @@ class Part(Protocol):
 
     @property
     def place(self) -> str | None:
-        """The file that is read, if there is one."""
+        """The file that is read; without one, the rows are in memory, and can be saved."""
 
     def read(self) -> Array:
         """Read the rows; the result is (n, 2) or (n, 3), of real numbers."""
+
+
+Kind = TypeVar("Kind", bound=Part)
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,10 @@ class ArrayPart:
         """Copy the rows, with their mask if they have one: nobody else writes to the copy."""
         copied: Array = self.array.copy()
         return copied
+
+    def saved(self, path: Path) -> Part:
+        """Write the rows to a file."""
+        return in_file(self.array, path, self.origin)
 
 
 def planar(part: Part) -> Floats:
@@ -267,7 +274,7 @@ def in_file(points: Array, path: Path, origin: Origin) -> Part:
     return NpyPart(origin, str(path), rows.dtype.str, (len(rows), 2), False, offset, 0, len(rows))
 
 
-def in_files(parts: Sequence[Part], folder: Path) -> list[Part]:
+def in_files(parts: Sequence[Kind], folder: Path) -> list[Kind]:
     """Write the parts that are in memory to files, for other processes.
 
     Parameters
@@ -283,9 +290,7 @@ def in_files(parts: Sequence[Part], folder: Path) -> list[Part]:
         The same rows.
     """
     return [
-        in_file(part.array, folder / f"points-{number:05d}.npy", part.origin)
-        if isinstance(part, ArrayPart)
-        else part
+        cast("Any", part).saved(folder / f"points-{number:05d}.npy") if part.place is None else part
         for number, part in enumerate(parts)
     ]
 
@@ -363,24 +368,64 @@ def _of_array(source: object, rows: int) -> list[Part]:
 
 def _spooled(chunks: Iterable[object], rows: int, scratch: Path, origin: Origin) -> list[Part]:
     """Write x and y of chunks, which come once, to files of so many rows."""
-    found: list[Part] = []
-    for points in _regrouped(chunks, rows, origin):
+    return written(_pieces(chunks, origin), rows, scratch, origin, in_file)
+
+
+def _pieces(chunks: Iterable[object], origin: Origin) -> Iterator[Floats]:
+    for chunk in chunks:
+        array = chunk if isinstance(chunk, np.ndarray) else as_cloud(chunk).points
+        for begin in range(0, len(array), MOST_ROWS):
+            yield planar(ArrayPart(array[begin : begin + MOST_ROWS], origin))
+
+
+def written(
+    arrays: Iterable[Array],
+    rows: int,
+    scratch: Path,
+    origin: Origin,
+    write: Callable[[Array, Path, Origin], Kind],
+) -> list[Kind]:
+    """Write arrays, which come once, to files of so many rows.
+
+    Parameters
+    ----------
+    arrays : iterable of ndarray
+        Consecutive rows, of one type.
+    rows : int
+        How many rows a file has.
+    scratch : Path
+        Where to write.
+    origin : Origin
+        Where they are from.
+    write : callable
+        Writes some rows to a file, and returns what reads them.
+
+    Returns
+    -------
+    list of Part
+        The same rows.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
+    """
+    found: list[Kind] = []
+    for held in _regrouped(arrays, rows):
         path = scratch / f"points-{origin.number:05d}-{len(found):05d}.npy"
         first = found[-1].origin.row + found[-1].rows if found else 0
-        found.append(in_file(points, path, replace(origin, row=first)))
+        found.append(write(held, path, replace(origin, row=first)))
     return found
 
 
-def _regrouped(chunks: Iterable[object], rows: int, origin: Origin) -> Iterator[Floats]:
-    held: list[Floats] = []
-    for chunk in chunks:
-        array = chunk if isinstance(chunk, np.ndarray) else as_cloud(chunk).points
-        begins = range(0, len(array), MOST_ROWS)
-        held += [planar(ArrayPart(array[i : i + MOST_ROWS], origin)) for i in begins]
+def _regrouped(arrays: Iterable[Array], rows: int) -> Iterator[Array]:
+    held: list[Array] = []
+    for array in arrays:
+        held.append(array)
         if sum(map(len, held)) >= rows:
-            whole = np.concatenate(held)
+            whole = concatenated(held)
             full = len(whole) // rows * rows
             yield from (whole[i : i + rows] for i in range(0, full, rows))
             held = [whole[full:].copy()]
     if sum(map(len, held)):
-        yield np.concatenate(held)
+        yield concatenated(held)

@@ -1,14 +1,16 @@
 """Rasters of tiled surfaces, window by window: bit for bit those of `Surface.raster`.
 
 The raster is cut into windows; for each, the faces that touch the centres of its pixels are read
-(`windows.py`). A window with too many faces is cut again, so memory is bounded: by the faces of two
-large shards, and by the pixels of a window where these go to a file.
+(`windows.py`), or with natural neighbours those whose circles do (`circles.py`). A window with too
+many faces is cut again, so memory is bounded: by the faces of two large shards, and by the pixels
+of a window where these go to a file.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -16,12 +18,13 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats, Progress
-from liftmesh.choices import RasterQuantity, check_progress
+from liftmesh.choices import RasterQuantity, SampleMethod, check_progress
 from liftmesh.io import geotiff_writer
 from liftmesh.terrain.pixels import Layout, centres_of, layout_of
 from liftmesh.terrain.raster import Raster, check_name
 from liftmesh.terrain.raster_values import Wanted
-from liftmesh.tiles.windows import part_of
+from liftmesh.tiles.circles import Circles
+from liftmesh.tiles.windows import part_of, touching
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
 _SIDE = 1024  # pixels of a window, a multiple of the blocks of a file
 _FACES = 1 << 16  # which a window may have at least
+_FEWEST = 256  # pixels of a window, if circles count: many may have one pixel inside
 
 Window = tuple[range, range]
 
@@ -37,12 +41,21 @@ class _Windows:
     """Computes the values of a raster, some pixels at a time."""
 
     def __init__(
-        self, tiled: TiledSurface, layout: Layout, wanted: Wanted, threads: int | None
+        self,
+        tiled: TiledSurface,
+        layout: Layout,
+        wanted: Wanted,
+        method: SampleMethod,
+        threads: int | None,
     ) -> None:
         self._tiled = tiled
         self._layout = layout
         self._wanted = wanted
+        self._method: SampleMethod = method
         self._threads = threads
+        is_linear = method == "linear"
+        self._near = partial(touching, tiled) if is_linear else Circles(tiled).near
+        self._fewest = 1 if is_linear else _FEWEST
         largest = max(shard["triangles"] for shard in tiled.manifest["shards"])
         self._most = max(_FACES, 2 * largest)
 
@@ -62,8 +75,8 @@ class _Windows:
     def _of(self, down: range, across: range) -> Array:
         centres = centres_of(self._layout.transform, down, across)
         low, high = centres.min(axis=(0, 1)).tolist(), centres.max(axis=(0, 1)).tolist()
-        most = self._most if centres.size > 2 else 1 << 31
-        surface = part_of(self._tiled, (*low, *high), most, self._threads)
+        most = self._most if centres.size > 2 * self._fewest else 1 << 31
+        surface = part_of(self._tiled, self._near((*low, *high)), most, self._threads)
         if not isinstance(surface, int):
             return self._at(centres, surface)
         if surface == 0:
@@ -78,7 +91,7 @@ class _Windows:
         if self._wanted.quantity == "height":
             found[...] = np.nan
             if surface is not None:
-                found[...] = surface.sample(centres, threads=self._threads)
+                found[...] = surface.sample(centres, self._method, threads=self._threads)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:
@@ -107,6 +120,7 @@ class Rasterizing:
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
+        method: SampleMethod = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float64,
@@ -119,8 +133,8 @@ class Rasterizing:
 
         Parameters
         ----------
-        resolution, bounds, transform, shape, quantity, light, z_factor, dtype, threads
-            As for `Surface.raster`. Heights are linear in each face.
+        resolution, bounds, transform, shape, quantity, method, light, z_factor, dtype, threads
+            As for `Surface.raster`.
         progress : callable, optional
             Called with the fraction of the pixels done.
 
@@ -149,7 +163,7 @@ class Rasterizing:
         """
         check_progress(progress)
         layout = _layout(self, resolution, bounds, transform, shape)
-        windows, wanted = _windows(self, layout, quantity, dtype, light, z_factor, threads)
+        windows, wanted = _windows(self, layout, quantity, method, dtype, light, z_factor, threads)
         values = np.empty((layout.rows, layout.columns), wanted.kind)
         for (down, across), found in windows.values(progress):
             values[down.start : down.stop, across.start : across.stop] = found
@@ -164,9 +178,11 @@ class Rasterizing:
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
+        method: SampleMethod = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float32,
+        cog: bool = False,
         compress: str | None = "deflate",
         threads: int | None = None,
         progress: Progress | None = None,
@@ -177,10 +193,12 @@ class Rasterizing:
         ----------
         path : path
             Where to write; written whole or not at all.
-        resolution, bounds, transform, shape, quantity, light, z_factor
-            As for `Surface.raster`. Heights are linear in each face.
+        resolution, bounds, transform, shape, quantity, method, light, z_factor
+            As for `Surface.raster`.
         dtype : {"float32", "float64"}
             Type of the values; heights are rounded once.
+        cog : bool, default False
+            Write a cloud optimised GeoTIFF, by way of a plain one beside it.
         compress : str, optional
             As for `Raster.save`.
         threads : int, optional
@@ -217,7 +235,7 @@ class Rasterizing:
         target = Path(path)
         check_name(target)
         layout = _layout(self, resolution, bounds, transform, shape)
-        windows, wanted = _windows(self, layout, quantity, dtype, light, z_factor, threads)
+        windows, wanted = _windows(self, layout, quantity, method, dtype, light, z_factor, threads)
         geotiff_writer.write_windows(
             target,
             (layout.rows, layout.columns),
@@ -225,6 +243,7 @@ class Rasterizing:
             windows.values(progress),
             layout.transform,
             self.crs,
+            cog=cog,
             compress=compress,
         )
         return target
@@ -243,12 +262,13 @@ def _windows(
     tiled: TiledSurface,
     layout: Layout,
     quantity: RasterQuantity,
+    method: SampleMethod,
     dtype: DTypeLike,
     light: tuple[float, float],
     z_factor: float | None,
     threads: int | None,
 ) -> tuple[_Windows, Wanted]:
-    wanted = Wanted.checked(tiled, quantity, "linear", dtype, light, z_factor)
+    wanted = Wanted.checked(tiled, quantity, method, dtype, light, z_factor)
     if quantity == "height":
         wanted.check_range(np.array(tiled.extent)[[2, 5]])
-    return _Windows(tiled, layout, wanted, threads), wanted
+    return _Windows(tiled, layout, wanted, method, threads), wanted

@@ -1,14 +1,15 @@
-"""Parts of a tiled surface: the faces that touch a box, as a surface of their own.
+"""Parts of a tiled surface: the faces that concern a box, as a surface of their own.
 
 By heredity (ARCHITECTURE.md), the triangulation of the corners of some faces has all these faces;
 what else it has is masked. What a surface answers at a point depends on the faces that contain the
-point, and on nothing else. So within the box, the part answers as the whole.
+point, or by natural neighbours on those whose circles do (`circles.py`), and on nothing else. So
+within the box, the part answers as the whole.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -23,20 +24,22 @@ from liftmesh.tiles.surface_files import faces_name, vertices_name
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
 
+Bounds: TypeAlias = tuple[float, float, float, float]
+
 _BLOCK = 1 << 19  # triangles that are looked at at once
 
 
 def part_of(
-    tiled: TiledSurface, box: tuple[float, float, float, float], most: int, threads: int | None
+    tiled: TiledSurface, near: Iterator[tuple[Any, Rows]], most: int, threads: int | None
 ) -> Surface | int:
-    """Make a surface of the faces that touch a box.
+    """Make a surface of some faces.
 
     Parameters
     ----------
     tiled : TiledSurface
         The whole.
-    box : tuple of float
-        xmin, ymin, xmax and ymax.
+    near : iterator
+        The faces, as from `touching` or `Circles.near`.
     most : int
         How many faces it may have.
     threads : int, optional
@@ -58,7 +61,7 @@ def part_of(
     held: list[Rows] = []
     corners: list[Any] = []
     count = 0
-    for vertices, faces in _touching(tiled, box):
+    for vertices, faces in near:
         count += len(faces)
         if count > most:
             return count
@@ -74,10 +77,23 @@ def part_of(
     return _surface(points, np.concatenate(parts), tiled.crs, threads)
 
 
-def _touching(
-    tiled: TiledSurface, box: tuple[float, float, float, float]
-) -> Iterator[tuple[Any, Rows]]:
-    """Yield the faces whose own boxes touch a box, and their corners."""
+def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
+    """Yield the faces whose own boxes touch a box, and their corners.
+
+    Parameters
+    ----------
+    tiled : TiledSurface
+        The whole.
+    box : tuple of float
+        xmin, ymin, xmax and ymax.
+
+    Yields
+    ------
+    vertices : structured ndarray
+        The corners of these faces.
+    faces : (m, 3) ndarray of int32
+        Numbers of them.
+    """
     for shard in tiled.manifest["shards"]:
         west, south, _, east, north, _ = shard["extent"]
         if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
@@ -90,11 +106,26 @@ def _touching(
             touches = _overlaps(xs[block], box[0], box[2])
             touches &= _overlaps(ys[block], box[1], box[3])
             if touches.any():
-                yield _apart(vertices, block[touches])
+                yield apart(vertices, block[touches])
 
 
-def _apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
-    """Take some faces and their corners out of a shard."""
+def apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
+    """Take some faces and their corners out of a shard.
+
+    Parameters
+    ----------
+    vertices : structured ndarray
+        Those of the shard.
+    faces : (m, 3) ndarray of int32
+        Some of its faces.
+
+    Returns
+    -------
+    vertices : structured ndarray
+        Their corners.
+    faces : (m, 3) ndarray of int32
+        The same, as numbers of these.
+    """
     is_corner = np.zeros(len(vertices), dtype=np.bool_)
     is_corner[faces.reshape(-1)] = True
     number = np.cumsum(is_corner, dtype=np.int32) - np.int32(1)

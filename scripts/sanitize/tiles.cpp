@@ -1,5 +1,6 @@
 #include "tiles.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -9,6 +10,7 @@
 
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
+#include "tiles/reach.hpp"
 
 namespace parallel {
 
@@ -79,6 +81,22 @@ Node checked(const Cloud& cloud, std::span<const Record> records, std::span<cons
     return alone;
 }
 
+// How many triangles of a node have circles that reach a point.
+std::size_t reaching(const Cloud& cloud, const Node& node, liftmesh::Point at) {
+    const std::vector<std::int32_t> rows(node.triangles.get(),
+                                         node.triangles.get() + 3 * node.triangle_count);
+    const liftmesh::Corners faces{cloud.points, rows};
+    demand(faces.are_valid(), cloud, "a triangle has a corner that is no row");
+    const auto flags = liftmesh::allocate<bool>(faces.count());
+    liftmesh::find_reaching(faces, {at, at}, flags.get());
+    const Box reach = liftmesh::reach_of(faces);
+    const auto count =
+        static_cast<std::size_t>(std::count(flags.get(), flags.get() + faces.count(), true));
+    demand(count == 0 || (reach.low.x <= at.x && at.x <= reach.high.x), cloud,
+           "a circle is not within the box of all");
+    return count;
+}
+
 }  // namespace
 
 void check_tiles(const Cloud& cloud, std::size_t triangles) {
@@ -88,7 +106,7 @@ void check_tiles(const Cloud& cloud, std::size_t triangles) {
     const Partition parts = liftmesh::partition(cloud.input(), 0, {&cut, 1}, 2, interrupt);
     std::vector<Record> records;
     std::vector<RimEdge> rim;
-    std::size_t found = 0;
+    std::size_t found = 0, near = 0;
     for (const std::size_t t : {0u, 1u}) {
         const auto first = static_cast<std::size_t>(parts.begins[t]);
         const auto end = static_cast<std::size_t>(parts.begins[t + 1]);
@@ -97,11 +115,15 @@ void check_tiles(const Cloud& cloud, std::size_t triangles) {
         const Territory territory{cell, {&parts.boxes[1 - t], 1}, false};
         const Node node = checked(cloud, {&parts.records[first], end - first}, {}, territory);
         found += node.triangle_count;
+        near += reaching(cloud, node, cut.at);
         const auto begin = static_cast<std::int32_t>(records.size());
         records.insert(records.end(), node.frontier.begin(), node.frontier.end());
         for (const RimEdge& e : node.rim) rim.push_back({e.tail + begin, e.head + begin});
     }
-    found += checked(cloud, records, rim, {everywhere, {}, true}).triangle_count;
+    const Node root = checked(cloud, records, rim, {everywhere, {}, true});
+    found += root.triangle_count;
+    near += reaching(cloud, root, cut.at);
+    demand(near > 0 || found == 0, cloud, "no circle reaches a vertex");
     demand(found == triangles, cloud, "triangles are missing, or there are too many");
 }
 

@@ -74,6 +74,14 @@ class Disk {
                center_.y - reach_ > cell.low.y && center_.y + reach_ < cell.high.y;
     }
 
+    // A box that holds it.
+    Box bounds() const {
+        constexpr double far = std::numeric_limits<double>::infinity();
+        if (!is_known()) return {{-far, -far}, {far, far}};
+        return {{center_.x - reach_, center_.y - reach_}, {center_.x + reach_, center_.y + reach_}};
+    }
+
+    // Of a known disk.
     bool is_clear_of(const Box& box) const {
         const double x = gap(box.low.x - center_.x, center_.x - box.high.x);
         const double y = gap(box.low.y - center_.y, center_.y - box.high.y);

@@ -1,0 +1,83 @@
+"""Faces of a tiled surface whose circles reach a box: what natural neighbours in it depend on.
+
+The neighbours of a point come from the faces that have it inside their circles. These have the same
+part of it in the triangulation of any of the points that holds their corners (ARCHITECTURE.md). So
+the faces whose circles reach a box answer in it as the whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Rows
+from liftmesh.tiles.store import mapped
+from liftmesh.tiles.surface_files import faces_name, vertices_name
+from liftmesh.tiles.windows import apart
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.windows import Bounds
+
+_BLOCK = 1 << 15  # faces that have one box around their circles
+
+
+class Circles:
+    """Knows how far the circles of a surface reach: 32 bytes for each block of faces.
+
+    Parameters
+    ----------
+    tiled : TiledSurface
+        The surface; its faces are read once.
+    """
+
+    def __init__(self, tiled: TiledSurface) -> None:
+        self._folder = tiled.directory
+        self._names = [shard["file"] for shard in tiled.manifest["shards"]]
+        self._boxes = [_boxes(*self._read(name)[1:]) for name in self._names]
+
+    def near(self, box: Bounds) -> Iterator[tuple[Any, Rows]]:
+        """Yield the faces whose circles may have a point of a box inside, shard by shard.
+
+        Parameters
+        ----------
+        box : tuple of float
+            xmin, ymin, xmax and ymax.
+
+        Yields
+        ------
+        vertices : structured ndarray
+            The corners of these faces.
+        faces : (m, 3) ndarray of int32
+            Numbers of them.
+        """
+        window = np.array([box])
+        for name, boxes in zip(self._names, self._boxes, strict=True):
+            meet = (boxes[:, :2] <= window[:, 2:]) & (boxes[:, 2:] >= window[:, :2])
+            blocks = np.flatnonzero(meet.all(axis=1))
+            if not len(blocks):
+                continue
+            vertices, points, faces = self._read(name)
+            held = [_reaching(points, faces[i * _BLOCK : (i + 1) * _BLOCK], window) for i in blocks]
+            found = np.concatenate(held)
+            if len(found):
+                yield apart(vertices, found)
+
+    def _read(self, name: str) -> tuple[Any, Floats, Rows]:
+        """Return the vertices of a shard, where they are, and its faces."""
+        vertices: Any = mapped(self._folder / vertices_name(name))
+        faces: Rows = mapped(self._folder / faces_name(name)).view(np.int32)
+        return vertices, np.stack([vertices["x"], vertices["y"]], axis=1), faces
+
+
+def _boxes(points: Floats, faces: Rows) -> Floats:
+    begins = range(0, len(faces), _BLOCK)
+    return np.concatenate([_kernel.reach_of(points, faces[i : i + _BLOCK]) for i in begins])
+
+
+def _reaching(points: Floats, faces: Rows, window: Floats) -> Rows:
+    found: Rows = faces[_kernel.find_reaching(points, faces, window)]
+    return found
