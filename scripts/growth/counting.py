@@ -5,8 +5,9 @@ NumPy and of the kernel. That makes a start with all imports some fifty times sl
 makes many calls. All inputs are made, and each call is made once to import what it needs, before
 callgrind is switched on; that happens once, since it translates all code anew each time. Before it
 is counted, a call is made again to fill caches, unless a smaller one has done that. What counts is
-between two marks: requests to callgrind, compiled from `marks.c`. The counts are reproducible to
-about a per cent, and do not depend on what else the machine does.
+between two marks, at which callgrind states in its log what it has counted so far: requests,
+compiled from `marks.c`. The counts are reproducible to about a per cent, and do not depend on what
+else the machine does.
 
 What the system does in the calls of a process (copying a file into a buffer, clearing new pages) is
 not in the counts.
@@ -23,7 +24,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,8 +32,8 @@ from typing import Any
 
 HERE = Path(__file__).parent
 TOOL = ("valgrind", "--tool=callgrind", "--quiet", "--instr-atstart=no")
-TOTAL = re.compile(r"^totals: (\d+)", re.MULTILINE)
-LABEL = re.compile(r"^desc: Trigger: Client Request: (\d+)$", re.MULTILINE)
+MARK = "instrumentation: on\n"
+EXECUTED = re.compile(r"^events-\d+: (\d+)$", re.MULTILINE)
 
 # One thread, the same order of sets and dictionaries in each run, no tracer in the child, and
 # memory for large arrays from the system each time, so that malloc copies what grows alike.
@@ -78,11 +79,13 @@ def count(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "jobs.json").write_text(json.dumps([prepare, jobs]))
-        out = f"--callgrind-out-file={folder / 'counts'}"
-        words = [*TOOL, out, python, HERE / "worker.py", built(folder), folder / "jobs.json"]
-        told = _run([*map(str, words)], seconds)
-        totals = dict(_totals(folder.glob("counts.*")))
-    return [Count(totals[number], *each) for number, each in enumerate(map(json.loads, told))]
+        log = folder / "log"
+        files = (f"--log-file={log}", f"--callgrind-out-file={folder / 'profile'}")
+        words = [*TOOL, *files, python, HERE / "worker.py", built(folder), folder / "jobs.json"]
+        told = [*map(json.loads, _run([*map(str, words)], log, seconds))]
+        executed = marked(log.read_text())
+    pairs = zip(executed[::2], executed[1::2], strict=True)
+    return [Count(end - begin, *each) for (begin, end), each in zip(pairs, told, strict=True)]
 
 
 def built(folder: Path) -> Path:
@@ -99,7 +102,7 @@ def built(folder: Path) -> Path:
     return library
 
 
-def _run(words: list[str], seconds: float | None) -> list[str]:
+def _run(words: list[str], log: Path, seconds: float | None) -> list[str]:
     """Run the child; return the lines that it prints."""
     env = {key: value for key, value in os.environ.items() if key not in TRACERS} | ALONE
     try:
@@ -109,18 +112,18 @@ def _run(words: list[str], seconds: float | None) -> list[str]:
     except FileNotFoundError as error:
         raise SystemExit("valgrind is missing: install it (Debian: valgrind)") from error
     if done.returncode:
-        raise SystemExit(
-            f"the counted process ended with {done.returncode}:\n{done.stderr[-3000:]}"
-        )
+        told = f"{done.stderr[-3000:]}\n{log.read_text()[-1000:] if log.exists() else ''}"
+        raise SystemExit(f"the counted process ended with {done.returncode}:\n{told}")
     return done.stdout.splitlines()
 
 
-def _totals(files: Iterable[Path]) -> Iterable[tuple[int, int]]:
-    for path in files:
-        text = path.read_text()
-        label, total = LABEL.search(text), TOTAL.search(text)
-        if label and total:
-            yield int(label[1]), int(total[1])
+def marked(log: str) -> list[int]:
+    """Return the instructions that all threads had executed at each mark.
+
+    >>> marked("instrumentation: on\\nevents-1: 12\\ninstrumentation: on\\nevents-1: 15\\n")
+    [12, 15]
+    """
+    return [sum(map(int, EXECUTED.findall(each))) for each in log.split(MARK)[1:]]
 
 
 def work_through(library: str, jobs: Path) -> None:
@@ -132,13 +135,13 @@ def work_through(library: str, jobs: Path) -> None:
     gc.collect()
     gc.freeze()
     marks.start()
-    for number, work in enumerate(works):
+    for work in works:
         ready(work)  # what other calls have pushed out of caches
         gc.collect()
         gc.disable()
-        marks.begin()
+        marks.mark()
         error = attempt(work.call)
-        marks.end(str(number).encode())
+        marks.mark()
         gc.enable()
         print(json.dumps([work.units, error]), flush=True)
 

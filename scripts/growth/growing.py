@@ -14,7 +14,7 @@ reason.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from growth.counting import Count, Work, count
@@ -74,7 +74,7 @@ def most_of(case: Case) -> float:
     return LINEAR if case[0].startswith(FILES) else MOST
 
 
-def cases(found: dict[str, Subject] | None = None) -> Iterator[Case]:
+def cases(found: Mapping[str, Subject] | None = None) -> Iterator[Case]:
     """List what the tests count."""
     for name, subject in (found or subjects()).items():
         chosen = subject.families if subject.counted is None else subject.counted

@@ -8,8 +8,10 @@ tests fail until `FILES` holds some. `WITHOUT_DATA` lists the public names that 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from beside import stream_of
@@ -206,7 +208,8 @@ def of_formats() -> Iterator[Subject]:
             yield Subject(f"write {each.name}", CLOUDS, writer(each), None, PARTS)
 
 
-def subjects() -> dict[str, Subject]:
+@cache
+def subjects() -> Mapping[str, Subject]:
     """Return all subjects by name."""
     made = (
         Subject(*each)
@@ -220,4 +223,4 @@ def subjects() -> dict[str, Subject]:
             *changing.CHANGING,
         )
     )
-    return {each.name: each for each in (*made, *of_formats())}
+    return MappingProxyType({each.name: each for each in (*made, *of_formats())})
