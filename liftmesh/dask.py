@@ -68,7 +68,14 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
 
 _TRIES = 3  # of a task that raises OSError, as a network disk may
-_REPLACED = "10 minutes"  # in which a worker that died may start again, on a busy machine
+# Of own clusters: a worker that died may take long to start again on a busy machine, and tasks are
+# long calls of the kernel, so looking at their stack a hundred times a second shows nothing, and
+# costs a twentieth of the time.
+_SETTINGS = {
+    "distributed.deploy.lost-worker-timeout": "10 minutes",
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+}
 
 
 def delaunay(  # noqa: PLR0913 - options are keywords
@@ -377,7 +384,7 @@ def local_cluster(**options: Any) -> Iterator[Any]:
     config = load("dask.config", extra="dask")
     settings = {"threads_per_worker": 1, "dashboard_address": ":0", **options}
     with (
-        config.set({"distributed.deploy.lost-worker-timeout": _REPLACED}),
+        config.set(_SETTINGS),
         distributed.LocalCluster(**settings) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
     ):

@@ -205,15 +205,9 @@ def take(way: str, folder: Path, tile_rows: int) -> Taken:
 
 def by_dask(workers: int, source: Path, out: Path, tile_rows: int) -> tuple[int, float]:
     """Triangulate on a cluster; return what a worker took at most: memory, and seconds."""
-    from dask import distributed  # noqa: PLC0415 - slow to import
+    import liftmesh.dask  # noqa: PLC0415 - slow to import
 
-    import liftmesh.dask  # noqa: PLC0415 - with it
-
-    options = {"threads_per_worker": 1, "dashboard_address": ":0"}
-    with (
-        distributed.LocalCluster(n_workers=workers, **options) as cluster,
-        distributed.Client(cluster) as client,
-    ):
+    with liftmesh.dask.local_cluster(n_workers=workers) as client:
         client.wait_for_workers(workers)
         before = client.run(process_time)
         options = {"tile_rows": tile_rows, "resume": False}
