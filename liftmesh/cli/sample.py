@@ -78,7 +78,7 @@ def run(
         selection=selection,
     )
     surface = trimmed(surface, trimming)
-    asked = files.read(at, None, limit, _flat(at))
+    asked = files.read(at, None, limit, tables.flat_of(at))
     _check_systems(source, surface.crs, at, asked.crs)
     with terminal.stage(f"sampling at {len(asked):,} points"):
         found, known = _sampled(surface, asked, method, count)
@@ -95,14 +95,6 @@ def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -
         raise InputError(
             f"{at} is in {shown(given)}, {source} in {shown(own)}: transform the points first"
         )
-
-
-def _flat(at: Path) -> dict[str, bool]:
-    """Return the option of tables that says that points need no height."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
-
-    is_table = bool(at.suffix) and find_format(suffix_of(at.name), str(at)).name == "text"
-    return {"flat": True} if is_table else {}
 
 
 def _sampled(
