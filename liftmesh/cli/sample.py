@@ -34,6 +34,7 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[Path, typer.Option(metavar="FILE", help="Points x, y: a cloud of any format.")],
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
@@ -53,6 +54,8 @@ def run(
         IN, OUT and the points.
     method : str
         As in `Surface.sample`.
+    nonfinite : str
+        As in `liftmesh.triangulate`.
     source_format, target_format : str, optional
         Formats, instead of the suffixes.
     trimming : dict
@@ -72,6 +75,7 @@ def run(
         source,
         source_format,
         "xy",
+        nonfinite=nonfinite,
         threads=count,
         max_bytes=limit,
         table=table,
