@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -151,7 +152,7 @@ def test_a_kill_amid_what_surfaces_write_leaves_the_old_file_alone(tmp_path: Pat
     names = {words.split()[2] for words in WRITING}
     for name in names:
         (folder / name).write_bytes(b"old")
-    lines = [f"{limit} {words}\n" for words in WRITING for limit in (1, 2000)]
+    lines = [f"{limit} {words}\n" for words, limit in zip(WRITING, cycle((1, 2000)), strict=False)]
     child = begun(cwd=folder, program=KILLED_AMID_WRITING)
     out, err = child.communicate("".join(lines), timeout=120)
     assert [int(code) for code in out.splitlines() if code[0] == "-"] == [-signal.SIGXFSZ] * len(
