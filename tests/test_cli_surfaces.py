@@ -129,6 +129,25 @@ def test_points_get_heights_and_keep_their_values(tin, tmp_path) -> None:
     assert " nan " in (tmp_path / "heights.xyz").read_text()
 
 
+def test_rows_that_are_not_finite_may_be_skipped(tmp_path) -> None:
+    (tmp_path / "nan.csv").write_text("x,y,z\n0,0,1\n9,9,nan\n4,0,2\n0,4,3\n")
+    (tmp_path / "at.csv").write_text("x,y\n0,0\n1,1\n9,9\n")
+    done = run("sample", "nan.csv", "o.csv", "--at", "at.csv", "--nonfinite", "skip", cwd=tmp_path)
+    assert "2 of 3 points have a height" in done.stderr
+    words = ("--resolution", "1", "--nonfinite", "skip", "--json")
+    done = run("raster", "nan.csv", "o.tif", *words, cwd=tmp_path)
+    assert json.loads(done.stdout)["columns"] == 4
+
+
+def test_what_the_format_of_a_solid_does_not_keep_is_said(tin, tmp_path) -> None:
+    words = ("--thickness", "1", "--pinched", "trim")
+    done = run("solid", tin, tmp_path / "s.xyz", *words)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.endswith("; text does not keep faces\n")
+    told = json.loads(run("solid", tin, tmp_path / "s.xyz", *words, "--json").stdout)
+    assert told["dropped"] == ["faces"]
+
+
 @pytest.mark.parametrize("crs", ["EPSG:7415", "epsg:28992", pyproj.CRS("EPSG:28992").to_wkt()])
 def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
     liftmesh.triangulate(meadow(), crs="EPSG:28992").save(tmp_path / "dutch.ply")
@@ -188,6 +207,27 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("sample", "tin.ply", "out.csv", "--at", "at.csv", "--method", "cubic"), 2, "--method"),
         (("sample", "tin.ply", "out.what", "--at", "at.csv"), 3, "out.what"),
         (("sample", "tin.ply", "at.csv", "--at", "at.csv"), 2, "same file"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1e-5"), 3, "pixels are too many"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "nan"), 2, "'nan' is not a number"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "-1"), 3, "--resolution is -1.0: give"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"), 3, "one of none"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--bounds", "3,3,0,0"), 3, "--bounds"),
+        (("raster", "nan.csv", "o.tif", "--resolution", "1"), 3, "with --nonfinite skip"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--polygon", "far.json"), 3, "faces"),
+        (("contour", "tin.ply", "o.geojson", "--interval", "1e-12"), 3, "--interval is 1e-12"),
+        (
+            ("contour", "tin.ply", "o.geojson", "--interval", "1", "--min-length", "-1"),
+            3,
+            "--min-length is -1.0",
+        ),
+        (("sample", "tin.ply", "o.csv", "--at", "names.csv"), 3, "has no column x or y"),
+        (("sample", "nan.csv", "o.csv", "--at", "at.csv"), 3, "with --nonfinite skip"),
+        (("volume", "utm.ply", "dutch.ply"), 3, "give --to-crs, which transforms both"),
+        (("volume", "tin.ply", "--level", "nan"), 2, "--level 'nan' is not a number"),
+        (("volume", "tin.ply", "--within", "far.json"), 3, "no area in common with the faces"),
+        (("solid", "tin.ply", "o.stl", "--base", "nan"), 2, "--base 'nan' is not a number"),
+        (("thin", "nan.csv", "o.ply", "--adaptive", "3"), 3, "remove such rows first"),
+        (("thin", "tin.ply", "o.ply", "--cell", "nan"), 2, "--cell 'nan' is not a positive"),
         (("triangulate", "meadow.csv", "out.ply", "--max-edge", "-1"), 2, "not a positive number"),
         (("triangulate", "meadow.csv", "out.ply", "--boundary-only"), 2, "needs --max-edge"),
     ],
@@ -196,6 +236,10 @@ def test_bad_input_is_one_line_and_leaves_nothing_behind(
     tin, tmp_path, words, code: int, said: str
 ) -> None:
     (tmp_path / "at.csv").write_text("x,y\n20,20\n")
+    (tmp_path / "names.csv").write_text("foo,bar\n20,20\n")
+    (tmp_path / "nan.csv").write_text("x,y,z\n0,0,1\n1,0,nan\n0,1,2\n1,1,3\n")
+    far = {"type": "Polygon", "coordinates": [[[900, 900], [901, 900], [901, 901]]]}
+    (tmp_path / "far.json").write_text(json.dumps(far))
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
     liftmesh.write(tmp_path / "bent.ply", liftmesh.Cloud(square, faces=faces))

@@ -19,8 +19,8 @@ from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.cli.wording import usage_message
 
 COMMANDS = [
-    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "raster",
-    "contour", "volume", "solid", "voronoi", "paper",
+    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "profile",
+    "raster", "contour", "volume", "solid", "voronoi", "paper",
 ]  # fmt: skip
 FOREIGN = re.compile(
     r"input should|valid integer|value error|invalid value|no such|missing argument|"

@@ -192,3 +192,21 @@ def test_progress_rises_and_can_end_the_run() -> None:
 
     with pytest.raises(TimeoutError):
         liftmesh.simplify(points, max_error=0, progress=stop)
+
+
+@pytest.mark.parametrize("exponent", [-822, -400, 400, 822])
+def test_products_of_steps_may_leave_the_doubles(exponent: int) -> None:
+    rng = np.random.default_rng(0)
+    places = np.unique(rng.integers(0, 16, (60, 2)), axis=0)
+    heights = rng.integers(-100, 100, len(places))
+    points = np.column_stack([np.ldexp(places.astype(float), exponent), heights])
+    told = liftmesh.simplify(points, max_error=0).metadata["simplification"]
+    expected = liftmesh.simplify(np.column_stack([places, heights]), max_error=0)
+    assert told["kept"] == expected.metadata["simplification"]["kept"]
+
+
+def test_slopes_may_be_less_than_any_double() -> None:
+    huge = np.array([[0, 0, 0], [2.0**537, 0, 3.4e-237], [0, 2.0**433, 0], [0, 7.7e14, 8.3e-235]])
+    inner = np.array([[1e-251, 1.8e82, 2.2e-289]])
+    told = liftmesh.simplify(np.concatenate([huge, inner]), max_error=2.3e-287)
+    assert told.metadata["simplification"]["error"] <= 2.3e-287

@@ -28,8 +28,8 @@ EXIT_CODES = _listed(
 DEBUG = "--debug with any command prints the traceback of an error."
 
 COMMANDS = (
-    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "raster",
-    "contour", "volume", "solid", "voronoi", "paper",
+    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "profile",
+    "raster", "contour", "volume", "solid", "voronoi", "paper",
 )  # fmt: skip
 
 

@@ -22,12 +22,21 @@ _PHRASES = {
     "with crs=": "with --from-crs",
     "dtype='float64'": "--double",
     "flat=True": "--flat",
+    "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
+        "give --to-crs, which transforms both"
+    ),
+    "give one of None, ": "give one of none, ",
 }
+_SUBJECTS = (
+    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "point_format",
+    "resolution",
+)  # fmt: skip
+_OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
 _NAME = rf"(?P<name>{'|'.join(_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_NAME}'(?P<value>[^']*)'")
 _NUMBER = re.compile(rf"(?<=[\s(]){_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
 _BARE = re.compile(rf"(?<![^\s(]){_NAME}(?=[\s,;:)]|$)")
-_SUBJECT = re.compile(r"(?:^|(?<=: ))(adaptive|cell|distance|point_format|resolution) is ")
+_SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are) ")
 
 
 def as_on_command_line(message: str) -> str:
@@ -55,7 +64,7 @@ def as_on_command_line(message: str) -> str:
     message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too
     for pattern in (_QUOTED, _NUMBER, _BARE):
         message = pattern.sub(_as_option, message)
-    return _SUBJECT.sub(lambda found: f"{_option(found[1])} is ", message)
+    return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)
 
 
 def _as_option(found: re.Match[str]) -> str:
@@ -66,4 +75,4 @@ def _as_option(found: re.Match[str]) -> str:
 
 
 def _option(name: str) -> str:
-    return "--min-distance" if name == "distance" else f"--{name.replace('_', '-')}"
+    return f"--{_OTHER_NAMES.get(name, name).replace('_', '-')}"

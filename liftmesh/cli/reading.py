@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from liftmesh.choices import NonFinite
 from liftmesh.cli import groups, options, rows, surfaces, tables
 from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 
@@ -23,6 +24,8 @@ class Reading:
         The format, instead of the suffix.
     plane : object
         As parsed.
+    nonfinite : str
+        As for `liftmesh.triangulate`.
     threads, max_bytes : int, optional
         As for `liftmesh.triangulate` and `liftmesh.read`.
     trimming, table, selection : dict
@@ -31,6 +34,7 @@ class Reading:
 
     file_format: str | None
     plane: Any
+    nonfinite: NonFinite
     threads: int | None
     max_bytes: int | None
     trimming: dict[str, Any]
@@ -59,6 +63,7 @@ class Reading:
             path,
             self.file_format,
             self.plane,
+            nonfinite=self.nonfinite,
             threads=self.threads,
             max_bytes=self.max_bytes,
             table=self.table,
@@ -87,6 +92,7 @@ class Reading:
 def parse(
     source_format: options.SourceFormat = None,
     plane: options.Plane = "xy",
+    nonfinite: options.SkipNonFinite = "error",
     trimming: Any = None,
     threads: options.Threads = None,
     table: Any = None,
@@ -97,7 +103,7 @@ def parse(
 
     Parameters
     ----------
-    source_format, plane, trimming, threads, table, selection, max_bytes
+    source_format, plane, nonfinite, trimming, threads, table, selection, max_bytes
         The options of the command line.
 
     Returns
@@ -107,7 +113,7 @@ def parse(
     """
     frame, count = options.parse_plane(plane), options.parse_threads(threads)
     limit = options.parse_size(max_bytes)
-    return Reading(source_format, frame, count, limit, trimming, table, selection)
+    return Reading(source_format, frame, nonfinite, count, limit, trimming, table, selection)
 
 
 with_options = groups.taking("reading", parse)

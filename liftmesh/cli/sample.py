@@ -34,6 +34,7 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[Path, typer.Option(metavar="FILE", help="Points x, y: a cloud of any format.")],
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
@@ -53,6 +54,8 @@ def run(
         IN, OUT and the points.
     method : str
         As in `Surface.sample`.
+    nonfinite : str
+        As in `liftmesh.triangulate`.
     source_format, target_format : str, optional
         Formats, instead of the suffixes.
     trimming : dict
@@ -72,13 +75,14 @@ def run(
         source,
         source_format,
         "xy",
+        nonfinite=nonfinite,
         threads=count,
         max_bytes=limit,
         table=table,
         selection=selection,
     )
     surface = trimmed(surface, trimming)
-    asked = files.read(at, None, limit, _flat(at))
+    asked = files.read(at, None, limit, tables.flat_of(at))
     _check_systems(source, surface.crs, at, asked.crs)
     with terminal.stage(f"sampling at {len(asked):,} points"):
         found, known = _sampled(surface, asked, method, count)
@@ -95,14 +99,6 @@ def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -
         raise InputError(
             f"{at} is in {shown(given)}, {source} in {shown(own)}: transform the points first"
         )
-
-
-def _flat(at: Path) -> dict[str, bool]:
-    """Return the option of tables that says that points need no height."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
-
-    is_table = bool(at.suffix) and find_format(suffix_of(at.name), str(at)).name == "text"
-    return {"flat": True} if is_table else {}
 
 
 def _sampled(

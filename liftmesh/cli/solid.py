@@ -13,6 +13,7 @@ from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
+    from liftmesh.io.writing import Written
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."
 HELP = (
@@ -95,22 +96,20 @@ def run(
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         found = surface.solid(**wanted, pinched=pinched)
     written = outputs.write(target, found, target_format, writing)
-    _say(str(written.path or "-"), found, as_json=json)
+    _say(written, found, as_json=json)
 
 
-def _say(path: str, found: Cloud, *, as_json: bool) -> None:
+def _say(written: Written, found: Cloud, *, as_json: bool) -> None:
     faces = 0 if found.faces is None else len(found.faces)
     size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
     if as_json:
         volume = {"triangles": faces, "volume": _volume(found), "size": size}
-        terminal.as_json({"path": path, **volume})
+        terminal.as_json({**outputs.values(written), **volume})
         return
     width, depth, height = (f"{each:.6g}" for each in size)
-    terminal.sentence(
-        f"{path}: {faces:,} triangles, volume {_volume(found):,.10g}, size {width} x {depth} x "
-        f"{height}",
-        "good",
-    )
+    measures = f"volume {_volume(found):,.10g}, size {width} x {depth} x {height}"
+    content = f"{faces:,} triangles, {measures}"
+    terminal.sentence(outputs.headline(written, content), "good")
 
 
 def _volume(found: Cloud) -> float:

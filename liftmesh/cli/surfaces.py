@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
+from liftmesh.choices import NonFinite
 from liftmesh.cli import files, terminal
 from liftmesh.errors import InputError
 
@@ -26,6 +27,7 @@ def read(
     file_format: str | None,
     plane: Any,
     *,
+    nonfinite: NonFinite,
     threads: int | None,
     max_bytes: int | None,
     table: Any,
@@ -40,6 +42,8 @@ def read(
     file_format : str, optional
         Its format, instead of its suffix.
     plane : object
+        As for `liftmesh.triangulate`.
+    nonfinite : str
         As for `liftmesh.triangulate`.
     threads, max_bytes : int, optional
         As for `liftmesh.triangulate` and `liftmesh.read`.
@@ -62,7 +66,9 @@ def read(
     with files.about(source), files.without_warnings():  # the notes say it
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):
-                return liftmesh.triangulate(cloud, plane=plane, threads=threads)
+                return liftmesh.triangulate(
+                    cloud, plane=plane, nonfinite=nonfinite, threads=threads
+                )
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
             try:
                 return liftmesh.as_surface(cloud, plane=plane, threads=threads)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -92,6 +93,30 @@ def parse(
     except InputError as error:
         raise typer.BadParameter(f"--{error}") from error
     return given
+
+
+def flat_of(path: Path) -> dict[str, bool]:
+    """Return the option that says that heights do not matter, if a file is a table.
+
+    Parameters
+    ----------
+    path : Path
+        Points in the plane, in any format.
+
+    Returns
+    -------
+    dict
+        Options of `liftmesh.read`.
+
+    Examples
+    --------
+    >>> flat_of(Path("points.csv")), flat_of(Path("points.ply"))
+    ({'flat': True}, {})
+    """
+    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+
+    is_table = bool(path.suffix) and find_format(suffix_of(path.name), str(path)).name == "text"
+    return {"flat": True} if is_table else {}
 
 
 with_options = groups.taking("table", parse)

@@ -46,6 +46,7 @@ def opened(source: Path, reading: Reading, **others: object) -> TiledSurface:
     given = [*reading.trimming, *reading.table, *reading.selection]
     given += [name for name, value in others.items() if value not in (None, False)]
     given += ["format"] if reading.file_format is not None else []
+    given += ["nonfinite"] if reading.nonfinite != "error" else []
     given += ["plane"] if reading.plane != "xy" else []
     if given:
         name = given[0].replace("_", "-")

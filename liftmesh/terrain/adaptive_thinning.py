@@ -15,6 +15,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
+from liftmesh.arrays import check_finite
 from liftmesh.errors import InputError
 from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.triangulate import triangulate
@@ -52,6 +53,7 @@ def most_significant(cloud: Cloud, wanted: int) -> Rows:
     >>> most_significant(Cloud(np.array(roof, float)), 6).tolist()
     [0, 1, 2, 3, 4, 5]
     """
+    check_finite(cloud.points, skippable=False)
     surface = triangulate(cloud)
     used, plane, hull = positions_of(surface)
     heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0

@@ -1,24 +1,13 @@
-"""Polygons from files, and the coordinate systems that files and objects say of them.
-
-GeoJSON is read here; any other kind of file is left to geopandas. Old GeoJSON names its system in
-the member ``crs``; without it, coordinates are taken to be those of the surface.
-"""
+"""Polygons from files and objects, in the coordinate system of a surface."""
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from liftmesh.choices import shown
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.geometry_files import read_features
-from liftmesh.same_crs import are_different
 from liftmesh.terrain.polygons import Polygon, Region, as_regions
-
-_TEXT = {".geojson", ".json", ""}
+from liftmesh.terrain.shape_files import check_system, read_shapes
 
 
 def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
@@ -82,44 +71,11 @@ def regions_in(crs: str | None, polygon: object) -> list[Region]:
     0
     """
     if not isinstance(polygon, str | os.PathLike):
-        _check_system(crs, _stated(polygon), "the polygon")
+        check_system(crs, polygon, "the polygon")
         return as_regions(polygon)
     path = Path(polygon)
-    tree = _geojson(path) if path.suffix.lower() in _TEXT else _frame(path)
-    _check_system(crs, _stated(tree), str(path))
+    shapes = read_shapes(path, "polygons", crs)
     try:
-        return as_regions(tree)
+        return as_regions(shapes)
     except InputError as error:
         raise FormatError(f"{path}: {error}") from error
-
-
-def _geojson(path: Path) -> dict[str, Any]:
-    try:
-        tree = json.loads(path.read_bytes().decode("utf-8-sig"))
-    except (ValueError, RecursionError) as error:
-        raise FormatError(f"{path}: not GeoJSON: {error}") from error
-    return tree if isinstance(tree, dict) else {}
-
-
-def _frame(path: Path) -> Any:
-    """Read a file of another kind, such as GeoPackage, with the names of its rows."""
-    table = read_features(path, "polygons")
-    return table if "name" in table else table.geometry
-
-
-def _stated(polygon: object) -> str | None:
-    """Return the system that GeoJSON or an object of geopandas says; None if it says none."""
-    if isinstance(polygon, Mapping):
-        system = polygon.get("crs")
-        properties = system.get("properties") if isinstance(system, Mapping) else None
-        name = properties.get("name") if isinstance(properties, Mapping) else None
-        if not isinstance(name, str):
-            return None
-        return "EPSG:4326" if name.upper().endswith("CRS84") else name
-    held: Any = getattr(polygon, "crs", None)
-    return str(held.to_wkt()) if hasattr(held, "to_wkt") else None
-
-
-def _check_system(own: str | None, stated: str | None, name: str) -> None:
-    if are_different(own, stated):
-        raise InputError(f"{name} is in {shown(stated)}, the surface in {shown(own)}: transform it")

@@ -178,7 +178,7 @@ def masked(surface: Surface, left_out: Array) -> Surface:
     <Surface of 1 triangle over 4 vertices>
     """
     if left_out.all():
-        raise InputError("no face is left: give larger limits")
+        raise InputError("no face is left: give larger limits, or a polygon over the faces")
     simplices = surface.triangulation.simplices
     if not left_out.any():
         return replace(surface, faces=simplices, mask=None)

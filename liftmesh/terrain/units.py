@@ -54,6 +54,34 @@ def metres_of(surface: Surface) -> tuple[float, float, float] | None:
     return x, y, z
 
 
+def names_of(surface: Surface) -> tuple[str | None, str | None]:
+    """Return the names of the unit in the plane and of that of heights.
+
+    Parameters
+    ----------
+    surface : Surface
+        As for `metres_of`.
+
+    Returns
+    -------
+    tuple of two str or None
+        None where a unit is not known, or where the plane has two.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    >>> names_of(liftmesh.triangulate(points, crs="EPSG:7415"))
+    ('metre', 'metre')
+    """
+    system = described(surface.crs)
+    axes = _AXES.get(surface.frame.name)
+    if system is None or axes is None:
+        return None, None
+    x, y, z = (None if unit is None else unit.name for unit in (system.units[k] for k in axes))
+    return (x if x == y else None), z
+
+
 def rise_of(surface: Surface, z_factor: float | None) -> tuple[float, float]:
     """Return what gradients are multiplied by before they become angles.
 

@@ -1,4 +1,4 @@
-"""The fuzz targets: a program that libFuzzer drives, its options, and its files."""
+"""The fuzz targets: programs that libFuzzer drives, their options, and their files."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ COUNTED = "-fsanitize-coverage=inline-8bit-counters,pc-table"
 FUZZ_TARGET = Program("kernel", HERE / "kernel", CHECKED, (COUNTED,), ("-fsanitize=fuzzer",))
 
 KINDS = ("ply", "obj", "xyz", "numbers")
+PARTS = ("changing", "surface", "simplification")  # of the kernel, by targets of their own
 SCRIPTS = ROOT / "scripts"
 CORPORA = ROOT / "tests" / "corpus"
 
@@ -29,9 +30,9 @@ class Target:
 
     def command(self) -> list[str]:
         """Return the command that runs the target, built if necessary, without its arguments."""
-        if self.name == "kernel":
-            return [str(built(FUZZ_TARGET))]
-        return [sys.executable, "-m", "fuzz.readers", self.name]
+        if self.name in KINDS:
+            return [sys.executable, "-m", "fuzz.readers", self.name]
+        return [str(built(FUZZ_TARGET))]
 
     @property
     def folder(self) -> Path:
@@ -50,10 +51,14 @@ _OPTIONS = (
 _KERNEL = Target("kernel", ".bin", _OPTIONS, CORPORA / "kernel")
 
 
+def _part(name: str) -> Target:
+    return Target(name, f".{name}", (*_OPTIONS, f"--check={name}"), CORPORA / name)
+
+
 def _reader(kind: str) -> Target:
     words = HERE / "dictionaries" / f"{kind}.dict"
     options = ("-max_len=4096", "-timeout=10", "-rss_limit_mb=2048", f"-dict={words}")
     return Target(kind, f".{kind}", options, CORPORA / kind)
 
 
-TARGETS = {each.name: each for each in (_KERNEL, *map(_reader, KINDS))}
+TARGETS = {each.name: each for each in (_KERNEL, *map(_part, PARTS), *map(_reader, KINDS))}

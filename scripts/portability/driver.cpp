@@ -15,12 +15,14 @@
 
 #include "base/floating_point.hpp"
 #include "cells.hpp"
+#include "changing.hpp"
 #include "digest.hpp"
 #include "disk_graphs.hpp"
 #include "family.hpp"
 #include "meshes.hpp"
 #include "rows.hpp"
 #include "signs.hpp"
+#include "surfaces.hpp"
 #include "text.hpp"
 
 namespace portability {
@@ -37,6 +39,8 @@ void run_sets(const char* file) {
         add_cells(coordinates, rows, digests);
         add_family(coordinates, rows, digests);
         add_disks(coordinates, rows, digests);
+        add_surfaces(coordinates, rows, digests);
+        add_changes(coordinates, rows, digests);
         add_signs(coordinates, rows, digests);
         add_printed(coordinates, rows, digests);
         at += 1 + 2 * rows;

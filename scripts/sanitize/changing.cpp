@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "dynamic/triangulation.hpp"
+#include "patient.hpp"
 #include "simplification/simplify.hpp"
 
 namespace parallel {
@@ -61,19 +62,48 @@ void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
     demand(mesh.size() == 0, cloud, "points are left");
 }
 
+// Few triangles within a bound: to the end and interrupted; not of points on a line.
 void simplified(const Cloud& cloud, const std::vector<Point>& points) {
     Never never;
     const auto whole = liftmesh::delaunay(liftmesh::dynamic::input_of(points), false, {}, never);
-    if (whole.status != liftmesh::Status::ok || !whole.duplicates.empty()) return;
+    if (whole.status != liftmesh::Status::ok) return;
     std::vector<double> heights;
     for (const Point p : points) heights.push_back(std::sin(9 * p.x) + std::cos(7 * p.y));
     const liftmesh::simplification::Terrain terrain{points.data(), heights.data(), points.size(),
                                                     whole.result.hull.get(),
                                                     whole.result.hull_count};
-    const auto within = liftmesh::simplification::simplify(terrain, 0.1, 0, true, never);
+    for (const double tolerance : {0.0, 0.1}) {
+        const auto within = liftmesh::simplification::simplify(terrain, tolerance, 0, true, never);
+        demand(within.is_within && within.rows.size() <= points.size(), cloud, "not within");
+    }
+    const auto few = liftmesh::simplification::simplify(terrain, 0, 40, false, never);
     const auto thinned = liftmesh::simplification::thin(terrain, points.size() / 2, never);
-    demand(within.is_within && within.rows.size() <= points.size(), cloud, "not within");
+    demand(few.rows.size() <= std::max<std::size_t>(40, whole.result.hull_count), cloud,
+           "more than asked for");
     demand(thinned.rows.size() <= points.size(), cloud, "not thinned");
+    for (const std::size_t patience : {1u, 2u, 5u, 12u}) {
+        Patient first(patience), second(patience);
+        liftmesh::simplification::simplify(terrain, 0.01, 0, true, first);
+        liftmesh::simplification::thin(terrain, 9, second);
+    }
+}
+
+// Once each.
+std::vector<Point> distinct(std::vector<Point> points) {
+    std::sort(points.begin(), points.end(), liftmesh::before_xy);
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    return points;
+}
+
+// A raster of as many pixels, some of them missing, whose step no double holds.
+std::vector<Point> raster(std::size_t pixels) {
+    const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(pixels)));
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < side * side; ++i)
+        if (i % 11 != 3)
+            points.push_back(
+                {0.1 * static_cast<double>(i / side), -0.1 * static_cast<double>(i % side)});
+    return points;
 }
 
 }  // namespace
@@ -83,7 +113,11 @@ void check_changes(const Cloud& cloud) {
     std::thread other([&] { come_and_go(cloud, points); });
     come_and_go(cloud, points);
     other.join();
-    simplified(cloud, points);
+    const std::vector<Point> once = distinct(points), pixels = raster(points.size());
+    std::thread third([&] { simplified(cloud, once); });
+    simplified(cloud, once);
+    third.join();
+    simplified(cloud, pixels);
 }
 
 }  // namespace parallel

@@ -95,6 +95,13 @@ def _of_surfaces() -> Iterator[Job]:
     yield Job(words, ("block.stl",), "solid")
     words = ("sample", "../in.obj", "heights.csv", "--at", "../in.xyz")
     yield Job(words, ("heights.csv",), "sample")
+    words = ("profile", "../in.ply", "profile.csv", "--along", "0,0", "--along", "1,1")
+    yield Job(words, ("profile.csv",), "profile")
+    yield Job(("volume", "../in.ply", "../in.npz", "--json"), (), "volume")
+    words = ("simplify", "../in.ply", "few.ply", "--max-error", "0.1", "--json")
+    yield Job(words, ("few.ply",), "simplify")
+    words = ("thin", "../in.npy", "thin.ply", "--adaptive", "100")
+    yield Job(words, ("thin.ply",), "thin")
 
 
 def _paper() -> Job:

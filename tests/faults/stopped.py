@@ -18,6 +18,7 @@ def begun(*words: object, cwd: Path, program: str = "") -> subprocess.Popen[str]
     return subprocess.Popen(
         [*command, *map(str, words)],
         cwd=cwd,
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -77,9 +77,50 @@ def triangulating(_: Path) -> object:
     return liftmesh.triangulate(CLOUD, plane="fit", duplicates="mean").faces.tobytes()
 
 
+def rastering(folder: Path) -> object:
+    MESH.raster(0.2).save(folder / "a.tif")
+    return (folder / "a.tif").read_bytes()
+
+
+def contouring(folder: Path) -> object:
+    MESH.contours(interval=0.2).save(folder / "a.geojson")
+    return (folder / "a.geojson").read_bytes()
+
+
+def closing(folder: Path) -> object:
+    liftmesh.write(folder / "solid.stl", MESH.solid(thickness=1))
+    return (folder / "solid.stl").read_bytes()
+
+
+def measuring(_: Path) -> object:
+    volume = MESH.volume(0.5)
+    earthwork = MESH.cut_and_fill(MESH.replace(vertices=MESH.vertices + (0, 0, 1)))  # noqa: RUF005
+    profile = MESH.profile([[0, 0], [1, 1]]).points.tobytes()
+    return volume.above, earthwork.fill, MESH.area(), profile
+
+
+def sampling(_: Path) -> object:
+    return MESH.sample(CLOUD.points[:, :2] * 0.9, "sibson").tobytes()
+
+
+def simplifying(_: Path) -> object:
+    return liftmesh.simplify(CLOUD, max_error=0.2).vertices.tobytes()
+
+
+def thinning(_: Path) -> object:
+    return liftmesh.thin(CLOUD, adaptive=20).points.tobytes()
+
+
 JOBS: dict[str, Callable[[Path], object]] = {
     "triangulate": triangulating,
     "verify": verifying,
+    "raster": rastering,
+    "contours": contouring,
+    "solid": closing,
+    "volumes and profiles": measuring,
+    "sample": sampling,
+    "simplify": simplifying,
+    "thin": thinning,
     **{f"read {kind}": reading(kind) for kind in ("ply", "obj", "npz", "off", "stl")},
     **{f"write {k}": writing(f"a.{k}") for k in ("ply", "obj", "npz", "off", "stl", "laz")},
     "write text": writing("a.ply", encoding="ascii"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,57 @@ def test_without_nameless_files_an_error_leaves_no_part(
     assert names_in(folder) == ["mesh.obj"]
     liftmesh.write(folder / "mesh.obj", Cloud(np.eye(3)))
     assert (folder / "mesh.obj").stat().st_mode & 0o777 == 0o640
+
+
+# Ends each command in the midst of a write: the system sends a signal that nobody hears where a
+# file grows beyond a limit.
+KILLED_AMID_WRITING = """
+import os, resource, signal, sys
+from liftmesh.cli import main
+
+signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+for line in sys.stdin:
+    limit, *words = line.split()
+    child = os.fork()
+    if not child:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
+        os._exit(main(words))
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+"""
+WRITING = [
+    "raster ../cloud.ply old.tif --resolution 0.01",
+    "raster ../cloud.ply old.tif --resolution 0.01 --cog",
+    "contour ../cloud.ply old.geojson --interval 0.05",
+    "contour ../cloud.ply old.gpkg --interval 0.05",
+    "solid ../cloud.ply old.stl --thickness 1",
+    "solid ../cloud.ply old.3mf --base -9",
+    "sample ../cloud.ply old.csv --at ../cloud.ply",
+    "sample ../cloud.ply old.laz --at ../cloud.ply --method sibson",
+    "profile ../cloud.ply old.csv --along 0,0 --along 1,1",
+    "profile ../cloud.ply old.geojson --along 0,0 --along 1,1",
+    "simplify ../cloud.ply old.ply --max-error 0.01",
+    "simplify ../cloud.ply old.xml --tolerance 0.01",
+    "thin ../cloud.ply old.obj --random 900",
+    "thin ../cloud.ply old.npz --adaptive 700",
+]
+
+
+def test_a_kill_amid_what_surfaces_write_leaves_the_old_file_alone(tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "cloud.ply", np.random.default_rng(0).random((1000, 3)))
+    folder = tmp_path / "inner"
+    folder.mkdir()
+    names = {words.split()[2] for words in WRITING}
+    for name in names:
+        (folder / name).write_bytes(b"old")
+    lines = [f"{limit} {words}\n" for words, limit in zip(WRITING, cycle((1, 2000)), strict=False)]
+    child = begun(cwd=folder, program=KILLED_AMID_WRITING)
+    out, err = child.communicate("".join(lines), timeout=120)
+    assert [int(code) for code in out.splitlines() if code[0] == "-"] == [-signal.SIGXFSZ] * len(
+        lines
+    ), out + err
+    assert {*names_in(folder)} == names
+    assert all((folder / name).read_bytes() == b"old" for name in names)
 
 
 @pytest.mark.parametrize("what", ["removed", "renamed", "replaced"])

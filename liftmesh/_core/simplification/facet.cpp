@@ -14,8 +14,9 @@ namespace liftmesh::simplification {
 // the slopes, are sums of two products with an error of at most 4 e times the sum of their
 // magnitudes. So a slope s is off by at most (4 e N + |s| 4 e D) / (|d| - 4 e D) + e |s|, where N
 // and D are those sums, and a distance by that times the extent of the triangle along both axes,
-// and by few roundings of its terms. Factors of 2 cover what is of higher order; 1e-300 covers
-// underflow. Overflow leaves no bound: then every sample is decided exactly.
+// and by few roundings of its terms. Factors of 2 cover what is of higher order; 1e-300 covers the
+// underflow of products, and a few of the least steps that of slopes, which extents multiply.
+// Overflow leaves no bound: then every sample is decided exactly.
 Facet::Facet(Sample a, Sample b, Sample c, const Tolerance& tolerance)
     : is_exact_(tolerance.is_exact), tolerance_(tolerance.value) {
     if (before_xy(b.point, a.point) && before_xy(b.point, c.point))
@@ -25,7 +26,8 @@ Facet::Facet(Sample a, Sample b, Sample c, const Tolerance& tolerance)
     corners_[0] = a;
     corners_[1] = b;
     corners_[2] = c;
-    constexpr double e = 0x1p-53, infinity = std::numeric_limits<double>::infinity();
+    constexpr double e = 0x1p-53, steps = 0x1p-1070,
+                     infinity = std::numeric_limits<double>::infinity();
     const double bx = b.point.x - a.point.x, by = b.point.y - a.point.y, bz = b.height - a.height;
     const double cx = c.point.x - a.point.x, cy = c.point.y - a.point.y, cz = c.height - a.height;
     const double det = bx * cy - by * cx;
@@ -41,8 +43,8 @@ Facet::Facet(Sample a, Sample b, Sample c, const Tolerance& tolerance)
     const double width = std::max(std::fabs(bx), std::fabs(cx));
     const double length = std::max(std::fabs(by), std::fabs(cy));
     const double sx = std::fabs(slope_x_), sy = std::fabs(slope_y_);
-    const double of_slopes = width * ((of_x + sx * of_det) / sure + 8 * e * sx) +
-                             length * ((of_y + sy * of_det) / sure + 8 * e * sy);
+    const double of_slopes = width * ((of_x + sx * of_det) / sure + 8 * e * sx + steps) +
+                             length * ((of_y + sy * of_det) / sure + 8 * e * sy + steps);
     // A distance near the tolerance: one far from it need not be exact.
     const double error = 2 * of_slopes + 8 * e * tolerance_ + 1e-300;
     const bool is_bounded = sure > of_det && error < infinity;

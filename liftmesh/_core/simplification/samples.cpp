@@ -42,12 +42,12 @@ void Steps::add_size(double value) {
     refine(value);
 }
 
-// Ranges that overflow or underflow have too many.
+// Too many if a product of three numbers might overflow, or one of three steps underflow.
 int Steps::bits() const {
-    constexpr int too_many = 4096;
+    constexpr int too_many = 4096, largest = 300;
     const double range = std::max(high_ - low_, size_);
     if (range == 0) return 0;
-    if (exponent_ < -900 || !(range < 0x1p900)) return too_many;
+    if (exponent_ < -largest || !(range < std::ldexp(1, largest))) return too_many;
     return std::ilogb(range) + 1 - exponent_;
 }
 

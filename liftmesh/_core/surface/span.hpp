@@ -145,10 +145,12 @@ class Spans {
         const double dx = head.x - tail.x, dy = head.y - tail.y;
         const double step = dx * grid_.d - dy * grid_.a, inverse = 1 / step;
         const double bound = (std::fabs(dx) + std::fabs(dy)) * far * 0x1p-45 + 1e-290;
+        const double slack = bound * std::fabs(inverse);
         const Side side{tail.x, tail.y, dx, dy, inverse, bound};
-        if (bound < 1e290 && std::fabs(inverse) < 1e290) {
+        // What `at` gives is less than 2^46 times the bound, so crossings are finite.
+        if (bound < 1e290 && std::fabs(inverse) < 1e290 && slack < 1e290) {
             sides_[step > 0 ? lower_++ : --upper_] = side;
-            slack_ = std::max(slack_, bound * std::fabs(inverse));
+            slack_ = std::max(slack_, slack);
         } else {
             is_unknown_ |= step != 0 || has_level_ || !(bound < 1e290);
             has_level_ = true;

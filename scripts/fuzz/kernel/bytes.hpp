@@ -12,6 +12,7 @@ class Bytes {
     Bytes(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
 
     bool left() const { return at_ != end_; }
+    std::size_t size() const { return static_cast<std::size_t>(end_ - at_); }
     std::uint8_t byte() { return left() ? *at_++ : std::uint8_t{0}; }
     std::int8_t small() { return static_cast<std::int8_t>(byte()); }
     std::uint16_t word() {

@@ -104,8 +104,8 @@ bool fits(const SpacePoint& p) {
 
 }  // namespace
 
-Case decode(const std::uint8_t* data, std::size_t size) {
-    Bytes bytes(data, size);
+Case decode(Bytes bytes) {
+    const std::size_t size = bytes.size();
     const std::uint8_t encoded = bytes.byte(), flags = bytes.byte(), check = bytes.byte();
     Case c{static_cast<Check>(check % 8),
            (flags & 1) != 0,

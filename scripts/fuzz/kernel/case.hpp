@@ -49,6 +49,6 @@ struct Case {
     bool is_large() const { return rows() > 600; }
 };
 
-Case decode(const std::uint8_t* data, std::size_t size);
+Case decode(Bytes bytes);
 
 }  // namespace fuzzing

@@ -1,11 +1,13 @@
 // Points that come and go: after every few changes the triangles are those of a fresh run.
+#include "changing.hpp"
+
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "checks.hpp"
 #include "demand.hpp"
-#include "dynamic/triangulation.hpp"
+#include "structure.hpp"
 
 namespace fuzzing {
 
@@ -32,7 +34,9 @@ std::vector<Corners> sorted(const liftmesh::Result& result, At at) {
     return found;
 }
 
-void compare(const Triangulation& mesh) {
+}  // namespace
+
+void compare_with_fresh(const Triangulation& mesh) {
     std::vector<Point> present;
     for (Vertex v = 0; v < mesh.vertex_end(); ++v)
         if (mesh.is_present(v)) present.push_back(mesh.point(v));
@@ -46,7 +50,28 @@ void compare(const Triangulation& mesh) {
            "points that came and went leave other triangles");
 }
 
-}  // namespace
+void judge(const Triangulation& mesh) {
+    Case c{Check::location, false, {}, {}, nullptr, {}, Dice(0), false};
+    Rows present;
+    for (Vertex v = 0; v < mesh.vertex_end(); ++v) {
+        const Point p = mesh.is_present(v) ? mesh.point(v) : Point{0, 0};
+        c.points.push_back({p.x, p.y, 0});
+        if (mesh.is_present(v)) present.push_back(v);
+    }
+    const liftmesh::Result result = mesh.result();
+    if (result.triangle_count == 0) return;
+    std::int32_t* const hull = result.hull.get();  // from anywhere, but for a fresh run's
+    std::int32_t* const end = hull + result.hull_count;
+    std::rotate(hull,
+                std::min_element(hull, end,
+                                 [&](std::int32_t u, std::int32_t v) {
+                                     return liftmesh::before_xy(mesh.point(static_cast<Vertex>(u)),
+                                                                mesh.point(static_cast<Vertex>(v)));
+                                 }),
+                end);
+    demand(check_structure(c, result, present).size() == present.size(), "a point is no vertex");
+    check_delaunay(c, result);
+}
 
 void check_changes(Case& c, const Rows& rows) {
     Triangulation mesh;
@@ -62,9 +87,9 @@ void check_changes(Case& c, const Rows& rows) {
             mesh.remove(present[at]);
             present.erase(present.begin() + static_cast<std::ptrdiff_t>(at));
         }
-        if (step % 16 == 0) compare(mesh);
+        if (step % 16 == 0) compare_with_fresh(mesh);
     }
-    compare(mesh);
+    compare_with_fresh(mesh);
     for (const Vertex v : present) mesh.remove(v);
     demand(mesh.size() == 0 && mesh.result().triangle_count == 0, "something is left");
 }

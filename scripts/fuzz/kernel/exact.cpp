@@ -152,6 +152,18 @@ int orient3d(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canoni
     return sign_of(corners, at.x, at.y, on_lattice({a.z, b.z, c.z, d.z}), canonical);
 }
 
+bool exceeds(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, double distance) {
+    const Coordinates at({a.planar(), b.planar(), c.planar(), d.planar()});
+    const Integers z = on_lattice({a.z, b.z, c.z, d.z, distance});
+    Integer area, of_b, of_c;
+    turn_of(at.x, at.y, 0, 1, 2, area);
+    turn_of(at.x, at.y, 0, 3, 2, of_b);
+    turn_of(at.x, at.y, 0, 1, 3, of_c);
+    const Integer above = (z[3] - z[0]) * area - (z[1] - z[0]) * of_b - (z[2] - z[0]) * of_c;
+    const Integer size = above.sign() < 0 ? -above : above;
+    return (size - z[4] * area).sign() > 0;
+}
+
 int compare_heights(Point a, Point b, Point q) {
     const Coordinates at({a, b, q, q});
     return (height(at.x, at.y, 0, 2) - height(at.x, at.y, 1, 2)).sign();

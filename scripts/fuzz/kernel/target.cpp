@@ -1,7 +1,11 @@
-// The fuzz target of the kernel: decodes any bytes, and checks everything that must hold.
+// The fuzz targets of the kernel: each decodes any bytes, and checks everything that must hold.
+// `--check=NAME` chooses another one than that of the kernel as a whole.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <string_view>
 
 #include "base/floating_point.hpp"
 #include "case.hpp"
@@ -10,6 +14,7 @@
 #include "demand.hpp"
 #include "expectation.hpp"
 #include "structure.hpp"
+#include "targets.hpp"
 
 namespace fuzzing {
 
@@ -57,7 +62,6 @@ void check_more(Case& c, const Expectation& expected, const Delaunay& found) {
 }
 
 void check(Case c) {
-    const liftmesh::IeeeArithmetic ieee;
     const Expectation expected = expectation(c);
     const Delaunay found = run(c, c.threads);
     check_rows(expected, found);
@@ -72,6 +76,21 @@ void check(Case c) {
     if (c.dice.below(8) == 0) check_stars(c, expected.kept);
 }
 
+void check_kernel(Bytes bytes) {
+    check(decode(bytes));
+}
+
+struct Target {
+    std::string_view name;
+    void (*check)(Bytes);
+};
+
+constexpr Target targets[] = {{"kernel", check_kernel},
+                              {"changing", check_sequence},
+                              {"surface", check_surface},
+                              {"simplification", check_simplification}};
+const Target* chosen = targets;
+
 }  // namespace
 
 }  // namespace fuzzing
@@ -82,7 +101,23 @@ extern "C" const char* __asan_default_options() {
     return "malloc_context_size=2:quarantine_size_mb=16";
 }
 
+// libFuzzer leaves out arguments with two dashes.
+extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
+    constexpr std::string_view option = "--check=";
+    for (int i = 1; i < *count; ++i) {
+        const std::string_view word = (*arguments)[i];
+        if (!word.starts_with(option)) continue;
+        const auto* const end = std::end(fuzzing::targets);
+        fuzzing::chosen = std::find_if(fuzzing::targets, end, [&](const fuzzing::Target& each) {
+            return each.name == word.substr(option.size());
+        });
+        fuzzing::demand(fuzzing::chosen != end, "there is no such target");
+    }
+    return 0;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    fuzzing::check(fuzzing::decode(data, size));
+    const liftmesh::IeeeArithmetic ieee;
+    fuzzing::chosen->check(fuzzing::Bytes(data, size));
     return 0;
 }

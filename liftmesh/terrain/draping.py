@@ -1,0 +1,234 @@
+"""Lines from files, draped over a surface: profiles of several lines as one.
+
+GeoJSON and whatever geopandas reads hold lines; of GeoJSON the heights of corners, which it allows,
+are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import as_pairs, as_reals
+from liftmesh.choices import shown
+from liftmesh.cloud import Cloud
+from liftmesh.crs import looked_up
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io import geojson_writer, geopackage_writer
+from liftmesh.io.atomic import replacing
+from liftmesh.optional import load
+from liftmesh.terrain.shape_files import read_shapes
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface import Surface
+
+SHAPES = (".geojson", ".json", ".gpkg")
+_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draped:
+    """Lines over a surface, in parts where they leave its faces.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray of float64
+        As in `Profile`, of one part after the other.
+    distances : (n,) ndarray of float64
+        How far along their line they are.
+    starts : (k + 1,) ndarray of int64
+        Where each part begins, and where the last ends.
+    lines : (k,) ndarray of int64
+        The line that each part is of, from 0.
+    crs : str, optional
+        The coordinate system of the surface.
+    """
+
+    points: Floats
+    distances: Floats
+    starts: Array
+    lines: Array
+    crs: str | None
+
+    @property
+    def lengths(self) -> Floats:
+        """The length of each part in the plane."""
+        lengths: Floats = self.distances[self.starts[1:] - 1] - self.distances[self.starts[:-1]]
+        return lengths
+
+    def as_cloud(self) -> Cloud:
+        """Return the points with their distance, line and part.
+
+        Returns
+        -------
+        Cloud
+            Parts are numbered from 0, over all lines.
+        """
+        counts = np.diff(self.starts)
+        values = {
+            "distance": self.distances,
+            "line": np.repeat(self.lines, counts),
+            "part": np.repeat(np.arange(len(counts)), counts),
+        }
+        return Cloud(self.points, attributes=values, crs=self.crs)
+
+    def save(self, path: Path) -> Path:
+        """Write the parts as lines in space, with their line, its stretch and their length.
+
+        Parameters
+        ----------
+        path : Path
+            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            The coordinate system is unknown to GeoPackage.
+        MissingDependencyError
+            GeoPackage needs geopandas.
+        OSError
+            The file cannot be written.
+        """
+        columns = {
+            "line": self.lines,
+            "start": self.distances[self.starts[:-1]],
+            "length": self.lengths,
+        }
+        with replacing(path) as stream:
+            if path.suffix.lower() == ".gpkg":
+                if self.crs is not None:
+                    looked_up(load("pyproj", extra="shapes"), self.crs)
+                geopackage_writer.write(
+                    stream, self.points, self.starts, columns, self.crs, "profiles"
+                )
+            else:
+                rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+                told = (dict(zip(columns, row, strict=True)) for row in rows)
+                parts = np.split(self.points, self.starts[1:-1])
+                geojson_writer.write(stream, zip(told, parts, strict=True), self.crs)
+        return path
+
+
+def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
+    """Drape lines over the faces of a surface.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    lines : sequence of (k, 2) array_like
+        The corners of each line in the plane.
+
+    Returns
+    -------
+    Draped
+        The parts of all lines.
+
+    Raises
+    ------
+    InputError
+        A line has fewer than two corners, or one is not finite; or no line meets a face.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+    >>> drape(slope, [[[0, 1], [2, 1]], [[0, 0], [4, 0]]]).lengths
+    array([2., 4.])
+    """
+    found = [surface.profile(line) for line in lines]
+    counts = [len(each.starts) - 1 for each in found]
+    if not any(counts):
+        raise InputError("no part of a line is over faces: are both in the same system?")
+    sizes = np.concatenate([np.diff(each.starts) for each in found])
+    return Draped(
+        np.concatenate([each.points for each in found]),
+        np.concatenate([each.distances for each in found]),
+        np.concatenate([[0], np.cumsum(sizes)]),
+        np.repeat(np.arange(len(found)), counts),
+        surface.crs,
+    )
+
+
+def lines_of(path: Path, crs: str | None) -> list[Floats]:
+    """Read the lines of a file, which has to be in the system of a surface.
+
+    Parameters
+    ----------
+    path : Path
+        GeoJSON, or anything that geopandas reads.
+    crs : str, optional
+        The system of the surface.
+
+    Returns
+    -------
+    list of (k, 2) ndarray of float64
+        The lines in the order of the file; those of a MultiLineString are several.
+
+    Raises
+    ------
+    InputError
+        The systems are known to differ.
+    FormatError
+        The file cannot be read, or holds no line.
+    MissingDependencyError
+        Files other than GeoJSON need geopandas.
+    OSError
+        The file cannot be opened.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "road.geojson")
+    >>> _ = path.write_text('{"type": "LineString", "coordinates": [[0, 1, 5], [2, 3, 5]]}')
+    >>> [line.tolist() for line in lines_of(path, None)]
+    [[[0.0, 1.0], [2.0, 3.0]]]
+    """
+    shapes = read_shapes(path, "lines", crs)
+    tree = getattr(shapes, "__geo_interface__", shapes)
+    try:
+        found = [_line(each) for each in _lines(tree)]
+    except (TypeError, AttributeError, RecursionError) as error:
+        raise FormatError(f"{path}: no GeoJSON: a line has type and coordinates") from error
+    except InputError as error:
+        raise FormatError(f"{path}: {error}") from error
+    if not found:
+        raise FormatError(f"{path}: there is no LineString or MultiLineString in it")
+    return found
+
+
+def _lines(tree: Mapping[str, Any]) -> list[Any]:
+    """Collect the lines of a tree of GeoJSON; points and polygons count for nothing."""
+    kind = tree.get("type")
+    if kind in _PARTS:
+        parts = tree.get(_PARTS[kind]) or ()
+        return [line for part in parts if isinstance(part, Mapping) for line in _lines(part)]
+    if kind == "Feature":
+        geometry = tree.get("geometry")
+        return _lines(geometry) if isinstance(geometry, Mapping) else []
+    coordinates = tree.get("coordinates") or ()
+    if kind == "LineString":
+        return [coordinates] if coordinates else []
+    return [part for part in coordinates if part] if kind == "MultiLineString" else []
+
+
+def _line(corners: Any) -> Floats:
+    try:
+        array = as_reals(corners)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"a line cannot be read: {shown(corners)}") from error
+    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < 2:
+        raise InputError(f"a line needs two corners x, y or more, not the shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError("a corner of a line is not finite")
+    return as_pairs(array[:, :2])

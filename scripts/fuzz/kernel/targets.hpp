@@ -1,0 +1,17 @@
+// The targets other than that of the kernel as a whole: what each makes of the fuzzer's bytes.
+#pragma once
+
+#include "bytes.hpp"
+
+namespace fuzzing {
+
+// Points come and go one by one, in batches and in interrupted ones.
+void check_sequence(Bytes bytes);
+
+// Heights, pixels, lines, rings and volumes of a surface.
+void check_surface(Bytes bytes);
+
+// Few triangles within a bound, and few vertices that matter most.
+void check_simplification(Bytes bytes);
+
+}  // namespace fuzzing
