@@ -44,10 +44,11 @@ Point centre(Point p, Point q) {
 bool NaturalNeighbors::find(Point query, std::int32_t simplex, Patience& patience) {
     query_ = query;
     auto& [pending, cavity, border, places, centres, weights] = room_;
+    pending.clear();
     border.clear();
     cavity.clear();
     cavity.push_back({simplex});
-    pending = {{simplex, 2, 0}, {simplex, 1, 0}, {simplex, 0, 0}};
+    for (const int k : {2, 1, 0}) put_off({simplex, k, 0});
     while (!pending.empty() && !patience.ends()) {
         const Side side = pending.back();
         pending.pop_back();
@@ -75,8 +76,16 @@ void NaturalNeighbors::enlarge(Side side, std::int32_t face) {
     cavity.push_back({face});
     cavity.back().beside[corner] = side.at;
     cavity[static_cast<std::size_t>(side.at)].beside[side.k] = at;
-    room_.pending.push_back({face, (corner + 2) % 3, at});
-    room_.pending.push_back({face, (corner + 1) % 3, at});
+    put_off({face, (corner + 2) % 3, at});
+    put_off({face, (corner + 1) % 3, at});
+}
+
+// The corners of the face across are fetched meanwhile, since they may be anywhere in memory.
+void NaturalNeighbors::put_off(Side side) {
+    room_.pending.push_back(side);
+    const std::int32_t across = mesh_.neighbor(side.face, side.k);
+    for (int k = 0; across >= 0 && k < 3; ++k)
+        mesh_.points.prefetch(static_cast<std::size_t>(mesh_.vertex(across, k)));
 }
 
 std::int32_t NaturalNeighbors::nearest() const {

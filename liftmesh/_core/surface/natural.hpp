@@ -76,6 +76,7 @@ class NaturalNeighbors {
     std::size_t before(std::size_t i) const { return (i == 0 ? count() : i) - 1; }
     std::size_t after(std::size_t i) const { return i + 1 == count() ? 0 : i + 1; }
     void enlarge(Side side, std::int32_t face);
+    void put_off(Side side);
     Point scaled(Point p) const;
     void put_places();
     void put_centres();
