@@ -151,6 +151,17 @@ def test_large_offsets_leave_no_gap() -> None:
     assert len(corners) >= 3
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("shape", [(300, 40), (131, 1100), (40, 2100)])
+def test_faces_of_many_rows_and_columns(shape: tuple[int, int], turned: bool) -> None:
+    """The columns of a face are found for some of its rows at once, of few if rows are long."""
+    surface = liftmesh.triangulate(np.random.default_rng(6).random((9, 3)))
+    found = raster(surface, covering(surface, *shape, turned=turned), dtype="float32")
+    heights = surface.sample(found.centres())
+    assert np.isfinite(heights).mean() > 0.2
+    np.testing.assert_array_equal(found.values, heights.astype(np.float32))
+
+
 @pytest.mark.parametrize("size", [1e-300, 1e-170, 1e-160, 1e-140, 1e140, 1e155, 1e300])
 @pytest.mark.parametrize("turned", [False, True])
 def test_coordinates_of_any_size(size: float, turned: bool) -> None:

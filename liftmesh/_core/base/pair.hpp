@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cfloat>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 
@@ -30,6 +31,18 @@ inline void store(Pair p, float* to) {
     using Singles = float __attribute__((vector_size(8)));
     const auto rounded = __builtin_convertvector(p, Singles);
     std::memcpy(to, &rounded, sizeof rounded);
+}
+// Two integers side by side.
+using Ints = std::int32_t __attribute__((vector_size(8)));
+
+inline Ints truncated(Pair p) {
+    return __builtin_convertvector(p, Ints);
+}
+inline Ints both(std::int32_t value) {
+    return Ints{value, value};
+}
+inline void store(Ints p, std::int32_t* to) {
+    std::memcpy(to, &p, sizeof p);
 }
 inline Point point(Pair p) {
     return {p[0], p[1]};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/floating_point.hpp"
+#include "base/prefetch.hpp"
 #include "delaunay/ties.hpp"
 #include "delaunay/vertical_walks.hpp"
 #include "parallel/blocks.hpp"
@@ -119,8 +120,17 @@ class Locator::Round {
     // What was found of the queries at some places of the order.
     void report(std::size_t first, std::size_t last) {
         Patience patience(pool_.interrupt());
-        for (std::size_t i = first; i < last && !patience.ends(); ++i)
-            report(order_ ? order_[i].index : static_cast<std::uint32_t>(i), patience);
+        for (std::size_t i = first; i < last && !patience.ends(); ++i) {
+            if (last - i > 2 * ahead) {
+                const std::uint32_t next = query_at(i + 2 * ahead);
+                queries_.prefetch(next);
+                prefetch(found_ + next);
+            }
+            report(query_at(i), patience);
+        }
+    }
+    std::uint32_t query_at(std::size_t place) const {
+        return order_ ? order_[place].index : static_cast<std::uint32_t>(place);
     }
     void report(std::uint32_t query, Patience& patience) {
         if (found_[query] != unfinished) settled_(start_ + query, found_[query], patience);

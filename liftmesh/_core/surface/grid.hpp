@@ -22,6 +22,10 @@ struct Grid {
     std::size_t pixels() const {
         return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
     }
+    std::size_t pixel(std::int32_t row, std::int32_t column) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+               static_cast<std::size_t>(column);
+    }
     // As rounded: every answer about a pixel is one about this point.
     Point centre(std::int32_t row, std::int32_t column) const {
         const double u = column + 0.5, v = first_row + row + 0.5;

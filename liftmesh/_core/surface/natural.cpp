@@ -43,20 +43,20 @@ Point centre(Point p, Point q) {
 // with more faces than there are is none.
 bool NaturalNeighbors::find(Point query, std::int32_t simplex, Patience& patience) {
     query_ = query;
-    auto& [pending, border, places, centres, weights] = room_;
+    auto& [pending, cavity, border, places, centres, weights] = room_;
+    pending.clear();
     border.clear();
-    pending = {{simplex, 2}, {simplex, 1}, {simplex, 0}};
-    std::size_t faces = 1;
+    cavity.clear();
+    cavity.push_back({simplex});
+    for (const int k : {2, 1, 0}) put_off({simplex, k, 0});
     while (!pending.empty() && !patience.ends()) {
         const Side side = pending.back();
         pending.pop_back();
         const std::int32_t across = mesh_.neighbor(side.face, side.k);
         if (across >= 0 && side_of_circle(mesh_.corner(across, 0), mesh_.corner(across, 1),
                                           mesh_.corner(across, 2), query) > 0) {
-            if (++faces > mesh_.count) return false;
-            const int corner = mesh_.place_of_neighbor(across, side.face);
-            pending.push_back({across, (corner + 2) % 3});
-            pending.push_back({across, (corner + 1) % 3});
+            if (cavity.size() == mesh_.count) return false;
+            enlarge(side, across);
         } else {
             border.push_back({mesh_.vertex(side.face, (side.k + 1) % 3), side});
         }
@@ -67,6 +67,25 @@ bool NaturalNeighbors::find(Point query, std::int32_t simplex, Patience& patienc
                                         });
     std::rotate(border.begin(), least, border.end());
     return true;
+}
+
+void NaturalNeighbors::enlarge(Side side, std::int32_t face) {
+    auto& cavity = room_.cavity;
+    const auto at = static_cast<std::int32_t>(cavity.size());
+    const int corner = mesh_.place_of_neighbor(face, side.face);
+    cavity.push_back({face});
+    cavity.back().beside[corner] = side.at;
+    cavity[static_cast<std::size_t>(side.at)].beside[side.k] = at;
+    put_off({face, (corner + 2) % 3, at});
+    put_off({face, (corner + 1) % 3, at});
+}
+
+// The corners of the face across are fetched meanwhile, since they may be anywhere in memory.
+void NaturalNeighbors::put_off(Side side) {
+    room_.pending.push_back(side);
+    const std::int32_t across = mesh_.neighbor(side.face, side.k);
+    for (int k = 0; across >= 0 && k < 3; ++k)
+        mesh_.points.prefetch(static_cast<std::size_t>(mesh_.vertex(across, k)));
 }
 
 std::int32_t NaturalNeighbors::nearest() const {
@@ -120,10 +139,16 @@ void NaturalNeighbors::put_places() {
 
 const std::vector<double>& NaturalNeighbors::weigh(Natural method) {
     put_places();
+    if (method == Natural::sibson) put_centres();
     room_.weights.resize(count());
     for (std::size_t i = 0; i < count(); ++i)
         room_.weights[i] = std::max(method == Natural::laplace ? laplace(i) : sibson(i), 0.0);
     return room_.weights;
+}
+
+// Each is a corner of the cells of three neighbours.
+void NaturalNeighbors::put_centres() {
+    for (Face& each : room_.cavity) each.centre = centre_of(each.face);
 }
 
 // From the lexicographically least corner.
@@ -154,15 +179,16 @@ double NaturalNeighbors::sibson(std::size_t i) const {
         corner = next;
     };
     // Counter-clockwise around the part: back from the side that leaves to the one that arrives.
-    const std::int32_t row = room_.border[i].row;
-    const Side arriving = room_.border[before(i)].leaving;
-    std::int32_t face = room_.border[i].leaving.face;
-    for (;;) {
-        add(placed(centre_of(face)));
-        if (face == arriving.face) return area;
-        const int at = mesh_.vertex(face, 0) == row ? 0 : mesh_.vertex(face, 1) == row ? 1 : 2;
-        face = mesh_.neighbor(face, (at + 1) % 3);
+    const std::int32_t row = room_.border[i].row, last = room_.border[before(i)].leaving.at;
+    std::int32_t at = room_.border[i].leaving.at;
+    while (at >= 0) {  // as it is unless rows were written meanwhile
+        const Face& face = room_.cavity[static_cast<std::size_t>(at)];
+        add(placed(face.centre));
+        if (at == last) break;
+        const int k = (mesh_.vertex(face.face, 1) == row) + 2 * (mesh_.vertex(face.face, 2) == row);
+        at = face.beside[(k + 1) % 3];
     }
+    return area;
 }
 
 }  // namespace liftmesh

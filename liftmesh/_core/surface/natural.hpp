@@ -29,7 +29,13 @@ class NaturalNeighbors {
  public:
     struct Side {
         std::int32_t face;
-        int k;  // the corner opposite
+        int k;            // the corner opposite
+        std::int32_t at;  // where the face is in the cavity
+    };
+    struct Face {
+        std::int32_t face;
+        std::int32_t beside[3] = {-1, -1, -1};  // in the cavity, across the side opposite a corner
+        Point centre{};                         // of its circle, relative to the query
     };
     struct Neighbor {
         std::int32_t row;
@@ -38,6 +44,7 @@ class NaturalNeighbors {
     // Room for one point, which the next one uses again.
     struct Room {
         std::vector<Side> pending;
+        std::vector<Face> cavity;
         std::vector<Neighbor> border;
         std::vector<Point> places, centres;  // relative to the query; of the cell, by its sides
         std::vector<double> weights;
@@ -66,10 +73,13 @@ class NaturalNeighbors {
 
  private:
     Point place(std::int32_t row) const { return point(mesh_.place(row)); }
-    std::size_t before(std::size_t i) const { return (i + count() - 1) % count(); }
-    std::size_t after(std::size_t i) const { return (i + 1) % count(); }
+    std::size_t before(std::size_t i) const { return (i == 0 ? count() : i) - 1; }
+    std::size_t after(std::size_t i) const { return i + 1 == count() ? 0 : i + 1; }
+    void enlarge(Side side, std::int32_t face);
+    void put_off(Side side);
     Point scaled(Point p) const;
     void put_places();
+    void put_centres();
     double laplace(std::size_t i) const;
     double sibson(std::size_t i) const;
     Point centre_of(std::int32_t face) const;

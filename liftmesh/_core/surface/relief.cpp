@@ -19,7 +19,7 @@ double Relief::height(Point query, std::int32_t simplex, Place place) const {
     const auto [kind, k] = place;
     if (kind == Place::inside) return is_shown(simplex) ? facet(simplex).height(query) : no_height;
     if (kind == Place::side) {
-        if (!is_shown(simplex) && !is_shown(mesh_.neighbor(simplex, k))) return no_height;
+        if (!is_shown(simplex, place)) return no_height;
         return height_between(corner(simplex, (k + 1) % 3), corner(simplex, (k + 2) % 3), query);
     }
     return kind == Place::beyond ? no_height : heights_[mesh_.vertex(simplex, k)];

@@ -43,6 +43,11 @@ class Relief {
 
     const Triangulated& mesh() const { return mesh_; }
     bool is_shown(std::int32_t simplex) const { return shown_.has(simplex); }
+    // At a place that is no vertex: a side is shown if a face at it is.
+    bool is_shown(std::int32_t simplex, Place place) const {
+        return is_shown(simplex) ||
+               (place.kind == Place::side && is_shown(mesh_.neighbor(simplex, place.k)));
+    }
     Corner corner(std::int32_t simplex, int k) const {
         const std::int32_t row = mesh_.vertex(simplex, k);
         return {point(mesh_.place(row)), heights_[row]};

@@ -28,9 +28,8 @@ bool at_each(Locator& locator, const Queries& queries, Threads threads, Interrup
     return true;
 }
 
-// Where weights leave the doubles, and where rows were written meanwhile, the linear height.
-double height_between(const Relief& relief, NaturalNeighbors& neighbors, Natural method,
-                      double linear) {
+// Not finite where weights leave the doubles, or where rows were written meanwhile.
+double height_between(const Relief& relief, NaturalNeighbors& neighbors, Natural method) {
     const double first = relief.height_of(neighbors.row(0));
     double total = 0, sum = 0, low = first, high = first;
     const std::vector<double>& weights = neighbors.weigh(method);
@@ -42,10 +41,11 @@ double height_between(const Relief& relief, NaturalNeighbors& neighbors, Natural
         high = std::max(high, z);
     }
     const double z = first + sum / total;
-    return std::isfinite(z) ? std::clamp(z, low, high) : linear;
+    return std::isfinite(z) ? std::clamp(z, low, high) : z;
 }
 
-// At vertices, on sides of the hull and outside as the linear height, which is the limit there.
+// At vertices, on sides of the hull and outside as the linear height, which is the limit there, and
+// where natural neighbours have no finite one.
 double natural_height(const Relief& relief, Point query, std::int32_t triangle, Natural method,
                       Patience& patience) {
     thread_local NaturalNeighbors::Room room;
@@ -53,12 +53,15 @@ double natural_height(const Relief& relief, Point query, std::int32_t triangle, 
     const bool is_within =
         place.kind == Place::inside ||
         (place.kind == Place::side && relief.mesh().neighbor(triangle, place.k) >= 0);
-    const double linear = relief.height(query, triangle, place, patience);
-    if (linear != linear || !is_within) return linear;
+    const auto linear = [&] { return relief.height(query, triangle, place, patience); };
+    if (!is_within) return linear();
+    if (!relief.is_shown(triangle, place)) return no_height;
     NaturalNeighbors neighbors(relief.mesh(), room);
     const bool is_sound = neighbors.find(query, triangle, patience);
     if (patience.ends(0)) return no_height;
-    return is_sound ? height_between(relief, neighbors, method, linear) : linear;
+    if (!is_sound) return linear();
+    const double height = height_between(relief, neighbors, method);
+    return std::isfinite(height) ? height : linear();
 }
 
 // Where the walk takes long, of the natural neighbours.
@@ -67,10 +70,7 @@ double nearest_height(const Relief& relief, Point query, std::int32_t triangle,
     thread_local NaturalNeighbors::Room room;
     const Place place = relief.place(query, triangle);
     if (place.kind == Place::vertex) return relief.height(query, triangle, place, patience);
-    const bool is_covered =
-        relief.is_shown(triangle) ||
-        (place.kind == Place::side && relief.is_shown(relief.mesh().neighbor(triangle, place.k)));
-    if (place.kind == Place::beyond || !is_covered) return no_height;
+    if (place.kind == Place::beyond || !relief.is_shown(triangle, place)) return no_height;
     const std::int32_t row = nearest_vertex(relief.mesh(), query, triangle);
     if (row >= 0) return relief.height_of(row);
     NaturalNeighbors neighbors(relief.mesh(), room);

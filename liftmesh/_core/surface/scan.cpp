@@ -18,6 +18,20 @@ constexpr std::size_t most_rows = 4;
 constexpr std::int32_t ahead = 8;  // faces, whose corners are fetched meanwhile
 constexpr std::size_t located_together = std::size_t{1} << 20;
 
+// Some rows of a face.
+struct FaceRows {
+    std::int32_t first, count;
+    const RowSpans& spans;
+
+    // Calls visit(row, columns) with those that surely are in the face.
+    template <class Visit>
+    void for_each(Visit visit) const {
+        for (std::int32_t i = 0; i < count; ++i)
+            if (const Interval columns = spans.sure(i); !columns.is_empty())
+                visit(first + i, columns);
+    }
+};
+
 // Writes heights.
 template <class Real>
 struct Heighten {
@@ -30,30 +44,39 @@ struct Heighten {
     static constexpr Real nothing = static_cast<Real>(no_height);
     Real* out() const { return heights; }
 
-    void fill(std::int32_t, const Facet& facet, std::int32_t row, Interval columns) const {
-        Real* to = heights + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns);
-        if (facet.is_plain()) {
-            fill_plainly(facet, row, columns, to);
+    void fill(std::int32_t, const Facet& facet, const FaceRows& rows) const {
+        if (!facet.is_plain()) {
+            rows.for_each([&](std::int32_t row, Interval columns) {
+                for (std::int32_t at = columns.first; at <= columns.last; ++at)
+                    heights[grid.pixel(row, at)] =
+                        static_cast<Real>(facet.height(grid.centre(row, at)));
+            });
+        } else if (grid.d == 0) {
+            fill_plainly<true>(facet, rows);
         } else {
-            for (std::int32_t at = columns.first; at <= columns.last; ++at)
-                to[at] = static_cast<Real>(facet.height(grid.centre(row, at)));
+            fill_plainly<false>(facet, rows);
         }
     }
     // Two at a time; of an odd number the last two overlap those before. Works on copies, which no
-    // height that is written can change.
-    void fill_plainly(Facet facet, std::int32_t row, Interval columns, Real* to) const {
+    // height that is written can change. Where rows are level, their pixels have one y.
+    template <bool is_level>
+    void fill_plainly(Facet facet, const FaceRows& rows) const {
         const Grid pixels = grid;
-        const auto put_two = [&](std::int32_t at) {
-            const auto [x, y] = pixels.centres(row, at);
-            store(facet.plain_heights(x, y), to + at);
-        };
-        const std::int32_t last = columns.last;
-        if (columns.first == last) {
-            to[last] = static_cast<Real>(facet.plain_height(pixels.centre(row, last)));
-            return;
-        }
-        for (std::int32_t at = columns.first; at < last; at += 2) put_two(at);
-        if ((last - columns.first) % 2 == 0) put_two(last - 1);
+        rows.for_each([&, start = heights](std::int32_t row, Interval columns) {
+            Real* to = start + pixels.pixel(row, 0);
+            const auto [first, last] = columns;
+            if (first == last) {
+                to[last] = static_cast<Real>(facet.plain_height(pixels.centre(row, last)));
+                return;
+            }
+            const Pair level = pixels.centres(row, first).y;
+            const auto put_two = [&](std::int32_t at) {
+                const auto [x, y] = pixels.centres(row, at);
+                store(facet.plain_heights(x, is_level ? level : y), to + at);
+            };
+            put_two(last - 1);
+            for (std::int32_t at = first; at < last - 1; at += 2) put_two(at);
+        });
     }
     void put(std::int32_t face, Relief::Place place, Point centre, std::size_t pixel) const {
         heights[pixel] = static_cast<Real>(relief.height(centre, face, place));
@@ -70,12 +93,12 @@ struct Incline {
     static constexpr double nothing = no_height;
     double* out() const { return gradients; }
 
-    void fill(std::int32_t, const Facet& facet, std::int32_t row, Interval columns) const {
+    void fill(std::int32_t, const Facet& facet, const FaceRows& rows) const {
         const Point slopes = facet.gradient();
-        const std::size_t start =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns);
-        for (std::int32_t at = columns.first; at <= columns.last; ++at)
-            write(slopes, start + static_cast<std::size_t>(at));
+        rows.for_each([&](std::int32_t row, Interval columns) {
+            for (std::int32_t at = columns.first; at <= columns.last; ++at)
+                write(slopes, grid.pixel(row, at));
+        });
     }
     void put(std::int32_t face, Relief::Place, Point, std::size_t pixel) const {
         write(relief.facet(face).gradient(), pixel);
@@ -95,10 +118,11 @@ struct Name {
     static constexpr std::int32_t nothing = outside;
     std::int32_t* out() const { return owners; }
 
-    void fill(std::int32_t face, const Facet&, std::int32_t row, Interval columns) const {
-        std::int32_t* to =
-            owners + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns);
-        std::fill(to + columns.first, to + columns.last + 1, face);
+    void fill(std::int32_t face, const Facet&, const FaceRows& rows) const {
+        rows.for_each([&](std::int32_t row, Interval columns) {
+            std::int32_t* to = owners + grid.pixel(row, 0);
+            std::fill(to + columns.first, to + columns.last + 1, face);
+        });
     }
     void put(std::int32_t face, Relief::Place, Point, std::size_t pixel) const {
         owners[pixel] = face;
@@ -136,7 +160,7 @@ class Scan {
 
  private:
     void clear(std::int32_t first, std::int32_t last) {
-        const std::size_t begin = pixel(first, 0), end = pixel(last, 0) + pixel(1, 0);
+        const std::size_t begin = grid_.pixel(first, 0), end = grid_.pixel(last + 1, 0);
         std::fill(sink_.out() + Sink::width * begin, sink_.out() + Sink::width * end,
                   Sink::nothing);
     }
@@ -166,16 +190,34 @@ class Scan {
         const Facet facet = relief_.facet(face);
         first = std::max(first, box.rows.first);
         last = std::min(last, box.rows.last);
-        for (std::int32_t row = first; row <= last; ++row) {
-            const auto [possible, sure] = spans.at(row);
-            const bool any = sure.first <= sure.last;
-            if (any) sink_.fill(face, facet, row, sure);
-            judge(face, row, {possible.first, any ? sure.first - 1 : possible.last}, patience);
-            if (any) judge(face, row, {sure.last + 1, possible.last}, patience);
-            if (patience.ends(static_cast<std::size_t>(possible.last - possible.first + 2) / 8))
-                break;
+        const std::int32_t most = rows_together(box.columns);
+        RowSpans found;
+        while (first <= last && !patience.ends()) {
+            const FaceRows rows{first, std::min(most, last - first + 1), found};
+            spans.put(first, rows.count, found);
+            sink_.fill(face, facet, rows);
+            judge_borders(face, rows, patience);
+            first += rows.count;
         }
         return static_cast<std::size_t>(box.rows.last - box.rows.first + 1);
+    }
+
+    // The spans of many rows are computed at once, unless rows are so long that they take longer.
+    static std::int32_t rows_together(Interval columns) {
+        return columns.last - columns.first < 1024 ? RowSpans::most : 2;
+    }
+
+    void judge_borders(std::int32_t face, const FaceRows& rows, Patience& patience) {
+        for (std::int32_t i = 0; i < rows.count; ++i) {
+            const auto possible = rows.spans.possible(i), sure = rows.spans.sure(i);
+            if (!possible.is_empty())
+                patience.ends(static_cast<std::size_t>(possible.last - possible.first) / 8);
+            if (rows.spans.is_sure(i)) continue;
+            const bool any = !sure.is_empty();
+            judge(face, rows.first + i, {possible.first, any ? sure.first - 1 : possible.last},
+                  patience);
+            if (any) judge(face, rows.first + i, {sure.last + 1, possible.last}, patience);
+        }
     }
 
     // Pixels near the border of a face.
@@ -184,7 +226,7 @@ class Scan {
             const Point centre = grid_.centre(row, at);
             const Relief::Place place = relief_.place(centre, face);
             if (place.kind == Relief::Place::beyond || !owns(face, place, patience)) continue;
-            sink_.put(face, place, centre, pixel(row, at));
+            sink_.put(face, place, centre, grid_.pixel(row, at));
         }
     }
 
@@ -193,11 +235,6 @@ class Scan {
         if (place.kind == Relief::Place::inside || !Sink::needs_owner) return true;
         const std::int32_t row = relief_.mesh().vertex(face, place.k);
         return relief_.owner_of_vertex(row, face, patience) == face;
-    }
-
-    std::size_t pixel(std::int32_t row, std::int32_t column) const {
-        return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns) +
-               static_cast<std::size_t>(column);
     }
 
     const Relief& relief_;

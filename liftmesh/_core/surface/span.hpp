@@ -1,15 +1,17 @@
-// The pixels of one row that lie in one face, by three linear functions of the column.
+// The pixels of each row that lie in one face, by three linear functions of column and row.
 //
-// For each side of the face, the determinant that is positive inside is linear in the column, but
-// for the rounding of centres and of the determinant itself. Twice a bound on both is added and
-// subtracted: between the outer bounds lie all pixels of the closed face, between the inner ones
-// only such pixels. The few in between are left to exact orientations. So no pixel rests on a
-// rounded bound, for rotated rasters as for others.
+// For each side of the face, the determinant that is positive inside is linear in the column and
+// the row, but for the rounding of centres and of the function itself. Twice a bound on both is
+// added and subtracted: between the outer bounds lie all pixels of the closed face, between the
+// inner ones only such pixels. The few in between are left to exact orientations. So no pixel rests
+// on a rounded bound, for rotated rasters as for others.
 //
 // The bound: let `far` be the sum of all magnitudes that occur in a centre, or that of a corner if
-// that is larger, and e = 2^-53. A centre is off by at most 3 e far in x and y, a difference of two
-// points by 4 e far more, and the slope of the function, times the columns, by 4 e far; each is
-// multiplied by the extents of the side. All this is less than 2^-48 (|dx| + |dy|) far.
+// that is larger, and e = 2^-53. In units of e far (|dx| + |dy|), with the extents of the side, the
+// centres of a pixel and of the first one are off by 3 each, the determinant of the latter by 8,
+// the slopes along columns and rows, times their numbers, by 3 each. Where a row crosses the side
+// is a sum of quotients, off by 10 more, and its distance from an end of the columns by 4. All this
+// is less than 2^-46 far (|dx| + |dy|).
 #pragma once
 
 #include <algorithm>
@@ -17,6 +19,7 @@
 #include <cstdint>
 
 #include "base/input.hpp"
+#include "base/pair.hpp"
 #include "surface/grid.hpp"
 
 namespace liftmesh {
@@ -96,74 +99,107 @@ class PixelFinder {
     bool is_known_;
 };
 
-// The columns of a row: all that may be in the face, and those that surely are.
-struct RowSpan {
-    Interval possible, sure;
+// Of consecutive rows: the first and the last column that may be in the face, and the first and the
+// last that surely are.
+struct RowSpans {
+    static constexpr std::int32_t most = 64;
+
+    std::int32_t first[most], last[most], sure_first[most], sure_last[most];
+
+    Interval possible(std::int32_t i) const { return {first[i], last[i]}; }
+    Interval sure(std::int32_t i) const { return {sure_first[i], sure_last[i]}; }
+    bool is_sure(std::int32_t i) const {
+        return ((first[i] ^ sure_first[i]) | (last[i] ^ sure_last[i])) == 0;
+    }
 };
 
 class Spans {
  public:
     Spans(const Grid& grid, const Point (&corners)[3], const PixelBox& box, double far)
-        : grid_(grid), first_(box.columns.first), width_(box.columns.last - box.columns.first) {
-        for (int k = 0; k < 3; ++k) add_side(corners[(k + 1) % 3], corners[(k + 2) % 3], far);
+        : columns_(box.columns),
+          row_(box.rows.first),
+          end_(double{1} * box.columns.last - box.columns.first + 1) {
+        lower_[0] = lower_[1] = {-1, 0};
+        upper_[0] = upper_[1] = {end_, 0};
+        const Point start = grid.centre(row_, columns_.first);
+        for (int k = 0; k < 3; ++k)
+            add_side(grid, start, corners[(k + 1) % 3], corners[(k + 2) % 3], far);
     }
 
-    RowSpan at(std::int32_t row) const {
-        if (is_unknown_) return {{first_, first_ + width_}, {first_ + 1, first_}};
-        const Point start = grid_.centre(row, first_);
-        double low = -1, high = width_ + 1.0;
-        for (int i = 0; i < lower_; ++i) low = std::max(low, sides_[i].crossing(start));
-        for (int i = upper_; i < 3; ++i) high = std::min(high, sides_[i].crossing(start));
-        double sure_high = high - slack_;
-        if (has_level_ && !(level_.at(start) > level_.bound)) sure_high = -1;
-        // The offsets strictly between the inner bounds.
-        return {{first_ + ceil(std::max(low - slack_, 0.0)),
-                 first_ + floor(std::min(high + slack_, double{1} * width_))},
-                {first_ + floor(low + slack_) + 1, first_ + ceil(sure_high) - 1}};
-    }
-
- private:
-    struct Side {
-        double x, y, dx, dy, inverse, bound;
-
-        double at(Point start) const { return dx * (start.y - y) - dy * (start.x - x); }
-        double crossing(Point start) const { return -at(start) * inverse; }
-    };
-
-    // Of offsets from -1 to one beyond the last.
-    int floor(double offset) const { return static_cast<int>(kept(offset) + 1) - 1; }
-    int ceil(double offset) const {
-        const double x = kept(offset) + 1;
-        const auto whole = static_cast<int>(x);
-        return whole + (whole < x) - 1;
-    }
-    double kept(double offset) const { return std::min(std::max(offset, -1.0), width_ + 1.0); }
-
-    // Sides that bound the columns from below come first, those from above last. A level one, along
-    // the rows, has all pixels of a row on one side.
-    void add_side(Point tail, Point head, double far) {
-        const double dx = head.x - tail.x, dy = head.y - tail.y;
-        const double step = dx * grid_.d - dy * grid_.a, inverse = 1 / step;
-        const double bound = (std::fabs(dx) + std::fabs(dy)) * far * 0x1p-45 + 1e-290;
-        const double slack = bound * std::fabs(inverse);
-        const Side side{tail.x, tail.y, dx, dy, inverse, bound};
-        // What `at` gives is less than 2^46 times the bound, so crossings are finite.
-        if (bound < 1e290 && std::fabs(inverse) < 1e290 && slack < 1e290) {
-            sides_[step > 0 ? lower_++ : --upper_] = side;
-            slack_ = std::max(slack_, slack);
-        } else {
-            is_unknown_ |= step != 0 || has_level_ || !(bound < 1e290);
-            has_level_ = true;
-            level_ = side;
+    // Of `count` rows from `row` on.
+    void put(std::int32_t row, std::int32_t count, RowSpans& spans) const {
+        for (std::int32_t i = 0; i < count; i += 2) {
+            if (is_unknown_)
+                put_all(i, spans);
+            else
+                put_two(Pair{0, 1} + spread<Pair>(double{1} * (row - row_) + i), i, spans);
         }
     }
 
-    const Grid& grid_;
-    std::int32_t first_, width_;
-    int lower_ = 0, upper_ = 3;
+ private:
+    // Of the row, counted from the first of the box.
+    struct Line {
+        double start, slope;
+
+        Pair at(Pair row) const { return spread<Pair>(start) + row * spread<Pair>(slope); }
+    };
+
+    // Offsets from the first column; -1 and `end_` stand for all beyond. What is rounded down is
+    // never negative: a lower end is rounded up as its distance from `end_`.
+    void put_two(Pair row, std::int32_t i, RowSpans& spans) const {
+        const Pair low = greatest(lower_[0].at(row), lower_[1].at(row));
+        const Pair high = least(upper_[0].at(row), upper_[1].at(row));
+        const Pair to_end = spread<Pair>(end_ + slack_), from_start = spread<Pair>(1 + slack_);
+        Pair behind = to_end - high;
+        if (has_level_) behind = level_.at(row) > spread<Pair>(level_bound_) ? behind : to_end;
+        const std::int32_t first = columns_.first, last = columns_.last;
+        store(both(last + 1) - whole(to_end - low), spans.first + i);
+        store(both(first - 1) + whole(from_start + high), spans.last + i);
+        store(both(first) + whole(from_start + low), spans.sure_first + i);
+        store(both(last) - whole(behind), spans.sure_last + i);
+    }
+    void put_all(std::int32_t i, RowSpans& spans) const {
+        for (const std::int32_t at : {i, i + 1}) {
+            spans.first[at] = spans.sure_first[at] = columns_.first;
+            spans.last[at] = columns_.last;
+            spans.sure_last[at] = columns_.first - 1;
+        }
+    }
+    Ints whole(Pair offset) const {
+        return truncated(least(greatest(offset, Pair{0, 0}), spread<Pair>(end_)));
+    }
+
+    // One along the rows, a level one, has all pixels of a row on one side.
+    void add_side(const Grid& grid, Point start, Point tail, Point head, double far) {
+        const double dx = head.x - tail.x, dy = head.y - tail.y;
+        const double at = dx * (start.y - tail.y) - dy * (start.x - tail.x);
+        const double along = dx * grid.d - dy * grid.a, across = dx * grid.e - dy * grid.b;
+        const double bound = (std::fabs(dx) + std::fabs(dy)) * far * 0x1p-45 + 1e-290;
+        const double inverse = 1 / along, slack = bound * std::fabs(inverse);
+        is_unknown_ |= !(bound < 1e290);
+        if (slack < most_slack) {
+            int& sides = along > 0 ? lowers_ : uppers_;
+            is_unknown_ |= sides == 2;
+            (along > 0 ? lower_ : upper_)[sides++ % 2] = {-at * inverse, -across * inverse};
+            slack_ = std::max(slack_, slack);
+        } else {
+            is_unknown_ |= along != 0 || has_level_;
+            has_level_ = true;
+            level_ = {at, across};
+            level_bound_ = bound;
+        }
+    }
+
+    static constexpr double most_slack = 0x1p31;  // columns
+
+    Interval columns_;
+    std::int32_t row_;
+    double end_;
+    int lowers_ = 0, uppers_ = 0;
     bool is_unknown_ = false, has_level_ = false;
     double slack_ = 0;  // of the offsets where a row crosses sides, the largest of the sides'
-    Side sides_[3], level_;
+    Line lower_[2], upper_[2], level_{};
+    double level_bound_ = 0;
 };
 
 }  // namespace liftmesh
