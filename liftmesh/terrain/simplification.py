@@ -53,8 +53,7 @@ def simplify(
         The most vertices. Without `max_error`, as many are taken, or as few as lose nothing.
     prune : bool, default True
         Whether vertices are removed again that the distance does not need. On rasters this takes
-        about ten times as long as the choice of vertices. Few go where nearly every position
-        counts.
+        7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
     plane, duplicates, nonfinite
         As for `triangulate`; not for a `Surface`, which has them already.
     progress : callable, optional
