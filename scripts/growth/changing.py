@@ -49,6 +49,13 @@ def simplified(points: Points) -> Work:
     return Work(lambda: liftmesh.simplify(points, max_error=bound), len(points))
 
 
+def thinned(points: Points) -> Work:
+    """Prepare adaptive thinning to a fiftieth of the rows."""
+    most = len(liftmesh.delaunay(points[:, :2]).convex_hull)
+    wanted = max(len(points) // 50, most, 64)
+    return Work(lambda: liftmesh.thin(points, adaptive=wanted), len(points))
+
+
 def few_vertices(surface: liftmesh.Surface) -> object:
     """Simplify a surface to a quarter of its rows."""
     return liftmesh.simplify(surface, max_points=max(len(surface.vertices) // 4, 64))
@@ -65,6 +72,7 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "DynamicTriangulation.find", PLANAR, looked_up, ("uniform",)
     yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()
     yield "simplify", SPATIAL, simplified, TERRAIN
+    yield "thin adaptively", SPATIAL, thinned, TERRAIN
     yield "simplify a surface", SPATIAL, on_surface(few_vertices), ("random heights",)
 
 

@@ -35,6 +35,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "liftmesh triangulate, text": ("triangulate", "cloud.xyz", "out/mesh.obj"),
     "liftmesh verify": ("verify", "mesh.ply"),
     "liftmesh info": ("info", "scales.ply"),
+    "liftmesh simplify": ("simplify", "waves.ply", "out/mesh.ply", "--max-error", "0.01"),
 }
 
 
@@ -52,7 +53,9 @@ def prepare(folder: Path, rows: int, jobs: Sequence[str]) -> None:
 
 
 def _make(path: Path, mesh: liftmesh.Surface) -> None:
-    content = {"mesh": mesh, "scales": _scales(len(mesh.vertices))}.get(path.stem, mesh.vertices)
+    points = mesh.vertices
+    contents = {"mesh": mesh, "scales": _scales(len(points)), "waves": _waves(points)}
+    content = contents.get(path.stem, points)
     if path.suffix == ".xyz":
         text = path.with_suffix(".text")
         liftmesh.write(text, content, format="ply", encoding="ascii")
@@ -65,6 +68,13 @@ def _make(path: Path, mesh: liftmesh.Surface) -> None:
 def _scales(rows: int) -> np.ndarray:
     """Return points whose nearest neighbours are at distances of two scales."""
     return tiny_and_far_cluster(rows, np.random.default_rng(SEED)) @ np.eye(2, 3)
+
+
+def _waves(points: np.ndarray) -> np.ndarray:
+    """Return points at heights of long waves and short ones."""
+    x, y, noise = points.T
+    heights = np.sin(7 * x) + np.sin(19 * (x + y)) / 9 + np.sin(90 * (x - 2 * y)) / 40
+    return np.column_stack([x, y, heights + noise / 200])
 
 
 def _without_header(source: Path, target: Path) -> None:
@@ -159,6 +169,17 @@ def _surface(folder: Path, ask: Callable[[liftmesh.Surface], object]) -> Action:
     return lambda _: ask(surface)
 
 
+def _simplify(folder: Path, prune: bool) -> Action:
+    points = _waves(np.load(folder / "cloud.npy"))
+    options: dict[str, Any] = {"max_error": 0.01, "prune": prune}
+    return lambda progress: liftmesh.simplify(points, **options, progress=progress)
+
+
+def _thin_adaptively(folder: Path) -> Action:
+    points = _waves(np.load(folder / "cloud.npy"))[::10]
+    return lambda _: liftmesh.thin(points, adaptive=max(len(points) // 10, 64))
+
+
 def _cut_and_fill(folder: Path) -> Action:
     points = np.load(folder / "cloud.npy")
     one, two = (liftmesh.triangulate(points[k::20]) for k in range(2))
@@ -184,6 +205,9 @@ JOBS: dict[str, Callable[[Path], Action]] = {
     "raster": partial(_surface, ask=lambda surface: surface.raster(1e-3)),
     "contours": partial(_surface, ask=lambda surface: surface.contours(interval=0.05)),
     "cut and fill": _cut_and_fill,
+    "simplify": partial(_simplify, prune=True),
+    "simplify without the last pass": partial(_simplify, prune=False),
+    "thin adaptively": _thin_adaptively,
     "write PLY": partial(_writing, "mesh.ply"),
     "write PLY, text": partial(_writing, "text.ply", encoding="ascii"),
     "write OBJ": partial(_writing, "mesh.obj"),

@@ -80,7 +80,7 @@ class Cover {
     void approach(TriangleId t) const { mesh_.prefetch_around(t); }
 
     // A sample, in a triangle, becomes a vertex, with the star of the mesh.
-    void insert(std::uint32_t s, TriangleId t);
+    Vertex insert(std::uint32_t s, TriangleId t);
     // A vertex becomes a sample, and the patch takes the place of its star.
     void remove(Vertex v, const dynamic::Star& star, const dynamic::Patch& patch);
 
@@ -150,12 +150,14 @@ Status Cover<Samples>::begin_with_all(Interrupt& interrupt) {
 }
 
 template <class Samples>
-void Cover<Samples>::insert(std::uint32_t s, TriangleId t) {
+Vertex Cover<Samples>::insert(std::uint32_t s, TriangleId t) {
     const Point p = samples_.at(s).point;
     mesh_.dig(p, t);
     samples_.release(mesh_);
-    note(mesh_.fill(p), s, false);
+    const Vertex v = mesh_.fill(p);
+    note(v, s, false);
     samples_.settle(mesh_, s);
+    return v;
 }
 
 template <class Samples>

@@ -1,10 +1,11 @@
 // The last step of simplify: vertices go that the tolerance does not need. First those without
-// which distances grow least, until each is needed. Then each is exchanged, if the tolerance
-// permits, for the worst of the other samples that its removal leaves; after that a neighbour may
-// be one that is not needed. This is repeated as long as a round finds enough of them.
-#include <algorithm>
+// which distances grow least, until each is needed. Then vertices and samples are exchanged
+// (exchange.hpp), after which others may be vertices that are not needed: one round considers every
+// vertex, and the worst sample of every triangle. Another follows, for those around which something
+// has changed, as long as a round finds enough of them.
 #include <vector>
 
+#include "simplification/exchange.hpp"
 #include "simplification/grid.hpp"
 #include "simplification/lists.hpp"
 #include "simplification/removal.hpp"
@@ -14,149 +15,124 @@ namespace liftmesh::simplification {
 
 namespace {
 
-constexpr std::size_t enough = 50;  // another round follows if one vertex in so many went
+constexpr std::size_t enough = 20;  // another round follows if one vertex in so many went
 
-// The largest distance after the removal; none, if it exceeds the tolerance.
-struct ByTolerance {
-    void add_before(const Facet&, const Sample&) {}
-    bool add_after(const Facet& facet, const Sample& sample) {
-        const double distance = facet.distance(sample);
-        if (facet.exceeds(sample, distance)) return false;
-        cost = std::max(cost, distance);
-        return true;
+// What each vertex was when it was considered last.
+class Seen {
+ public:
+    bool is_new(Vertex v, std::uint32_t version) const {
+        return v >= versions_.size() || versions_[v] != version;
     }
-    static constexpr bool needs_before = false;
-    double cost = 0;
+    void note(Vertex v, std::uint32_t version) {
+        if (v >= versions_.size()) versions_.resize(v + std::size_t{1}, none);
+        versions_[v] = version;
+    }
+
+ private:
+    std::vector<std::uint32_t> versions_;
 };
 
 template <class Samples>
 class Prune {
  public:
     Prune(Cover<Samples>& cover, Told& told, Interrupt& interrupt)
-        : cover_(cover), told_(told), removal_(cover, 0, 0, interrupt) {}
+        : cover_(cover),
+          told_(told),
+          removal_(cover, 0, 0, interrupt),
+          exchange_(cover, removal_) {}
 
     Status run();
 
  private:
-    // What a vertex may be exchanged for, and the triangle of the patch in which it is.
-    struct Substitute {
-        double distance = 0;
-        std::uint32_t sample = none;
-        std::size_t place = 0;
+    struct Lead {
+        std::uint32_t sample;
+        Vertex near;
     };
 
-    template <class Step>
-    Status each_vertex(Step step);
-    Substitute substitute(Vertex v);
-    void exchange(Vertex v);
-    bool is_within(TriangleId t);
-    bool is_within_around();
-    void offer_around(const std::vector<Vertex>& link);
-    void put_back(std::uint32_t inserted, std::uint32_t removed, Vertex near);
+    Status remove();
+    Status replace();
+    Status add();
+    void find_leads();
+    bool is_new(TriangleId t) const;
 
     Cover<Samples>& cover_;
     Told& told_;
     Removal<Samples, ByTolerance> removal_;
-    std::vector<TriangleId> filled_;
+    Exchange<Samples> exchange_;
+    Seen replaced_, added_;
+    std::vector<Lead> leads_;
 };
-
-// In the order of their numbers, which is that of their insertion; then removes those that may go.
-template <class Samples>
-template <class Step>
-Status Prune<Samples>::each_vertex(Step step) {
-    const Vertex end = cover_.mesh().vertex_end();
-    for (Vertex v = 0; v < end; ++v) {
-        if (removal_.ends(256)) return Status::interrupted;
-        if (v % 64 == 0) told_.reach(static_cast<double>(v) / end);
-        if (cover_.mesh().is_present(v)) step(v);
-    }
-    return removal_.run();
-}
 
 template <class Samples>
 Status Prune<Samples>::run() {
-    Status status = each_vertex([&](Vertex v) { removal_.offer(v); });
+    Status status = remove();
     for (bool goes_on = true; goes_on && status == Status::ok;) {
         const std::size_t before = cover_.vertices();
+        told_.begin(0.2);
+        status = replace();
+        if (status != Status::ok) break;
         told_.begin(0.5);
-        status = each_vertex([&](Vertex v) { exchange(v); });
+        status = add();
         goes_on = (before - cover_.vertices()) * enough >= before;
     }
     return status;
 }
 
-// The worst sample of the patch, of several the lexicographically least. There is none if all
-// others are on its planes.
+// In the order of their numbers, which is that of their insertion.
 template <class Samples>
-auto Prune<Samples>::substitute(Vertex v) -> Substitute {
-    Substitute worst;
-    const auto consider = [&](std::size_t i, std::uint32_t s, const Sample& sample) {
-        const Facet& facet = removal_.facet(i);
-        const double distance = facet.distance(sample);
-        if (distance < worst.distance || s == cover_.number(v)) return true;
-        if (facet.is_corner(sample.point)) return true;
-        const bool is_tie = distance == worst.distance && worst.sample != none;
-        if (distance > worst.distance || (is_tie && cover_.is_before(s, worst.sample)))
-            worst = {distance, s, i};
-        return true;
-    };
-    cover_.each_after(v, removal_.star(), removal_.patch(), consider);
-    return worst;
-}
-
-template <class Samples>
-void Prune<Samples>::exchange(Vertex v) {
-    if (!removal_.plan(v)) return;
-    const Substitute other = substitute(v);
-    if (other.sample == none) return;
-    const std::vector<Vertex> link = removal_.star().link;
-    const std::uint32_t removed = cover_.number(v);
-    cover_.remove(v, removal_.star(), removal_.patch());
-    filled_ = cover_.filled();
-    cover_.insert(other.sample, filled_[other.place]);
-    if (is_within_around()) return offer_around(link);
-    put_back(other.sample, removed, link[link[0] == ghost ? 1 : 0]);
-}
-
-template <class Samples>
-bool Prune<Samples>::is_within(TriangleId t) {
-    const dynamic::Slots& slots = cover_.mesh().slots();
-    if (slots.is_free(t) || slots.is_ghost(t) || !cover_.may_have_samples(t)) return true;
-    const Facet facet = cover_.facet(t);
-    return cover_.each_of(t, [&](std::uint32_t, const Sample& sample) {
-        return !facet.exceeds(sample, facet.distance(sample));
-    });
-}
-
-// What an exchange has made: the star of the vertex that came, and what is left of the patch.
-template <class Samples>
-bool Prune<Samples>::is_within_around() {
-    const auto holds = [this](TriangleId t) { return is_within(t); };
-    const std::vector<TriangleId>& star = cover_.mesh().star();
-    return std::all_of(star.begin(), star.end(), holds) &&
-           std::all_of(filled_.begin(), filled_.end(), holds);
-}
-
-// The neighbours of the vertex that went and of the one that came.
-template <class Samples>
-void Prune<Samples>::offer_around(const std::vector<Vertex>& link) {
-    for (const Vertex v : link)
-        if (v != ghost) removal_.offer(v);
-    for (const dynamic::BorderEdge& each : cover_.mesh().border()) {
-        const bool is_new = std::find(link.begin(), link.end(), each.tail) == link.end();
-        if (is_new && each.tail != ghost) removal_.offer(each.tail);
+Status Prune<Samples>::remove() {
+    const Vertex end = static_cast<Vertex>(cover_.mesh().vertex_end());
+    for (Vertex v = 0; v < end; ++v) {
+        if (removal_.ends(256)) return Status::interrupted;
+        if (v % 64 == 0) told_.reach(static_cast<double>(v) / end);
+        if (cover_.mesh().is_present(v)) removal_.offer(v);
     }
-    removal_.run();
+    return removal_.run();
 }
 
-// The triangulation is again what it was, as it depends on the vertices alone.
 template <class Samples>
-void Prune<Samples>::put_back(std::uint32_t inserted, std::uint32_t removed, Vertex near) {
-    const Vertex v = cover_.mesh().find(cover_.sample(inserted).point, near);
-    removal_.plan(v);
-    cover_.remove(v, removal_.star(), removal_.patch());
-    const Point p = cover_.sample(removed).point;
-    cover_.insert(removed, cover_.mesh().locate(p, near).triangle);
+Status Prune<Samples>::replace() {
+    const Vertex end = static_cast<Vertex>(cover_.mesh().vertex_end());
+    for (Vertex v = 0; v < end; ++v) {
+        if (v % 64 == 0) told_.reach(static_cast<double>(v) / end);
+        if (!cover_.mesh().is_present(v) || !replaced_.is_new(v, removal_.version(v))) continue;
+        if (removal_.ends(256)) return Status::interrupted;
+        replaced_.note(v, removal_.version(v));
+        exchange_.replace(v);
+    }
+    return removal_.run();
+}
+
+template <class Samples>
+bool Prune<Samples>::is_new(TriangleId t) const {
+    const dynamic::Slots& slots = cover_.mesh().slots();
+    for (unsigned k = 0; k < 3; ++k)
+        if (added_.is_new(slots.vertex(t, k), removal_.version(slots.vertex(t, k)))) return true;
+    return false;
+}
+
+template <class Samples>
+void Prune<Samples>::find_leads() {
+    const dynamic::Slots& slots = cover_.mesh().slots();
+    leads_.clear();
+    for (TriangleId t = 0; t < slots.end(); t += words_per_triangle) {
+        if (removal_.ends(16)) return;
+        if (slots.is_free(t) || slots.is_ghost(t) || !is_new(t)) continue;
+        const std::uint32_t worst = exchange_.worst_of(t);
+        if (worst != none) leads_.push_back({worst, slots.vertex(t, 0)});
+    }
+    for (Vertex v = 0; v < cover_.mesh().vertex_end(); ++v) added_.note(v, removal_.version(v));
+}
+
+template <class Samples>
+Status Prune<Samples>::add() {
+    find_leads();
+    for (std::size_t i = 0; i < leads_.size(); ++i) {
+        if (removal_.ends(256)) return Status::interrupted;
+        if (i % 64 == 0) told_.reach(static_cast<double>(i) / static_cast<double>(leads_.size()));
+        exchange_.add(leads_[i].sample, leads_[i].near);
+    }
+    return removal_.run();
 }
 
 }  // namespace

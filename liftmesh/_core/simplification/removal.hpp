@@ -51,11 +51,22 @@ class Removal {
 
     // The star and the patch of a vertex; false for those that never go.
     bool plan(Vertex v);
+    // Those of a vertex that came after the others, however many neighbours it has.
+    void plan_any(Vertex v);
+
+    // No vertex, or one that stays for the time being.
+    void hold(Vertex v) { held_ = v; }
+    // The star of a vertex is another one now: what it would cost to remove it, too.
+    void touch(Vertex v);
+    // How often that was so.
+    std::uint32_t version(Vertex v) const { return v < version_.size() ? version_[v] : 0; }
+
     const dynamic::Star& star() const { return star_; }
     const dynamic::Patch& patch() const { return patch_; }
     const Facet& facet(std::size_t i) const { return facets_[i]; }
 
  private:
+    void plan_patch();
     double cost(Vertex v);
     void remove(Vertex v);
 
@@ -64,6 +75,7 @@ class Removal {
     Interrupt& interrupt_;
     Patience patience_;
     std::vector<std::uint32_t> version_;
+    Vertex held_ = ghost;
     std::priority_queue<Offer> heap_;
     dynamic::Star star_;
     dynamic::Patch patch_;
@@ -75,6 +87,18 @@ bool Removal<Samples, Measure>::plan(Vertex v) {
     if (cover_.is_corner(v)) return false;
     cover_.mesh().find_star(v, star_);
     if (star_.link.size() > most_neighbors) return false;
+    plan_patch();
+    return true;
+}
+
+template <class Samples, class Measure>
+void Removal<Samples, Measure>::plan_any(Vertex v) {
+    cover_.mesh().find_star(v, star_);
+    plan_patch();
+}
+
+template <class Samples, class Measure>
+void Removal<Samples, Measure>::plan_patch() {
     cover_.mesh().plan(star_, patch_);
     facets_.resize(patch_.count());
     for (std::size_t i = 0; i < patch_.count(); ++i) {
@@ -82,7 +106,12 @@ bool Removal<Samples, Measure>::plan(Vertex v) {
         if (corners[0] != ghost && corners[1] != ghost && corners[2] != ghost)
             facets_[i] = cover_.facet(corners);
     }
-    return true;
+}
+
+template <class Samples, class Measure>
+void Removal<Samples, Measure>::touch(Vertex v) {
+    if (v >= version_.size()) version_.resize(cover_.mesh().vertex_end());
+    ++version_[v];
 }
 
 template <class Samples, class Measure>
@@ -109,7 +138,7 @@ double Removal<Samples, Measure>::cost(Vertex v) {
 template <class Samples, class Measure>
 void Removal<Samples, Measure>::offer(Vertex v) {
     if (v >= version_.size()) version_.resize(cover_.mesh().vertex_end());
-    if (ends(64)) return;
+    if (v == held_ || ends(64)) return;
     const double found = cost(v);
     if (found < infinity) heap_.push({found, cover_.mesh().point(v), v, version_[v]});
 }
@@ -122,7 +151,7 @@ void Removal<Samples, Measure>::remove(Vertex v) {
     ++version_[v];
     for (const Vertex each : neighbors) {
         if (each == ghost) continue;
-        ++version_[each];
+        touch(each);
         offer(each);
     }
 }
