@@ -74,7 +74,7 @@ def names_of(surface: Surface) -> tuple[str | None, str | None]:
     >>> names_of(liftmesh.triangulate(points, crs="EPSG:7415"))
     ('metre', 'metre')
     """
-    system = described(surface.crs)
+    system = system_of(surface)
     axes = _AXES.get(surface.frame.name)
     if system is None or axes is None:
         return None, None
