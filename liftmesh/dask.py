@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from liftmesh.choices import Duplicates, NonFinite, ShardFormat, check_progress
+from liftmesh.choices import Duplicates, NonFinite, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
@@ -320,10 +320,11 @@ class _Workers:
         try:
             return self._waited(stage, futures)
         except self._distributed.KilledWorker as error:
+            times = counted(error.allowed_failures + 1, "time")
             raise ConnectionError(
-                f"workers died {error.allowed_failures + 1} times at {error.task}, as they do if "
-                "memory is short: give them more, and call again with the same arguments: what is "
-                "done is kept; or begin anew with fewer tile_rows"
+                f"workers died {times} at {error.task}, as they do if memory is short: give "
+                "them more, and call again with the same arguments: what is done is kept; or begin "
+                "anew with fewer tile_rows"
             ) from error
         except CancelledError as error:
             reason = str(error).splitlines()[0] if str(error) else "cancelled"

@@ -81,7 +81,7 @@ def band_unit(cloud: Placed) -> Unit | None:
     >>> band_unit(replace(liftmesh.as_cloud([[0, 0, 1]]), metadata=band)).name
     'US survey foot'
     """
-    raster = getattr(cloud, "metadata", {}).get("raster")  # surfaces in tiles have none
+    raster = cloud.metadata.get("raster")
     text = raster.get("unit") if isinstance(raster, Mapping) else None
     if not isinstance(text, str) or not text.strip():
         return None

@@ -107,13 +107,9 @@ def maker(workers: int, stack: ExitStack) -> Make:
     """Return what triangulates in tiles; a cluster is there until the end."""
     if workers == 0:
         return liftmesh.tile
-    from dask import distributed  # noqa: PLC0415 - slow to import
+    from liftmesh.dask import delaunay, local_cluster  # noqa: PLC0415 - slow to import
 
-    from liftmesh.dask import delaunay  # noqa: PLC0415 - with it
-
-    settings = {"threads_per_worker": 1, "dashboard_address": ":0"}
-    cluster = stack.enter_context(distributed.LocalCluster(n_workers=workers, **settings))
-    client = stack.enter_context(distributed.Client(cluster, set_as_default=False))
+    client = stack.enter_context(local_cluster(n_workers=workers))
 
     def make(*arguments: Any, **options: Any) -> liftmesh.Tiled:
         return delaunay(*arguments, client=client, **options)

@@ -148,6 +148,7 @@ def test_lines_that_are_none(tin: Path, tmp_path: Path, along, code: int, said: 
         (("tin.ply", "no/p.geojson", *corners(SECOND)), 3, "does not exist"),
         (("tin.ply", "tin.ply", *corners(SECOND)), 2, "same file"),
         (("tin.ply", "line.csv", "--along", "line.csv"), 2, "same file"),
+        (("tin.ply", "p.csv", *corners([[10, 10], [10, 10]])), 3, "it has no length"),
         (("none.ply", "p.csv", *corners(SECOND)), 3, "none.ply: No such file"),
         (("tin.ply", "p.csv", *corners(SECOND), "--max-edge", "1e-9"), 3, "left"),
     ],
@@ -157,3 +158,14 @@ def test_other_bad_input(tin: Path, tmp_path: Path, words, code: int, said: str)
     before = {each.name: each.read_bytes() for each in tmp_path.iterdir()}
     failed(run("profile", *words, cwd=tmp_path), code, said)
     assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == before
+
+
+def test_planes_that_are_turned_have_no_system(tmp_path: Path) -> None:
+    wall = [[0, 0, 0], [4, 1, 0], [0, 2, 5], [4, 1, 5]]
+    surface = liftmesh.triangulate(wall, plane="xz", crs="EPSG:25832")
+    assert drape(surface, [[[0, 3], [4, 4]]]).crs is None
+    np.savetxt(tmp_path / "wall.csv", wall, "%g", ",", header="x,y,z", comments="")
+    words = ["--plane", "xz", "--from-crs", "EPSG:25832", "--along", "0,3", "--along", "4,4"]
+    done = run("profile", "wall.csv", "out.geojson", *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "crs" not in json.loads((tmp_path / "out.geojson").read_text())

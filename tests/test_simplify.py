@@ -157,6 +157,31 @@ def test_vertices_that_are_not_needed_go_again() -> None:
     assert len(pruned.faces) < len(whole.faces)
 
 
+def test_samples_on_edges_may_change_sides() -> None:
+    """The last pass puts vertices back: a sample on an edge may come to the other side of it."""
+    rows = [[2, 6, 4], [3, 19, 1], [10, 10, 1], [9, 12, 4], [7, 16, 2], [11, 13, 1], [14, 12, 2]]
+    points = np.array(rows, float)
+    assert max(distances(liftmesh.simplify(points, max_error=1.0), points)) <= 1
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        planar = np.unique(rng.integers(0, 9, (14, 2)), axis=0) @ [[2.0, 1.0], [-1.0, 2.0]]
+        points = np.column_stack([planar, rng.integers(0, 5, len(planar))])
+        surface = liftmesh.simplify(points, max_error=1.0)
+        assert max(distances(surface, points)) <= 1
+
+
+def test_the_largest_distance_is_told_where_faces_are_slivers() -> None:
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(12.0), np.arange(12.0)))
+    rng = np.random.default_rng(3)
+    for angle in rng.uniform(0, 6, 3):
+        c, s = np.cos(angle), np.sin(angle)
+        points = np.column_stack([c * x - s * y, s * x + c * y, rng.random(len(x))])
+        surface = liftmesh.simplify(points, max_error=0.45, prune=False)
+        largest = max(distances(surface, points))
+        error = surface.metadata["simplification"]["error"]
+        assert largest <= error <= largest * (1 + Fraction(1, 10**9))
+
+
 def test_merged_rows_are_told_apart() -> None:
     points = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [0, 0, 7], [2, 2, 0.0]])
     told = liftmesh.simplify(points, max_error=0).metadata["simplification"]

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
+import rasterio
+from test_stories import elevation_model
 
 import liftmesh
 
@@ -59,6 +64,40 @@ def test_the_unit_of_a_band_counts(crs: str | None, unit: str, factor: float) ->
     slopes = surface.raster(1, quantity="slope").values
     np.testing.assert_allclose(slopes, expected.raster(1, quantity="slope").values, rtol=1e-12)
     assert surface.slope([1, 2], z_factor=1) == pytest.approx(45)
+
+
+def test_tiles_heed_the_unit_of_a_band(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    rows = np.column_stack([rng.random((300, 2)) * 40, rng.random(300) * 9])
+    feet = liftmesh.Cloud(rows, crs="EPSG:25832", metadata={"raster": {"unit": "ft"}})
+    tiled = liftmesh.tile_surface(feet, tmp_path / "a", tile_rows=60)
+    expected = liftmesh.triangulate(feet)
+    for quantity in ("slope", "hillshade"):
+        found = liftmesh.open_tiled(tiled.directory).raster(1, quantity=quantity).values
+        np.testing.assert_array_equal(found, expected.raster(1, quantity=quantity).values)
+    assert next(each.metadata for each in tiled.meshes()) == {"raster": {"unit": "foot"}}
+    assert tiled.verify(feet).canonical
+    for name, unit in (("ft", "ft"), ("m", "metre"), ("none", None)):
+        elevation_model(tmp_path / f"{name}.tif", rng.random((20, 20)), 1.0, "EPSG:25832")
+        with rasterio.open(tmp_path / f"{name}.tif", "r+") as file:
+            if unit is not None:
+                file.units = (unit,)
+    for other, said in (("m", "'metre', that of"), ("none", "no stated unit")):
+        mixed = [tmp_path / "ft.tif", tmp_path / f"{other}.tif"]
+        with pytest.raises(liftmesh.InputError, match=said):
+            liftmesh.tile_surface(mixed, tmp_path / "b", tile_rows=60)
+
+
+def test_merging_keeps_the_unit_of_bands_and_refuses_two() -> None:
+    feet = liftmesh.Cloud(PLANE, crs="EPSG:25832", metadata={"raster": {"unit": "ft", "rows": 2}})
+    also = replace(feet, metadata={"raster": {"unit": "foot", "rows": 3}})
+    merged = liftmesh.merge([feet, also])
+    assert merged.metadata["raster"] == {"unit": "foot"}
+    with pytest.raises(liftmesh.InputError, match=r"cloud 1 .* 'metre', that of cloud 0 in 'foot'"):
+        liftmesh.merge([feet, replace(feet, metadata={"raster": {"unit": "metre"}})])
+    with pytest.warns(liftmesh.DataWarning, match="cloud 0 says .* 'foot', others say nothing"):
+        merged = liftmesh.merge([feet, replace(feet, metadata={})])
+    assert "raster" not in merged.metadata
 
 
 def test_a_factor_replaces_what_the_system_says(mixed) -> None:

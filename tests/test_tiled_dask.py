@@ -323,7 +323,7 @@ def test_a_worker_that_dies_at_a_task_is_replaced_however_long_it_takes() -> Non
     with impatient, liftmesh.dask.local_cluster(n_workers=1, **silent) as client:
         client.cluster.scheduler.allowed_failures = 0
         workers = liftmesh.dask._Workers(client, None)
-        with pytest.raises(ConnectionError, match=r"workers died 1 times at scan-00000-.*memory"):
+        with pytest.raises(ConnectionError, match=r"workers died 1 time at scan-00000-.*memory"):
             workers.each("scan", lambda: os.kill(os.getpid(), signal.SIGKILL), [()])
         client.wait_for_workers(1, timeout=120)
         assert workers.each("scan", abs, [(-3,)]) == [3]

@@ -133,17 +133,17 @@ def _check_shapes(target: Path) -> None:
 
 def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.draping import lines_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.draping import lines_of, system_of_plane  # noqa: PLC0415 - help and --version do without
 
     if not _is_cloud(path):
-        return list(lines_of(path, surface.crs))
+        return list(lines_of(path, system_of_plane(surface)))
     from liftmesh.same_crs import are_different  # noqa: PLC0415 - as above
 
     cloud = files.read(path, None, reading.max_bytes, tables.flat_of(path))
-    if are_different(surface.crs, cloud.crs):
+    crs = system_of_plane(surface)
+    if are_different(crs, cloud.crs):
         raise InputError(
-            f"{path} is in {shown(cloud.crs)}, {source} in {shown(surface.crs)}: transform the "
-            "points first"
+            f"{path} is in {shown(cloud.crs)}, {source} in {shown(crs)}: transform the points first"
         )
     if len(cloud) < 2:
         raise InputError(f"{path} holds {len(cloud)} of the two corners that a line has at least")

@@ -7,12 +7,15 @@ written in windows, to a file in a folder of its own.
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, BinaryIO
+from zlib import crc32
 
 import numpy as np
 
@@ -137,15 +140,40 @@ def write_windows(
     beside = Path(os.path.realpath(path)).parent
     with TemporaryDirectory(prefix=".liftmesh-raster-", dir=beside) as folder:
         written = Path(folder) / "raster.tif"
-        with rasterio.Env(**_ALONE):
+        with rasterio.Env(**_ALONE), _told(path):
+            sums = []
             with rasterio.open(written, "w", **profile) as file:
                 for (down, across), values in windows:
                     window = (down.start, down.stop), (across.start, across.stop)
                     file.write(values, 1, window=window)
+                    sums.append((window, crc32(np.ascontiguousarray(values).data)))
             if cog:
                 written = _optimised(written, rows * columns * kind.itemsize, compress)
+            _check(written, sums)
         with written.open("rb") as source, replacing(path) as stream:
             shutil.copyfileobj(source, stream, _PIECE)
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Raise what GDAL says of a file as an error of the disk."""
+    errors = load("rasterio.errors", extra="terrain")
+    base = load("rasterio._err", extra="terrain").CPLE_BaseError
+
+    try:
+        yield
+    except (errors.RasterioError, base, SystemError) as error:
+        message = "the raster could not be written whole; is the disk full?"
+        raise OSError(errno.EIO, message, str(path)) from error
+
+
+def _check(path: Path, sums: Sequence[tuple[Any, int]]) -> None:
+    """Read what was written: what fails as GDAL closes a file is told to nobody."""
+    rasterio = load("rasterio", extra="terrain")
+    with rasterio.open(path) as file:
+        for window, expected in sums:
+            if crc32(file.read(1, window=window)) != expected:
+                raise rasterio.errors.RasterioIOError(f"{path} holds other values")
 
 
 def _optimised(path: Path, size: int, compress: str | None) -> Path:

@@ -122,9 +122,12 @@ def _compared(corners: Array, sample: Floats, bound: float) -> Deviation:
         if not is_open.any():
             return Deviation(float(upper.max(initial=0.0)), int(np.count_nonzero(is_beyond)))
         opened = np.flatnonzero(is_open)
-        is_within = _is_corner(corners[opened], sample[opened])
-        is_within |= _within(corners[opened], sample[opened], bound)
-    upper[opened[is_within]] = bound
+        is_corner = _is_corner(corners[opened], sample[opened])
+        upper[opened[is_corner]] = 0
+        # Those whose error is unknown are left to rationals: `bound` would say nothing of them.
+        is_known = np.isfinite(upper[opened])
+        is_within = is_corner | (is_known & _within(corners[opened], sample[opened], bound))
+    upper[opened[is_within]] = np.minimum(upper[opened[is_within]], bound)
     left = opened[~is_within]
     exact = list(_exactly(corners[left], sample[left]))
     upper[left] = [_upwards(each) for each in exact]

@@ -27,7 +27,6 @@ from liftmesh.terrain.shape_files import read_shapes
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
 
-SHAPES = (".geojson", ".json", ".gpkg")
 _PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
@@ -46,7 +45,7 @@ class Draped:
     lines : (k,) ndarray of int64
         The line that each part is of, from 0.
     crs : str, optional
-        The coordinate system of the surface.
+        The coordinate system of the surface, if its plane is that of x and y.
     """
 
     points: Floats
@@ -149,6 +148,8 @@ def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
     found = [surface.profile(line) for line in lines]
     counts = [len(each.starts) - 1 for each in found]
     if not any(counts):
+        if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
+            raise InputError("all corners of a line are at one position: it has no length")
         raise InputError("no part of a line is over faces: are both in the same system?")
     sizes = np.concatenate([np.diff(each.starts) for each in found])
     return Draped(
@@ -156,8 +157,31 @@ def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
         np.concatenate([each.distances for each in found]),
         np.concatenate([[0], np.cumsum(sizes)]),
         np.repeat(np.arange(len(found)), counts),
-        surface.crs,
+        system_of_plane(surface),
     )
+
+
+def system_of_plane(surface: Surface) -> str | None:
+    """Return the coordinate system of lines over a surface: none over a plane that is turned.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+
+    Returns
+    -------
+    str or None
+        WKT or ``EPSG:n``.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0, 0], [1, 0, 1], [0, 1, 2], [1, 2, 0]]
+    >>> system_of_plane(liftmesh.triangulate(points, plane="xz", crs="EPSG:25832")) is None
+    True
+    """
+    return surface.crs if surface.frame.name == "xy" else None
 
 
 def lines_of(path: Path, crs: str | None) -> list[Floats]:

@@ -19,6 +19,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.color_depth import kept_depth
 from liftmesh.crs import described
 from liftmesh.errors import DataWarning, InputError
+from liftmesh.height_units import band_unit
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import said
@@ -91,7 +92,10 @@ def merge(clouds: Iterable[object]) -> Cloud:
     depth = kept_depth(colors)
     keys = dict.fromkeys(key for each in parts for key in each.attributes)
     columns = [_columns_of(each) for each in parts]
+    unit = _common_unit(parts, names)
     entries, notes = _entries(parts, left_out), len(left_out)
+    if unit is not None:
+        entries.setdefault("raster", {"unit": unit})
     has_faces = any(each.faces is not None for each in parts)
     del parts  # so that each column of the parts can be given back once it is merged
     points = np.concatenate(_taken(columns, _POINTS))
@@ -301,6 +305,31 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     if before or left_out:
         entries["skipped"] = tuple(dict.fromkeys([*before, *left_out]))
     return entries
+
+
+def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
+    """Return the unit that the bands of all rasters say; raise if two say different ones.
+
+    Warn if only some say one.
+    """
+    units = [band_unit(each) for each in parts]
+    stated = [(unit, name) for unit, name in zip(units, names, strict=True) if unit is not None]
+    for unit, name in stated:
+        first, before = stated[0]
+        if unit != first:
+            raise InputError(
+                f"the band of {name} says that heights are in {shown(unit.name)}, that of {before} "
+                f"in {shown(first.name)}: convert one, or read both with to_crs= of a system that "
+                "names a unit"
+            )
+    if stated and len(stated) < len(parts):
+        unit, name = stated[0]
+        message = (
+            f"the band of {name} says that heights are in {shown(unit.name)}, others say nothing: "
+            "heights are taken as they are, and the unit is not kept"
+        )
+        warnings.warn(message, DataWarning, stacklevel=3)
+    return stated[0][0].name if len(stated) == len(parts) else None
 
 
 def _alike(one: object, other: object) -> bool:

@@ -401,10 +401,19 @@ def alike(parts: list[Valued]) -> list[Valued]:
     return parts
 
 
+def _unit_of(schema: Schema) -> str:
+    return "no stated unit" if schema.unit is None else shown(schema.unit)
+
+
 def _check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
     if other.crs != first.crs:
         raise InputError(
             f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: give to_crs= or crs="
+        )
+    if other.unit != first.unit:
+        raise InputError(
+            f"the band of {name} says that heights are in {_unit_of(other)}, that of {before} in "
+            f"{_unit_of(first)}: convert one, or give to_crs= with a system that names a unit"
         )
     if other.names == first.names and other.color_depth != first.color_depth:
         raise InputError(

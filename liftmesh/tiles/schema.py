@@ -16,6 +16,7 @@ from liftmesh._typing import Array
 from liftmesh.cloud import Cloud
 from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict
+from liftmesh.height_units import band_unit
 from liftmesh.io.metadata import found_columns
 
 POSITION = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
@@ -38,17 +39,25 @@ class Schema:
         As of a `Cloud`.
     columns : mapping of str to str
         As of a `Report`.
+    unit : str or None
+        The unit that the band of a raster says of its heights.
     """
 
     fields: tuple[tuple[Any, ...], ...] = ()
     crs: str | None = None
     color_depth: int | None = None
     columns: Mapping[str, str] = field(default_factory=FrozenDict)
+    unit: str | None = None
 
     @property
     def names(self) -> list[str]:
         """The names of the values."""
         return [name for name, _, _ in self.fields]
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """What a cloud says of the unit."""
+        return {} if self.unit is None else {"raster": {"unit": self.unit}}
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -69,6 +78,7 @@ class Schema:
             "crs": self.crs,
             "color_depth": self.color_depth,
             "columns": dict(self.columns),
+            **({} if self.unit is None else {"unit": self.unit}),
         }
 
     @classmethod
@@ -87,7 +97,7 @@ class Schema:
         """
         fields = tuple((name, kind, tuple(shape)) for name, kind, shape in said["fields"])
         columns = FrozenDict(said["columns"])
-        return cls(fields, said["crs"], said["color_depth"], columns)
+        return cls(fields, said["crs"], said["color_depth"], columns, said.get("unit"))
 
 
 def schema_of(cloud: Cloud) -> Schema:
@@ -116,7 +126,9 @@ def schema_of(cloud: Cloud) -> Schema:
             raise InputError(f"the values {name!r} are objects of Python: convert them to numbers")
         fields.append((name, values.dtype.str, values.shape[1:]))
     columns = FrozenDict(found_columns(cloud.metadata))
-    return Schema(tuple(fields), cloud.crs, cloud.color_depth, columns)
+    unit = band_unit(cloud)
+    said = None if unit is None else unit.name
+    return Schema(tuple(fields), cloud.crs, cloud.color_depth, columns, said)
 
 
 def records_from(cloud: Cloud) -> Array:
@@ -159,7 +171,8 @@ def cloud_from(records: Array, schema: Schema) -> Cloud:
     parts: dict[str, Any] = {name: values.pop(name) for name in _PARTS if name in values}
     points = np.stack([records[name] for name, _ in POSITION], axis=1)
     depth = schema.color_depth
-    return Cloud(points, **parts, attributes=values, crs=schema.crs, color_depth=depth)
+    said: dict[str, Any] = {"metadata": schema.metadata, "crs": schema.crs, "color_depth": depth}
+    return Cloud(points, **parts, attributes=values, **said)
 
 
 def _values_of(cloud: Cloud) -> dict[str, Array]:

@@ -65,6 +65,11 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
         return self.schema.crs
 
     @property
+    def metadata(self) -> dict[str, Any]:
+        """The unit of heights, if the band of a raster said one: ``{"raster": {"unit": name}}``."""
+        return self.schema.metadata
+
+    @property
     def frame(self) -> Frame:
         """The projection plane, which is that of x and y."""
         return resolve_plane("xy", np.empty((0, 3)))

@@ -143,7 +143,9 @@ void add_lines(Terrain& terrain, Digests& digests) {
     liftmesh::Contours lines;
     contours(terrain.relief, levels.data(), levels.size(), lines, {}, never);
     Digest& digest = digests.of["contours"];
-    for (const Point p : lines.points) add(digest, std::vector<double>{p.x, p.y});
+    const Point* const end = lines.points.get() + lines.starts.back();
+    for (const Point* p = lines.points.get(); p != end; ++p)
+        add(digest, std::vector<double>{p->x, p->y});
     add(digest, lines.starts);
     add(digest, lines.levels);
     add(digest, lines.is_closed);

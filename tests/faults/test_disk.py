@@ -262,3 +262,23 @@ def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
     assert [each.name for each in tmp_path.iterdir()] == ["mesh.ply"]
     assert len(liftmesh.read(target)) == 2000
     assert isinstance(liftmesh.read(target), Cloud)
+
+
+@pytest.mark.parametrize("options", ["", "--compress none", "--cog", "--cog --compress none"])
+def test_no_room_for_a_raster_of_tiles(options: str, tmp_path: Path) -> None:
+    """What does not fit as GDAL closes the file is told to nobody: the file is read again."""
+    rng = np.random.default_rng(6)
+    cloud = np.column_stack([rng.random((500, 2)), rng.random(500)])
+    liftmesh.tile_surface(cloud, tmp_path / "tiles", tile_rows=200)
+    words = f"raster tiles new.tif --resolution 0.004 {options}".split()
+    assert run(*words, cwd=tmp_path).returncode == 0
+    target = tmp_path / "new.tif"
+    whole, before = target.read_bytes(), {*tmp_path.iterdir()}
+    for most_bytes in (len(whole) // 2, len(whole) - 1):
+        done = run(*words, cwd=tmp_path, most_bytes=most_bytes)
+        assert done.returncode == exit_codes.BAD_INPUT
+        assert done.stderr.endswith(
+            "liftmesh: error: new.tif: the raster could not be written whole; is the disk full?\n"
+        )
+        assert target.read_bytes() == whole
+        assert {*tmp_path.iterdir()} == before

@@ -58,6 +58,7 @@ class Exchange {
     Substitute substitute(Vertex v);
     bool is_within(TriangleId t);
     bool are_within(const Triangles& triangles);
+    bool are_within_around(const Vertices& vertices);
     void offer_around(const Vertices& link, const Vertices& other);
     Vertices border() const;
     Vertices take_out(Vertex v);
@@ -70,6 +71,7 @@ class Exchange {
     Cover<Samples>& cover_;
     Removal<Samples, ByTolerance>& removal_;
     Triangles filled_;
+    dynamic::Star star_;
 };
 
 // The worst sample of the patch, of several the lexicographically least. There is none if all
@@ -155,6 +157,15 @@ bool Exchange<Samples>::are_within(const Triangles& triangles) {
                        [this](TriangleId t) { return is_within(t); });
 }
 
+template <class Samples>
+bool Exchange<Samples>::are_within_around(const Vertices& vertices) {
+    return std::all_of(vertices.begin(), vertices.end(), [this](Vertex v) {
+        if (!cover_.mesh().is_present(v)) return true;
+        cover_.mesh().find_star(v, star_);
+        return are_within(star_.triangles);
+    });
+}
+
 // Those of both that are still there; then those that are not needed go.
 template <class Samples>
 void Exchange<Samples>::offer_around(const Vertices& link, const Vertices& other) {
@@ -221,7 +232,8 @@ bool Exchange<Samples>::remove_another(Vertex held, const Vertices& link) {
         if (v == held || !removal_.plan(v)) continue;
         const std::uint32_t second = cover_.number(v);
         const Vertices around = take_out(v);
-        if (are_within(cover_.filled())) {
+        // A sample on an edge may have changed sides when another vertex was put back.
+        if (are_within(cover_.filled()) && are_within_around(link)) {
             offer_around(link, around);
             return true;
         }
