@@ -68,9 +68,7 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
 
 _TRIES = 3  # of a task that raises OSError, as a network disk may
-# Of own clusters: a worker that died may take long to start again on a busy machine, and tasks are
-# long calls of the kernel, so looking at their stack a hundred times a second shows nothing, and
-# costs a twentieth of the time.
+# Tasks are long calls of the kernel: samples of their stacks say nothing, and take a twentieth.
 _SETTINGS = {
     "distributed.deploy.lost-worker-timeout": "10 minutes",
     "distributed.worker.profile.enabled": False,
@@ -327,7 +325,7 @@ class _Workers:
                 "anew with fewer tile_rows"
             ) from error
         except CancelledError as error:
-            reason = str(error).splitlines()[0] if str(error) else "cancelled"
+            reason = next(iter(str(error).splitlines()), "cancelled")
             raise ConnectionError(
                 f"Dask has dropped the tasks ({reason}): look whether the scheduler is up, and "
                 "call again with the same arguments: what is done is kept"
@@ -355,21 +353,20 @@ def _client(given: Any) -> Iterator[Any]:
     if given is not None and not isinstance(given, distributed.Client):
         raise InputError(f"client is a {type(given).__name__}: give a dask.distributed.Client")
     used = given if given is not None else _current(distributed)
-    if used is not None:
-        if used.asynchronous:
-            raise InputError("the client is asynchronous: give one made with asynchronous=False")
+    if used is None:
+        with local_cluster() as made:
+            yield made
+    elif used.asynchronous:
+        raise InputError("the client is asynchronous: give one made with asynchronous=False")
+    else:
         yield used
-        return
-    with local_cluster() as made:
-        yield made
 
 
 @contextmanager
 def local_cluster(**options: Any) -> Iterator[Any]:
     """Start workers of one thread on this machine, and close them in the end.
 
-    A worker that dies is replaced. Dask gives it up if that takes more than 15 seconds, and with
-    the last worker the tasks would wait for ever: so it may take longer here.
+    A worker that dies is replaced, also if that takes longer than the 15 seconds that Dask waits.
 
     Parameters
     ----------
@@ -382,10 +379,9 @@ def local_cluster(**options: Any) -> Iterator[Any]:
         A client of the cluster.
     """
     distributed = load("dask.distributed", extra="dask")
-    config = load("dask.config", extra="dask")
     settings = {"threads_per_worker": 1, "dashboard_address": ":0", **options}
     with (
-        config.set(_SETTINGS),
+        load("dask.config", extra="dask").set(_SETTINGS),
         distributed.LocalCluster(**settings) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
     ):
@@ -393,10 +389,9 @@ def local_cluster(**options: Any) -> Iterator[Any]:
 
 
 def _current(distributed: Any) -> Any:
-    try:
+    with suppress(ValueError):
         return distributed.Client.current()
-    except ValueError:
-        return None
+    return None
 
 
 def _tile_rows(client: Any, row_bytes: int = ROW_BYTES) -> int:

@@ -122,8 +122,8 @@ liftmesh::Contours lines_of(const Ground& ground, const std::vector<double>& lev
 }
 
 bool are_same(const liftmesh::Contours& a, const liftmesh::Contours& b) {
-    return a.points == b.points && a.starts == b.starts && a.levels == b.levels &&
-           a.is_closed == b.is_closed;
+    return a.starts == b.starts && a.levels == b.levels && a.is_closed == b.is_closed &&
+           std::equal(a.points.get(), a.points.get() + a.starts.back(), b.points.get());
 }
 
 std::vector<std::array<std::int32_t, 2>> rim_of(const Ground& ground) {
