@@ -127,7 +127,7 @@ class TestOneResult:
         for threads in (1, 2, 8):
             with pytest.raises(liftmesh.NonFiniteError, match="row 31000"):
                 liftmesh.delaunay(points, threads=threads)
-            with pytest.raises(DegenerateInputError, match="100000 rows hold 1 distinct"):
+            with pytest.raises(DegenerateInputError, match="100,000 rows hold 1 distinct"):
                 liftmesh.delaunay(np.zeros((100_000, 2)), threads=threads)
             with pytest.raises(DegenerateInputError, match="from row 0 to row 99999"):
                 liftmesh.delaunay(np.arange(200_000.0).reshape(-1, 2), threads=threads)

@@ -368,6 +368,7 @@ def placed(cloud: Cloud, crs: str | None, target: str | None) -> Cloud:
         cloud = replace(cloud, crs=crs, metadata={**cloud.metadata, **entry})
     if target is None:
         return cloud
+    check_system(target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
     points = _raised(transformed(_raised(cloud.points, before), cloud.crs, target), after)

@@ -118,7 +118,7 @@ def test_colours_of_another_length_are_refused():
 
 def test_attributes_of_another_length_are_refused():
     source = trimesh.Trimesh(POINTS, FACES, vertex_attributes={"a": 7.0}, process=False)
-    with pytest.raises(InputError, match="a has 1 rows for 4 points"):
+    with pytest.raises(InputError, match="a has 1 row for 4 points"):
         as_cloud(source)
 
 
