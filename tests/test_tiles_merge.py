@@ -163,6 +163,48 @@ def test_no_triangle_is_settled_whose_circle_holds_or_touches_a_point(data: st.D
         assert exact_side(corners, query) < 0
 
 
+def exactly_within(corners: Points, cell: Points) -> bool:
+    """Whether the closed disk is in the interior of a box: in Python's integers."""
+    a, b, c, *sides = oracle.exact(np.concatenate((corners, cell.reshape(2, 2))))
+    (dx, dy), (ex, ey) = ((p[0] - a[0], p[1] - a[1]) for p in (b, c))
+    d, e, det = dx * dx + dy * dy, ex * ex + ey * ey, 2 * (dx * ey - dy * ex)
+    center = ey * d - dy * e, dx * e - ex * d  # from a, times det, as all that follows
+    gaps = [
+        sign * (center[axis] + det * (a[axis] - side[axis])) * int(np.sign(det))
+        for side, sign in zip(sides, (1, -1), strict=True)
+        for axis in (0, 1)
+    ]
+    return all(gap > 0 and gap**2 > center[0] ** 2 + center[1] ** 2 for gap in gaps)
+
+
+@settings(max_examples=250, deadline=None)
+@given(data=st.data())
+def test_no_triangle_is_settled_whose_circle_leaves_the_cell(data: st.DataObject) -> None:
+    """Cells that a circle touches, nearly, at any scale; or of any magnitude whatever."""
+    if data.draw(st.booleans()):
+        ring = np.array([(-5, 0), (-4, 3), (-3, 4), (0, 5), (4, 3), (3, -4), (-4, -3)], float)
+        corners = ring[data.draw(st.permutations(range(7)))[:3]]
+        sides = np.array([data.draw(NUDGES) for _ in range(4)])
+        cell = np.array([-5.0, -5.0, 5.0, 5.0]) * (
+            1 + sides * 2.0 ** -data.draw(st.integers(8, 52))
+        )
+        power = data.draw(SCALES) - 3
+        corners, cell = np.ldexp(corners, power), np.ldexp(cell, power)
+        shift = np.ldexp(float(data.draw(st.integers(-8, 8))), power)
+        corners, cell = corners + shift, cell + shift
+    else:
+        drawn = st.lists(ANY_MAGNITUDE, min_size=10, max_size=10)
+        values = np.array(data.draw(drawn))
+        corners, (one, other) = values[:6].reshape(3, 2), values[6:].reshape(2, 2)
+        cell = np.concatenate((np.minimum(one, other), np.maximum(one, other)))
+    everywhere = np.array([[-1.0, -1.0, 1.0, 1.0]]) * np.finfo(float).max
+    both = np.concatenate((corners, cell.reshape(2, 2)))
+    if not np.isfinite(both).all() or oracle.cross(*oracle.exact(corners)) == 0:
+        return
+    if is_settled(corners, tuple(cell), everywhere):
+        assert exactly_within(corners, cell)
+
+
 @pytest.mark.parametrize("power", [-1040, -600, -150, 0, 150, 300, 1000])
 def test_triangles_far_from_all_others_are_settled_at_every_scale(power: int) -> None:
     corners = np.ldexp(np.array([(5.0, 0.0), (-4.0, 3.0), (0.0, -5.0)]), power)

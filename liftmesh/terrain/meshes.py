@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.arrays import used_rows
 from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
@@ -129,10 +129,14 @@ def _check(cloud: Cloud, planar: Floats, used: Rows) -> None:
 
 def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
     """Tell which triangles the mesh does not have; raise if it has others."""
-    ours, theirs = (_names(each, len(cloud)) for each in (simplices, faces))
-    order = np.argsort(ours)
-    place = np.minimum(np.searchsorted(ours[order], theirs), len(ours) - 1)
-    strange = np.flatnonzero(ours[order][place] != theirs)
+    pairs, lasts = _names(simplices, len(cloud))
+    order = np.lexsort((lasts, pairs))
+    pairs, lasts = pairs[order], lasts[order]
+    their_pairs, their_lasts = _names(faces, len(cloud))
+    end = len(order) - 1
+    place = np.minimum(np.searchsorted(pairs, their_pairs), end)
+    place = np.minimum(place + (lasts[place] != their_lasts), end)  # two share a side at most
+    strange = np.flatnonzero((pairs[place] != their_pairs) | (lasts[place] != their_lasts))
     if len(strange):
         number = int(strange[0])
         raise InputError(
@@ -155,13 +159,10 @@ def _remedy(cloud: Cloud, points: str) -> str:
     )
 
 
-def _names(triangles: Rows, rows: int) -> Array:
-    """Name triangles by their corners, whatever the first: as records that can be sorted."""
+def _names(triangles: Rows, rows: int) -> tuple[Integers, Integers]:
+    """Name triangles by their corners, whatever the first: by the lower two, and by the last."""
     corners = np.sort(triangles, axis=1).astype(np.int64)
-    named = np.empty(len(corners), dtype=[("pair", np.int64), ("last", np.int64)])
-    named["pair"] = corners[:, 0] * rows + corners[:, 1]
-    named["last"] = corners[:, 2]
-    return named
+    return corners[:, 0] * rows + corners[:, 1], corners[:, 2]
 
 
 def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:

@@ -23,6 +23,7 @@ from liftmesh.io.files import read_chunks
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
 from liftmesh.tiles.parquet import parquet_parts
+from liftmesh.tiles.ranges import kind_of, values_of
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
 from liftmesh.tiles.sources import (
     NpyPart,
@@ -34,7 +35,7 @@ from liftmesh.tiles.sources import (
     planar,
     written,
 )
-from liftmesh.tiles.store import kind_of, save_array, values_of
+from liftmesh.tiles.store import save_array
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud

@@ -16,7 +16,8 @@ from liftmesh._typing import Array, Floats, Integers
 from liftmesh.errors import FormatError
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
-from liftmesh.tiles.store import kind_of, load_record, save_array, save_record, values_of
+from liftmesh.tiles.ranges import fill, kind_of, values_of
+from liftmesh.tiles.store import load_record, save_array, save_record
 
 if TYPE_CHECKING:
     from liftmesh.tiles.stages import Folders
@@ -41,8 +42,7 @@ def tile_records(folders: Folders, tile: int) -> Integers:
     records = np.empty((_count(runs), 3), dtype=np.int64)
     at = 0
     for stem, begin, end in runs:
-        found = values_of(Path(f"{stem}.npy"), 3 * begin, 3 * end)
-        records[at : at + end - begin] = found.reshape(-1, 3)
+        fill(records[at : at + end - begin], Path(f"{stem}.npy"), 3 * begin)
         at += end - begin
     return records
 
@@ -67,8 +67,7 @@ def tile_values(folders: Folders, tile: int) -> Array:
     values = np.empty(_count(runs), kind)
     at = 0
     for stem, begin, end in runs:
-        found = values_of(Path(f"{stem}-values.npy"), begin, end, kind)
-        values[at : at + end - begin] = found
+        fill(values[at : at + end - begin], Path(f"{stem}-values.npy"), begin)
         at += end - begin
     return values
 

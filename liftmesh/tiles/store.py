@@ -26,9 +26,8 @@ from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22
-_NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
+_NPY_TEXT = 12  # the byte of an NPY file of version 3 where its header stands
 _NPY_ALIGNED = 64
-_WORD = np.dtype(np.int64)
 
 
 class Hashed:
@@ -116,7 +115,7 @@ def _header(array: Array) -> bytes:
         np.lib.format.write_array_header_1_0(header, said)
         return header.getvalue()
     text = repr(said).encode()
-    text += b" " * (-(_NPY_LENGTH + 4 + len(text) + 1) % _NPY_ALIGNED) + b"\n"
+    text += b" " * (-(_NPY_TEXT + len(text) + 1) % _NPY_ALIGNED) + b"\n"
     return np.lib.format.magic(3, 0) + len(text).to_bytes(4, "little") + text
 
 
@@ -178,72 +177,6 @@ def mapped(path: Path) -> Integers:
             raise MemoryError from error
         raise
     return found
-
-
-def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> Array:
-    """Read some values of an NPY file that `save_array` has written, and nothing else.
-
-    A tile reads from every run, so this has to be quick: the header is not parsed.
-
-    Parameters
-    ----------
-    path : Path
-        A file of one type.
-    begin, end : int
-        The first value, and the one after the last, counted through all rows.
-    kind : dtype, default int64
-        The type, as from `kind_of`.
-
-    Returns
-    -------
-    (end - begin,) ndarray
-        The values.
-
-    Raises
-    ------
-    FormatError
-        The file is truncated.
-    OSError
-        The file cannot be read.
-    """
-    values = np.empty(end - begin, dtype=kind)
-    opened = os.open(path, os.O_RDONLY)
-    try:
-        begun = os.pread(opened, _NPY_LENGTH + 4, 0)
-        size = 2 if begun[_NPY_VERSION : _NPY_VERSION + 1] == b"\1" else 4
-        length = int.from_bytes(begun[_NPY_LENGTH : _NPY_LENGTH + size], "little")
-        at = _NPY_LENGTH + size + length + kind.itemsize * begin
-        rest = values.view(np.uint8).data
-        while len(rest) and (count := os.preadv(opened, [rest], at)):
-            at, rest = at + count, rest[count:]
-    finally:
-        os.close(opened)
-    if len(rest):
-        raise FormatError(f"{path}: truncated: tile the source again")
-    return values
-
-
-def kind_of(path: Path) -> np.dtype[Any]:
-    """Read the type of the values in an NPY file that `save_array` has written.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    dtype
-        That of each value, or record.
-
-    Raises
-    ------
-    FormatError
-        It is damaged.
-    OSError
-        The file cannot be read.
-    """
-    return mapped(path).dtype
 
 
 def concatenated(parts: Sequence[Array]) -> Array:

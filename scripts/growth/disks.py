@@ -16,7 +16,7 @@ import numpy as np
 import liftmesh
 from growth.cells import CELLS
 from growth.counting import Work
-from growth.families import named, random
+from growth.families import FEW, named, random
 
 Disks = np.ndarray
 
@@ -134,8 +134,8 @@ def verify(disks: Disks) -> Work:
 def disk_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes disks."""
     yield "apollonius", DISKS, prepare, tuple(DISKS)
-    yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",)
-    yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far")
+    yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",), FEW
+    yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far"), FEW
     for name in CELLS:
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells

@@ -10,6 +10,7 @@ from distributions import Points
 
 import liftmesh
 from growth.counting import Work
+from growth.families import FEW
 from growth.planar import PLANAR
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def on_stars(call: Callable[[liftmesh.AnisotropicStars], object]) -> Prepare:
 
 def star_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what takes metrics."""
-    yield "anisotropic_stars", SPREAD, prepare, ("uniform", "lattice")
+    yield "anisotropic_stars", SPREAD, prepare, ("uniform", "lattice"), FEW
     yield "AnisotropicStars.star", SPREAD, on_stars(lambda stars: stars.star(0)), ()
     yield (
         "AnisotropicStars.simplices",

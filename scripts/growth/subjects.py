@@ -146,7 +146,8 @@ class Subject:
     def sizes(self, family: str) -> tuple[int, int, int]:
         """Return the three sizes that are counted, each eight times the one before."""
         dear = family in (*DEAR, *DEEP, *HEAVY, *SLOW)
-        least = max(self.smallest // 8, 4) if dear else self.smallest
+        fewest = 2 if family in SLOW else 4
+        least = max(self.smallest // 8, fewest) if dear else self.smallest
         least *= 4 if family in CHEAP else 1
         return least, 8 * least, 64 * least
 

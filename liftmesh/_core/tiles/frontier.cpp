@@ -4,6 +4,7 @@
 #include "tiles/frontier.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/floating_point.hpp"
@@ -32,29 +33,44 @@ class Merge {
     bool run(std::span<const RimEdge> rim) {
         node_.missing = mark_filler(mesh_, records_.size(), rim, ground_.data());
         if (node_.missing != 0) return true;
+        if (territory_.is_everything && !with_neighbors_) mesh_.neighbors.reset();
         if (!settle()) return false;
-        if (!territory_.is_everything && !write_frontier()) return false;
-        if (!with_neighbors_) mesh_.neighbors.reset();
-        return write_triangles();
+        if (with_neighbors_ && !number_neighbors()) return false;
+        return territory_.is_everything || write_frontier();
     }
 
  private:
-    static constexpr std::size_t ahead = 8;  // triangles whose corners are on their way
+    static constexpr std::size_t ahead = 20;  // triangles whose corners are on their way
+    static constexpr std::size_t block = std::size_t{1} << 14;
 
     std::size_t corner(std::size_t t, std::size_t k) const {
         return static_cast<std::size_t>(mesh_.simplices[3 * t + k]);
     }
 
+    // Decides each triangle, and writes it if it is settled. A block writes where its triangles
+    // are; those of one thread come in turn, and each writes behind the one before.
     bool settle() {
-        constexpr std::size_t block = std::size_t{1} << 14;
-        return in_blocks(ground_.size(), block, pool_, [this](std::size_t t, auto last, auto) {
-            std::size_t box = 0;
+        node_.triangles = allocate<RowId>(3 * ground_.size());
+        if (with_neighbors_) node_.neighbors = allocate<std::int32_t>(3 * ground_.size());
+        std::vector<std::size_t> ends(blocks(ground_.size(), block));
+        const bool in_turn = pool_.size() == 1;
+        const auto settle_block = [&](std::size_t t, std::size_t last, std::size_t task) {
+            std::size_t box = 0, at = t;
+            if (in_turn && task > 0) at = ends[task - 1];
             for (; t < last; ++t) {
-                if (!territory_.is_everything && t + ahead < last) prefetch(t + ahead);
-                if (ground_[t] != Ground::filler && is_settled(t, box))
-                    ground_[t] = Ground::settled;
+                if (t + ahead < last) prefetch(t + ahead);
+                if (ground_[t] == Ground::filler || !is_settled(t, box)) continue;
+                ground_[t] = Ground::settled;
+                write(t, at++);
             }
-        });
+            ends[task] = at;
+        };
+        if (!in_blocks(ground_.size(), block, pool_, settle_block)) return false;
+        if (in_turn)
+            node_.triangle_count = ends.back();
+        else
+            close_gaps(ends);
+        return true;
     }
 
     // Records lie in the order of the input, so each is far from the one before.
@@ -66,6 +82,55 @@ class Merge {
         return territory_.is_everything ||
                territory_.settles(points_[corner(t, 0)], points_[corner(t, 1)],
                                   points_[corner(t, 2)], box);
+    }
+
+    void write(std::size_t t, std::size_t at) {
+        const std::array corners = {corner(t, 0), corner(t, 1), corner(t, 2)};
+        const std::size_t least = least_of(corners);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t from = (least + k) % 3;
+            node_.triangles[3 * at + k] = records_[corners[from]].id;
+            if (with_neighbors_) node_.neighbors[3 * at + k] = mesh_.neighbors[3 * t + from];
+        }
+    }
+
+    // Which corner is the least, without branches: it is any of the three.
+    std::size_t least_of(const std::array<std::size_t, 3>& corners) const {
+        const auto precedes = [&](std::size_t i, std::size_t k) {
+            const Point a = records_[corners[i]].point, b = records_[corners[k]].point;
+            return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y));
+        };
+        const bool is_second = precedes(1, 0) & precedes(1, 2);
+        const bool is_third = precedes(2, 0) & precedes(2, 1);
+        return is_second + 2 * is_third;
+    }
+
+    void close_gaps(const std::vector<std::size_t>& ends) {
+        std::size_t at = 0;
+        for (std::size_t task = 0; task < ends.size(); ++task) {
+            const std::size_t begin = 3 * task * block, end = 3 * ends[task];
+            const auto move_up = [&](auto* from) {
+                if (3 * at != begin) std::copy(from + begin, from + end, from + 3 * at);
+            };
+            move_up(node_.triangles.get());
+            if (with_neighbors_) move_up(node_.neighbors.get());
+            at += (end - begin) / 3;
+        }
+        node_.triangle_count = at;
+    }
+
+    // Neighbours are numbered as triangles of the node, if they are written.
+    bool number_neighbors() {
+        std::vector<std::int32_t> place(ground_.size(), -1);
+        std::int32_t at = 0;
+        for (std::size_t t = 0; t < ground_.size(); ++t)
+            if (ground_[t] == Ground::settled) place[t] = at++;
+        return in_blocks(3 * node_.triangle_count, block, pool_,
+                         [&](std::size_t i, std::size_t last, std::size_t) {
+                             for (; i < last; ++i)
+                                 if (std::int32_t& beyond = node_.neighbors[i]; beyond >= 0)
+                                     beyond = place[static_cast<std::size_t>(beyond)];
+                         });
     }
 
     bool write_frontier() {
@@ -108,41 +173,6 @@ class Merge {
             if (!is_open[tail])
                 node_.rim.push_back(
                     {place[tail], place[static_cast<std::size_t>(mesh_.hull[next])]});
-        }
-    }
-
-    bool write_triangles() {
-        std::vector<std::uint32_t> settled;
-        const auto is_written = [this](std::size_t t) { return ground_[t] == Ground::settled; };
-        if (!select(ground_.size(), pool_, is_written, settled)) return false;
-        node_.triangle_count = settled.size();
-        node_.triangles = allocate<RowId>(3 * settled.size());
-        std::vector<std::int32_t> place;  // of each triangle among those that are written
-        if (with_neighbors_) {
-            node_.neighbors = allocate<std::int32_t>(3 * settled.size());
-            place.assign(ground_.size(), -1);
-            for (std::size_t i = 0; i < settled.size(); ++i)
-                place[settled[i]] = static_cast<std::int32_t>(i);
-        }
-        constexpr std::size_t block = std::size_t{1} << 14;
-        return in_blocks(settled.size(), block, pool_, [&](std::size_t i, auto last, auto) {
-            for (; i < last; ++i) {
-                if (i + ahead < last) prefetch(settled[i + ahead]);
-                write(settled[i], i, place);
-            }
-        });
-    }
-
-    void write(std::size_t t, std::size_t i, const std::vector<std::int32_t>& place) {
-        std::size_t least = 0;
-        for (std::size_t k = 1; k < 3; ++k)
-            if (before_xy(points_[corner(t, k)], points_[corner(t, least)])) least = k;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t from = (least + k) % 3;
-            node_.triangles[3 * i + k] = records_[corner(t, from)].id;
-            if (!with_neighbors_) continue;
-            const std::int32_t beyond = mesh_.neighbors[3 * t + from];
-            node_.neighbors[3 * i + k] = beyond < 0 ? -1 : place[static_cast<std::size_t>(beyond)];
         }
     }
 

@@ -22,6 +22,13 @@
 // Comparisons round once: a rounded difference exceeds a double only if the exact one does. The
 // distance to a box is lowered by its error, and scaled before it is squared: squares do not
 // underflow there, because the radius is at least L / 2.
+//
+// Most disks are far from the sides of the cell, which takes no division to find. The diameter is
+// |d| |e| |f| / |det / 2|, with f from b to c, and the disk is within a diameter of a. Where the
+// computed |d|^2 |e|^2 |f|^2 is in [2^-500, 2^500], and none of the three exceeds 2^200, none is
+// less than 2^-900: nothing has underflowed, and their product is within 32 e. With at most 2^200
+// of space, det / 2 is greater than 2^-450 if the disk is found near: nothing underflows there that
+// counts, and its error is at most the bound from above.
 #pragma once
 
 #include <algorithm>
@@ -37,6 +44,18 @@ namespace liftmesh {
 struct Box {
     Point low, high;
 };
+
+// Whether the circumdisk is certainly within `space` of a; "no" says nothing.
+inline bool is_near(Point a, Point b, Point c, double space) {
+    const double dx = b.x - a.x, dy = b.y - a.y, ex = c.x - a.x, ey = c.y - a.y;
+    const double fx = c.x - b.x, fy = c.y - b.y;
+    const double d = dx * dx + dy * dy, e = ex * ex + ey * ey, f = fx * fx + fy * fy;
+    const double p = dx * ey, q = dy * ex;
+    const double rest = std::fabs(p - q) - 0x1p-49 * (std::fabs(p) + std::fabs(q));
+    const double product = d * e * f, across = rest * space;
+    return rest > 0 && space > 0 && product * (1 + 0x1p-40) < across * across &&
+           product > 0x1p-500 && product < 0x1p500 && std::max({d, e, f}) < 0x1p200;
+}
 
 class Disk {
  public:
@@ -111,6 +130,9 @@ struct Territory {
 
     // `last` remembers which box was in the way: mostly it is in the way of the next one, too.
     bool settles(Point a, Point b, Point c, std::size_t& last) const {
+        const double beside = std::min(a.x - cell.low.x, cell.high.x - a.x);
+        const double above = std::min(a.y - cell.low.y, cell.high.y - a.y);
+        if (is_near(a, b, c, std::min({beside, above, 0x1p200}))) return true;
         const Disk disk(a, b, c);
         if (!disk.is_known()) return false;
         if (disk.is_inside(cell)) return true;
