@@ -198,6 +198,9 @@ def _cut_and_fill(folder: Path) -> Action:
     return lambda _: one.cut_and_fill(two)
 
 
+# Folders of jobs that leave what they have done when they are interrupted, to go on from there.
+UNFINISHED = {"tile": Path("out", "tiles")}
+
 # Each prepares its input, and returns the call that is interrupted.
 JOBS: dict[str, Callable[[Path], Action]] = {
     **{job: partial(_reading, name) for job, name in FILES.items()},
