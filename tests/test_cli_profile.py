@@ -88,6 +88,15 @@ def test_draped_lines_are_written_as_shapes(tin: Path, tmp_path: Path, suffix: s
     np.testing.assert_allclose(found.geometry.length, found["length"])
 
 
+def test_lines_of_a_shapefile(tin: Path, tmp_path: Path) -> None:
+    lines = geopandas.GeoDataFrame(geometry=[shapely.LineString(LINE)], crs="EPSG:25832")
+    lines.to_file(tmp_path / "line.shp")
+    done = run("profile", tin, tmp_path / "p.ply", "--along", tmp_path / "line.shp")
+    assert done.returncode == 0, done.stderr
+    expected = surface().profile(LINE).points
+    np.testing.assert_array_equal(liftmesh.read(tmp_path / "p.ply").points, expected)
+
+
 def test_corners_of_a_table_and_a_cloud(tin: Path, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text("x,y\n10,10\n20,30\n")
     liftmesh.write(tmp_path / "line.ply", np.column_stack([SECOND, [7, 9]]))

@@ -148,6 +148,22 @@ def test_what_the_format_of_a_solid_does_not_keep_is_said(tin, tmp_path) -> None
     assert told["dropped"] == ["faces"]
 
 
+def test_what_a_solid_does_not_keep_of_its_surface_is_said(tmp_path) -> None:
+    points = [[0.0, 0, 5], [4, 0, 5], [0, 3, 5], [4, 3, 6]]
+    more = {"colors": np.zeros((4, 3), np.uint8), "normals": np.eye(4, 3)}
+    cloud = liftmesh.Cloud(np.array(points), **more, attributes={"id": np.arange(4)})
+    liftmesh.triangulate(cloud, crs="EPSG:28992").save(tmp_path / "full.ply")
+    lost = "; a solid does not keep colors, normals, id\n"
+    for target, own in (("s.3mf", "3mf does not keep crs"), ("s.ply", "")):
+        done = run("solid", "full.ply", target, "--base", "0", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.endswith(lost)
+        assert own in done.stdout
+    words = ("full.ply", "s.3mf", "--base", "0", "--longest", "90", "--json")
+    told = json.loads(run("solid", *words, cwd=tmp_path).stdout)
+    assert told["dropped"][:4] == ["colors", "normals", "crs", "id"]
+
+
 @pytest.mark.parametrize("crs", ["EPSG:7415", "epsg:28992", pyproj.CRS("EPSG:28992").to_wkt()])
 def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
     liftmesh.triangulate(meadow(), crs="EPSG:28992").save(tmp_path / "dutch.ply")

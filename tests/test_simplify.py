@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from random import Random
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, reject, settings, strategies as st
 
 import liftmesh
 from liftmesh._typing import Floats
@@ -168,6 +170,36 @@ def test_samples_on_edges_may_change_sides() -> None:
         points = np.column_stack([planar, rng.integers(0, 5, len(planar))])
         surface = liftmesh.simplify(points, max_error=1.0)
         assert max(distances(surface, points)) <= 1
+
+
+@st.composite
+def turned_lattices(draw: st.DrawFn) -> Floats:
+    """Points of a small lattice turned by the ratio 1 : 2, middles of two of them, few heights."""
+    lattice = st.tuples(st.integers(0, 8), st.integers(0, 8))
+    planar = np.array(draw(st.lists(lattice, min_size=4, max_size=12, unique=True)))
+    planar = planar @ [[2.0, 1.0], [-1.0, 2.0]]
+    row = st.integers(0, len(planar) - 1)
+    ends = np.array(draw(st.lists(st.tuples(row, row), max_size=16)), int).reshape(-1, 2)
+    planar = np.unique(np.concatenate([planar, planar[ends].mean(axis=1)]), axis=0)
+    few = st.integers(0, draw(st.integers(1, 5)))
+    z = draw(st.lists(few, min_size=len(planar), max_size=len(planar)))
+    return np.column_stack([planar, np.array(z, float)])
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@given(turned_lattices(), st.sampled_from([0.0, 0.5, 1.0, 2.0]), st.booleans(), st.randoms())
+def test_samples_in_the_middle_of_edges(
+    points: Floats, bound: float, prune: bool, random: Random
+) -> None:
+    try:
+        liftmesh.delaunay(points[:, :2])
+    except liftmesh.DegenerateInputError:
+        reject()
+    found = liftmesh.simplify(points, max_error=bound, prune=prune)
+    assert max(distances(found, points)) <= bound
+    order = random.sample(range(len(points)), len(points))
+    again = liftmesh.simplify(points[order], max_error=bound, prune=prune)
+    assert {*map(tuple, again.vertices)} == {*map(tuple, found.vertices)}
 
 
 def test_the_largest_distance_is_told_where_faces_are_slivers() -> None:

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import shown
-from liftmesh.cli import files, options, outputs, standard_streams, surfaces, tables, terminal
+from liftmesh.cli import (
+    files,
+    options,
+    outputs,
+    shapes,
+    standard_streams,
+    surfaces,
+    tables,
+    terminal,
+)
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.errors import InputError
 
@@ -30,8 +39,6 @@ EXAMPLES = [
     "liftmesh profile tin.ply heights.csv --along roads.geojson",
     "liftmesh profile survey.csv draped.gpkg --along roads.gpkg --max-edge 20",
 ]
-
-_SHAPES = {".geojson", ".json", ".gpkg"}
 
 
 @with_reading
@@ -77,7 +84,7 @@ def run(
     path = None if corners else Path(along[0])
     if json:
         standard_streams.check_stdout()
-    is_shapes = target_format is None and target.suffix.lower() in _SHAPES
+    is_shapes = target_format is None and target.suffix.lower() in shapes.SHAPES
     if is_shapes:
         _check_shapes(target)
     else:
@@ -135,7 +142,7 @@ def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.draping import lines_of, system_of_plane  # noqa: PLC0415 - help and --version do without
 
-    if not _is_cloud(path):
+    if not shapes.is_cloud(path):
         return list(lines_of(path, system_of_plane(surface)))
     from liftmesh.same_crs import are_different  # noqa: PLC0415 - as above
 
@@ -148,18 +155,6 @@ def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any
     if len(cloud) < 2:
         raise InputError(f"{path} holds {len(cloud)} of the two corners that a line has at least")
     return [cloud.points[:, :2]]
-
-
-def _is_cloud(path: Path) -> bool:
-    """Whether a file is a table or a cloud, by its suffix."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
-
-    if path.suffix.lower() in _SHAPES or not path.suffix:
-        return False
-    try:
-        return find_format(suffix_of(path.name), str(path)) is not None
-    except InputError:
-        return False
 
 
 def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:

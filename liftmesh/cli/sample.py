@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from liftmesh.choices import SampleMethod, shown
-from liftmesh.cli import files, options, outputs, rows, standard_streams, surfaces, tables, terminal
+from liftmesh.cli import (
+    files,
+    options,
+    outputs,
+    rows,
+    shapes,
+    standard_streams,
+    surfaces,
+    tables,
+    terminal,
+)
 from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
 
 SHORT_HELP = "Write the heights of a mesh or cloud at points."
 HELP = (
@@ -20,6 +33,7 @@ HELP = (
 )
 EXAMPLES = [
     "liftmesh sample tin.ply heights.csv --at points.csv",
+    "liftmesh sample tin.ply heights.csv --at wells.geojson",
     "liftmesh sample survey.csv heights.ply --at points.ply --max-edge 20 --boundary-only",
 ]
 
@@ -32,7 +46,12 @@ _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
-    at: Annotated[Path, typer.Option(metavar="FILE", help="Points x, y: a cloud of any format.")],
+    at: Annotated[
+        Path,
+        typer.Option(
+            metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
+        ),
+    ],
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
@@ -82,13 +101,27 @@ def run(
         selection=selection,
     )
     surface = trimmed(surface, trimming)
-    asked = files.read(at, None, limit, tables.flat_of(at))
-    _check_systems(source, surface.crs, at, asked.crs)
+    asked = _asked(at, source, surface.crs, limit)
     with terminal.stage(f"sampling at {len(asked):,} points"):
         found, known = _sampled(surface, asked, method, count)
     path = _write(target, found, target_format)
     with standard_streams.after_writing(path):
         terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
+
+
+def _asked(at: Path, source: Path, own: str | None, limit: int | None) -> Cloud:
+    """Read the points, which have to be in the system of the surface."""
+    if files.is_stream(at) or shapes.is_cloud(at):
+        asked = files.read(at, None, limit, tables.flat_of(at))
+        _check_systems(source, own, at, asked.crs)
+        return asked
+    from liftmesh.terrain.point_files import points_of  # noqa: PLC0415 - help and --version do without
+
+    with terminal.stage(f"reading {at.name}"):
+        asked = points_of(at, own)
+    if not_read := files.parts_not_read(asked):
+        terminal.note(f"{at}: not read: {files.listed(not_read)}")
+    return asked
 
 
 def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -> None:

@@ -14,6 +14,7 @@ from liftmesh.cli.reading import with_options as with_reading
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.io.writing import Written
+    from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."
 HELP = (
@@ -96,20 +97,30 @@ def run(
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         found = surface.solid(**wanted, pinched=pinched)
     written = outputs.write(target, found, target_format, writing)
-    _say(written, found, as_json=json)
+    _say(written, found, _left_out(surface, found), as_json=json)
 
 
-def _say(written: Written, found: Cloud, *, as_json: bool) -> None:
+def _left_out(surface: Surface, found: Cloud) -> list[str]:
+    """Name what a surface has, and no solid of it."""
+    values: dict[str, Any] = {"colors": surface.colors, "normals": surface.normals}
+    if found.crs is None:
+        values["crs"] = surface.crs  # of a solid that is scaled
+    return [*(name for name in values if values[name] is not None), *sorted(surface.attributes)]
+
+
+def _say(written: Written, found: Cloud, left_out: list[str], *, as_json: bool) -> None:
     faces = 0 if found.faces is None else len(found.faces)
     size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
     if as_json:
         volume = {"triangles": faces, "volume": _volume(found), "size": size}
-        terminal.as_json({**outputs.values(written), **volume})
+        dropped = {"dropped": [*left_out, *written.dropped]}
+        terminal.as_json({**outputs.values(written), **dropped, **volume})
         return
     width, depth, height = (f"{each:.6g}" for each in size)
     measures = f"volume {_volume(found):,.10g}, size {width} x {depth} x {height}"
     content = f"{faces:,} triangles, {measures}"
-    terminal.sentence(outputs.headline(written, content), "good")
+    lost = f"; a solid does not keep {files.listed(left_out)}" if left_out else ""
+    terminal.sentence(outputs.headline(written, content) + lost, "good")
 
 
 def _volume(found: Cloud) -> float:

@@ -19,7 +19,7 @@ from liftmesh.same_crs import are_different
 _TEXT = {".geojson", ".json", ""}
 
 
-def read_shapes(path: Path, what: str, crs: str | None) -> Any:
+def read_shapes(path: Path, what: str, crs: str | None, *, columns: bool = False) -> Any:
     """Read a file, and see that it is in the system of a surface.
 
     Parameters
@@ -30,6 +30,8 @@ def read_shapes(path: Path, what: str, crs: str | None) -> Any:
         What it is read as, for errors.
     crs : str, optional
         The system of the surface.
+    columns : bool
+        Whether a table of geopandas keeps all that it says of its rows, not the names alone.
 
     Returns
     -------
@@ -55,7 +57,10 @@ def read_shapes(path: Path, what: str, crs: str | None) -> Any:
     >>> read_shapes(path, "a place", None)["coordinates"]
     [1, 2]
     """
-    tree = _geojson(path) if path.suffix.lower() in _TEXT else _frame(path, what)
+    if path.suffix.lower() in _TEXT:
+        tree: Any = _geojson(path)
+    else:
+        tree = read_features(path, what) if columns else _frame(path, what)
     check_system(crs, tree, str(path))
     return tree
 
@@ -81,9 +86,38 @@ def check_system(own: str | None, shapes: object, name: str) -> None:
     --------
     >>> check_system("EPSG:25832", [[0, 0], [1, 1]], "the line")
     """
-    stated = _stated(shapes)
+    stated = stated_system(shapes)
     if are_different(own, stated):
         raise InputError(f"{name} is in {shown(stated)}, the surface in {shown(own)}: transform it")
+
+
+def stated_system(shapes: object) -> str | None:
+    """Return the system that shapes say they are in.
+
+    Parameters
+    ----------
+    shapes : object
+        As for `check_system`.
+
+    Returns
+    -------
+    str or None
+        WKT or a name; None if they say none.
+
+    Examples
+    --------
+    >>> stated_system({"crs": {"type": "name", "properties": {"name": "EPSG:25832"}}})
+    'EPSG:25832'
+    """
+    if isinstance(shapes, Mapping):
+        system = shapes.get("crs")
+        properties = system.get("properties") if isinstance(system, Mapping) else None
+        name = properties.get("name") if isinstance(properties, Mapping) else None
+        if not isinstance(name, str):
+            return None
+        return "EPSG:4326" if name.upper().endswith("CRS84") else name
+    held: Any = getattr(shapes, "crs", None)
+    return str(held.to_wkt()) if hasattr(held, "to_wkt") else None
 
 
 def _geojson(path: Path) -> dict[str, Any]:
@@ -98,16 +132,3 @@ def _frame(path: Path, what: str) -> Any:
     """Read a file of another kind, such as GeoPackage, with the names of its rows."""
     table = read_features(path, what)
     return table if "name" in table else table.geometry
-
-
-def _stated(shapes: object) -> str | None:
-    """Return the system that GeoJSON or an object of geopandas says; None if it says none."""
-    if isinstance(shapes, Mapping):
-        system = shapes.get("crs")
-        properties = system.get("properties") if isinstance(system, Mapping) else None
-        name = properties.get("name") if isinstance(properties, Mapping) else None
-        if not isinstance(name, str):
-            return None
-        return "EPSG:4326" if name.upper().endswith("CRS84") else name
-    held: Any = getattr(shapes, "crs", None)
-    return str(held.to_wkt()) if hasattr(held, "to_wkt") else None

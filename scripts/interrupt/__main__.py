@@ -9,7 +9,8 @@ times with a SIGINT at a random moment in each equal part of that run time. Libr
 repeatedly in one process with a prompt, commands each in a process of their own, which gets SIGINT
 and SIGTERM in turn. Exits with 1 if
 the prompt, or the end of the command, takes more than `--most` seconds from the signal, if memory,
-an open file or a thread is leaked, or if a file was changed or left behind.
+an open file or a thread is leaked, or if a file was changed or left behind. A tiled run leaves what
+it has done in its folder; there the files of a last run, which begins anew, must be whole.
 """
 
 from __future__ import annotations

@@ -11,16 +11,17 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 from process_state import MEGA, RETURNING, State
 
-from interrupt.jobs import COMMANDS
+from interrupt.jobs import COMMANDS, UNFINISHED
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run
@@ -31,6 +32,7 @@ ENDS = {
     signal.SIGTERM: (143, "liftmesh: error: terminated by SIGTERM\n"),
 }
 NOT_REACHED = "ended before"
+AGAIN = "the files of a run after all of them"
 AT_ONCE = 0.3  # seconds in which a process ends whose result is there
 
 
@@ -64,8 +66,13 @@ def interrupt_job(job: str, folder: Path, rounds: int, seed: int) -> JobResult:
         whole = _attempt(child, None)
         files, held = _files(folder), _state(whole)
         moments = delays(whole["seconds"], rounds, random.Random(f"{job} {seed}"))
-        interrupts = tuple(_interrupted(child, moment, held, folder, files) for moment in moments)
-    return JobResult(job, whole["seconds"], interrupts)
+        own = folder / UNFINISHED[job] if job in UNFINISHED else None
+        changes = partial(_changes, folder, files, own)
+        interrupts = [_interrupted(child, moment, held, changes) for moment in moments]
+        if own is not None:
+            _attempt(child, None)
+            interrupts.append(Interrupt(0.0, AGAIN, 0.0, tuple(_changes(folder, files))))
+    return JobResult(job, whole["seconds"], tuple(interrupts))
 
 
 @contextmanager
@@ -108,7 +115,10 @@ def _attempt(child: subprocess.Popen[str], delay: float | None) -> dict[str, Any
 
 
 def _interrupted(
-    child: subprocess.Popen[str], delay: float, held: State, folder: Path, files: Any
+    child: subprocess.Popen[str],
+    delay: float,
+    held: State,
+    changes: Callable[[], Iterator[str]],
 ) -> Interrupt:
     answer = _attempt(child, delay)
     if not answer["place"]:
@@ -117,7 +127,7 @@ def _interrupted(
         delay,
         answer["place"],
         answer["until"],
-        (*_faults(_state(answer), held), *_changes(folder, files)),
+        (*_faults(_state(answer), held), *changes()),
     )
 
 
@@ -145,9 +155,12 @@ def _files(folder: Path) -> dict[str, int]:
     return {str(path): path.stat().st_size for path in folder.rglob("*") if path.is_file()}
 
 
-def _changes(folder: Path, before: dict[str, int]) -> Iterator[str]:
+def _changes(folder: Path, before: dict[str, int], own: Path | None = None) -> Iterator[str]:
+    """Name the files that are others than before, but for those in a folder of the job's own."""
     after = _files(folder)
     for name in sorted(before.keys() | after.keys()):
+        if own is not None and Path(name).is_relative_to(own):
+            continue
         if before.get(name) != after.get(name):
             yield f"{name} was {'changed' if name in before else 'left behind'}"
 

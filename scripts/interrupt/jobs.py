@@ -169,6 +169,18 @@ def _surface(folder: Path, ask: Callable[[liftmesh.Surface], object]) -> Action:
     return lambda _: ask(surface)
 
 
+def _between(surface: liftmesh.Surface) -> np.ndarray:
+    """Return points between every vertex and the next one."""
+    points = surface.vertices[:, :2]
+    return (points + np.roll(points, 1, axis=0)) / 2
+
+
+def _zigzag() -> np.ndarray:
+    """Return a line that crosses the unit square many times."""
+    at = np.linspace(0, 1, 80)
+    return np.column_stack([at, np.arange(80) % 2])
+
+
 def _simplify(folder: Path, prune: bool) -> Action:
     points = _waves(np.load(folder / "cloud.npy"))
     options: dict[str, Any] = {"max_error": 0.01, "prune": prune}
@@ -185,6 +197,9 @@ def _cut_and_fill(folder: Path) -> Action:
     one, two = (liftmesh.triangulate(points[k::20]) for k in range(2))
     return lambda _: one.cut_and_fill(two)
 
+
+# Folders of jobs that leave what they have done when they are interrupted, to go on from there.
+UNFINISHED = {"tile": Path("out", "tiles")}
 
 # Each prepares its input, and returns the call that is interrupted.
 JOBS: dict[str, Callable[[Path], Action]] = {
@@ -205,6 +220,10 @@ JOBS: dict[str, Callable[[Path], Action]] = {
     "raster": partial(_surface, ask=lambda surface: surface.raster(1e-3)),
     "contours": partial(_surface, ask=lambda surface: surface.contours(interval=0.05)),
     "cut and fill": _cut_and_fill,
+    "sample by Sibson": partial(
+        _surface, ask=lambda surface: surface.sample(_between(surface), "sibson")
+    ),
+    "profile": partial(_surface, ask=lambda surface: surface.profile(_zigzag())),
     "simplify": partial(_simplify, prune=True),
     "simplify without the last pass": partial(_simplify, prune=False),
     "thin adaptively": _thin_adaptively,

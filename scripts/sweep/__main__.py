@@ -3,6 +3,7 @@
     python scripts/sweep                              5,000 runs: about half an hour
     python scripts/sweep --seconds 3600
     python scripts/sweep --runs 1 --first 1234        one run again
+    python scripts/sweep --runs 500 --commands volume profile
 
 Every fourth run sends two signals. Exits with 1 if a command ends otherwise than by its first
 signal and with one line, or with its result if that was there before; if it takes more than
@@ -51,6 +52,8 @@ def read_options() -> Namespace:
     add("--first", type=int, default=0, help="number of the first run")
     add("--seed", type=int, default=0)
     add("--rows", type=int, default=3000, help="of the files that are read")
+    known = sorted({job.command for job in all_jobs()})
+    add("--commands", nargs="+", choices=known, default=known, metavar="COMMAND", help="only these")
     add("--most", type=float, default=1.0, help="seconds from the signal to the end")
     add("--second", type=float, default=0.2, help="seconds from the second signal to the end")
     add("--workers", type=int, default=os.cpu_count(), help="commands at a time")
@@ -63,7 +66,7 @@ def read_options() -> Namespace:
 def sweep(folder: Path, options: Namespace) -> Iterator[Run]:
     """Yield the runs; print the faults."""
     prepare(folder, options.rows)
-    jobs = all_jobs()
+    jobs = [job for job in all_jobs() if job.command in options.commands]
     known = learn(folder, jobs)
     end = time.monotonic() + options.seconds
 

@@ -44,6 +44,11 @@ class Job:
     outputs: tuple[str, ...]
     kind: str
 
+    @property
+    def command(self) -> str:
+        """Its first word."""
+        return self.words[0]
+
 
 @dataclass(slots=True)
 class Known:

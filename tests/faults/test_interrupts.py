@@ -150,11 +150,12 @@ def campaign(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_campaign_interrupts_every_phase() -> None:
-    jobs = ("delaunay", "write OBJ", "liftmesh verify", "liftmesh info")
+    jobs = ("delaunay", "tile", "write OBJ", "liftmesh verify", "liftmesh info")
     done = campaign("--rows", "100000", "--rounds", "2", "--most", "20", "--jobs", *jobs)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 of them wrong" in done.stdout
     assert [f"\n{job}: " in f"\n{done.stdout}" for job in jobs] == [True] * len(jobs)
+    assert "the files of a run after all of them  ok" in done.stdout
 
 
 def test_the_campaign_fails_where_the_prompt_is_late() -> None:

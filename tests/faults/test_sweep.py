@@ -28,7 +28,10 @@ def test_no_signal_is_lost_in_a_hundred_runs() -> None:
 
 
 def test_a_sweep_fails_where_a_command_is_late() -> None:
-    done = sweep("--runs", "20", "--most", "0", "--second", "0")
+    commands = ("--commands", "volume", "profile", "thin")
+    done = sweep("--runs", "20", "--most", "0", "--second", "0", *commands)
     assert done.returncode == 1, done.stdout + done.stderr
-    assert re.search(r"^run \d+: .+: it took ", done.stdout, re.MULTILINE)
+    late = re.findall(r"^run \d+: (\w+) .+: it took ", done.stdout, re.MULTILINE)
+    assert late
+    assert {*late} <= {*commands}
     assert "; 0 faults" not in done.stdout

@@ -1,0 +1,158 @@
+"""Points of files of shapes: GeoJSON, and whatever geopandas reads.
+
+They are places in the plane: heights, which GeoJSON allows, are left out. Properties are named
+values of a point, as the columns of a table are, if all of them are numbers.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.arrays import as_reals
+from liftmesh.choices import counted, shown
+from liftmesh.cloud import Cloud
+from liftmesh.errors import FormatError
+from liftmesh.terrain.shape_files import read_shapes, stated_system
+
+_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+_COORDINATES = {"x", "y", "z"}
+
+
+def points_of(path: Path, crs: str | None) -> Cloud:
+    """Read the points of a file, which has to be in the system of a surface.
+
+    Parameters
+    ----------
+    path : Path
+        GeoJSON, or anything that geopandas reads.
+    crs : str, optional
+        The system of the surface.
+
+    Returns
+    -------
+    Cloud
+        The points in the order of the file, at height 0; those of a MultiPoint are several, with
+        the same values. Properties are attributes, NaN where a feature lacks one; what is left out
+        is named in ``metadata["skipped"]``: properties that are no numbers, or are called x, y or
+        z, and geometries other than points. The system is the one that the file states.
+
+    Raises
+    ------
+    InputError
+        The systems are known to differ.
+    FormatError
+        The file cannot be read, holds no point, or one that is not finite.
+    MissingDependencyError
+        Files other than GeoJSON need geopandas.
+    OSError
+        The file cannot be opened.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "well.geojson")
+    >>> point = '{"type": "Point", "coordinates": [1, 2]}'
+    >>> _ = path.write_text('{"type": "Feature", "properties": {"id": 7}, "geometry": %s}' % point)
+    >>> well = points_of(path, None)
+    >>> well.points.tolist(), well.attributes["id"].tolist()
+    ([[1.0, 2.0, 0.0]], [7])
+    """
+    shapes = read_shapes(path, "points", crs, columns=True)
+    found = _Found()
+    try:
+        found.take(getattr(shapes, "__geo_interface__", shapes), {})
+    except (TypeError, AttributeError, RecursionError) as error:
+        raise FormatError(f"{path}: no GeoJSON: a point has type and coordinates") from error
+    if not found.places:
+        raise FormatError(f"{path}: there is no Point or MultiPoint in it")
+    planar = _planar(path, found.places)
+    columns = found.columns()
+    unread = (f"property {name}" for name in found.names() if name not in columns)
+    skipped = (*unread, *(counted(count, kind) for kind, count in found.others.items()))
+    return Cloud(
+        np.column_stack([planar, np.zeros(len(planar))]),
+        attributes=columns,
+        metadata={"skipped": skipped} if skipped else {},
+        crs=stated_system(shapes),
+    )
+
+
+@dataclass(slots=True)
+class _Found:
+    """The points of a tree of GeoJSON, the properties of each, and geometries that are none."""
+
+    places: list[Any] = field(default_factory=list)
+    properties: list[Mapping[str, Any]] = field(default_factory=list)
+    others: Counter[str] = field(default_factory=Counter)
+
+    def take(self, tree: Mapping[str, Any], properties: Mapping[str, Any]) -> None:
+        """Collect the points of a geometry, a feature or a collection."""
+        kind = tree.get("type")
+        if kind in _PARTS:
+            for part in tree.get(_PARTS[kind]) or ():
+                self.take(part, properties)
+        elif kind == "Feature":
+            held = tree.get("properties")
+            self.take(tree.get("geometry") or {}, held if isinstance(held, Mapping) else {})
+        elif kind in {"Point", "MultiPoint"}:
+            coordinates = tree.get("coordinates") or ()
+            parts = coordinates if kind == "MultiPoint" else [coordinates] if coordinates else []
+            self.places += parts
+            self.properties += [properties] * len(parts)
+        elif isinstance(kind, str):
+            self.others[kind] += 1
+
+    def names(self) -> list[str]:
+        """Return the names of the properties, in the order of the file."""
+        return [*dict.fromkeys(name for each in self.properties for name in each)]
+
+    def columns(self) -> dict[str, Array]:
+        """Return the values of the properties that are numbers."""
+        names = (name for name in self.names() if name.lower() not in _COORDINATES)
+        found = {name: _column([each.get(name) for each in self.properties]) for name in names}
+        return {name: values for name, values in found.items() if values is not None}
+
+
+def _column(values: list[Any]) -> Array | None:
+    """Return numbers as an array, NaN where there is none; None if they are no numbers."""
+    present = [each for each in values if each is not None]
+    if not present or not all(isinstance(each, Real) for each in present):
+        return None
+    if len(present) == len(values) and all(isinstance(each, Integral) for each in present):
+        whole = np.asarray(values)
+        if whole.dtype.kind in "iu":
+            return whole
+    try:
+        return as_reals([np.nan if each is None else each for each in values])
+    except OverflowError:
+        return None
+
+
+def _planar(path: Path, places: list[Any]) -> Floats:
+    """Return x and y of each point; raise for the first that has none."""
+    try:
+        planar = as_reals([place[:2] for place in places])
+    except (TypeError, ValueError, OverflowError, KeyError):
+        planar = np.empty(0)
+    if planar.shape == (len(places), 2) and np.isfinite(planar).all():
+        return planar
+    number = next(number for number, place in enumerate(places) if not _is_place(place))
+    raise FormatError(
+        f"{path}: point {number} is {shown(places[number])}: give two finite numbers, or three"
+    )
+
+
+def _is_place(place: Any) -> bool:
+    try:
+        planar = as_reals(place[:2])
+    except (TypeError, ValueError, OverflowError, KeyError):
+        return False
+    return planar.shape == (2,) and bool(np.isfinite(planar).all())
