@@ -52,7 +52,7 @@ def bytes_in(folder: Path, pattern: str = "*.npy") -> int:
 def _many_groups() -> Iterator[None]:
     """Of chunks of a thousand rows there are files of two hundred, so there are five groups."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(groups, "_FEWEST_ROWS", 200)
+        patch.setattr(groups, "_ROWS", 200)
         yield
 
 
@@ -162,7 +162,7 @@ KILLED = """
 import os, signal, sys, liftmesh
 from pathlib import Path
 from liftmesh.tiles import groups
-groups._FEWEST_ROWS = 200
+groups._ROWS = 200
 unlink, left = Path.unlink, int(sys.argv[3])
 def killing(path, **options):
     global left

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from liftmesh._typing import Array
 
 _MOST = 16  # more would hardly save anything: a sixteenth of the rows is 1.5 bytes a point
-_FEWEST_ROWS = 500  # of a file on average: a file takes a few kilobytes anyway
+_ROWS = 50_000  # of a file on average: sorting them takes a hundred times what a file takes
+_FEW = 4  # groups, if chunks have fewer rows
+_LEAST_ROWS = 500  # of a file even then: it takes a few kilobytes anyway
 _OF_ROWS = ("", "-values")  # the ends of the names of what is sorted by tile
 _BESIDE = ("-begins", "-boxes", "-skipped", "-duplicates")
 _BESIDE_VALUES = ("-apart",)
@@ -42,7 +44,8 @@ class Groups:
         Groups
             A finer plan has as many at least, so its files replace all of those before.
         """
-        return cls(tiles, max(1, min(_MOST, tiles, chunk_rows // _FEWEST_ROWS)))
+        wanted = max(chunk_rows // _ROWS, min(_FEW, chunk_rows // _LEAST_ROWS), 1)
+        return cls(tiles, min(_MOST, tiles, wanted))
 
     def of(self, tile: int) -> int:
         """Return the group of a tile.
