@@ -18,9 +18,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from functools import partial
-from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -36,7 +34,9 @@ from liftmesh.tiles.clouds import (
     valued_parts,
     valued_parts_of_file,
 )
+from liftmesh.tiles.copies import in_files, numbered, stage_of
 from liftmesh.tiles.parquet import planar_columns
+from liftmesh.tiles.release import release
 from liftmesh.tiles.run import (
     ROW_BYTES,
     SURFACE_ROW_BYTES,
@@ -48,10 +48,10 @@ from liftmesh.tiles.run import (
 from liftmesh.tiles.schedule import Meter, in_order
 from liftmesh.tiles.schema import records_from, schema_of
 from liftmesh.tiles.sources import (
+    BY_RANGES,
     Origin,
     files_of,
     in_file,
-    in_files,
     parts_of,
     parts_of_file,
 )
@@ -110,7 +110,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
         memory limit would not hold a tile for each of its threads; or as many as in the run that is
         resumed.
     scratch : str or path, optional
-        Where to make a folder for 24 bytes a row, which all workers see; by default `out`.
+        As for `liftmesh.tile`, in a folder that all workers see.
     nonfinite, resume, shards, neighbors, progress
         As for `liftmesh.tile`.
 
@@ -242,6 +242,7 @@ class _Workers:
         self._meter = Meter(progress)
         self._run = os.urandom(4).hex()  # no other run has the same names
         self._rounds = 0  # nor has another round of the same stage
+        self._copied = partial(self._meter.show, "spool")
 
     def begin(self, rows: int) -> None:
         """Hear how many rows there are."""
@@ -252,10 +253,11 @@ class _Workers:
         files = files_of(source)
         if files is not None:
             calls = [(each, os.path.abspath(each.source), rows, scratch) for each in files]  # noqa: PTH100 - links stay
-            return [part for parts in self.each("spool", parts_of_file, calls) for part in parts]
+            found = self.each(stage_of(files, BY_RANGES), parts_of_file, calls)
+            return [part for parts in found for part in parts]
         blocks = _blocks(source, rows)
         if blocks is None:
-            return in_files(parts_of(source, rows, scratch), scratch)
+            return in_files(parts_of(source, rows, scratch, self._copied), scratch)
         return self._spooled(_in_file, blocks, scratch)
 
     def valued_parts(
@@ -265,11 +267,11 @@ class _Workers:
         files = files_of(source)
         if files is not None:
             calls = [(each, os.path.abspath(each.source), rows, scratch, reading) for each in files]  # noqa: PTH100 - links stay
-            found = self.each("spool", valued_parts_of_file, calls)
+            found = self.each(stage_of(files, (".npy",)), valued_parts_of_file, calls)
             return alike([part for parts in found for part in parts])
         blocks = _blocks(source, rows, every_column=True)
         if blocks is None:
-            return in_files(valued_parts(source, rows, scratch, reading), scratch)
+            return in_files(valued_parts(source, rows, scratch, reading, self._copied), scratch)
         if reading.options:
             given = ", ".join(reading.options)
             raise InputError(f"{given}: options of files, and there is no file")
@@ -284,7 +286,7 @@ class _Workers:
             for number, (block, place) in enumerate(zip(blocks, places, strict=True))
         ]
         found: list[Part] = self._gathered("spool", self._client.compute(tasks))
-        return _numbered(found)
+        return numbered(found)
 
     def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
         """Call a task with each of some arguments, on any worker."""
@@ -295,20 +297,26 @@ class _Workers:
         )
 
     def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
-        """Submit all nodes: large tiles first, and merges before tiles."""
+        """Submit all nodes: groups in order, large tiles first, and merges before tiles."""
         futures: dict[int, Any] = {}
+        groups = folders.groups
         for name, children in in_order(plan):
             below = [futures[child] for child in children]
-            priority = 2 if name >= 0 else sizes[~name] / max(1, *sizes)
+            priority = 2 if name >= 0 else sizes[~name] / max(1, *sizes) - groups.of(~name)
             futures[name] = self._client.submit(
                 _tried, node, folders, name, below, 1,
                 key=f"{label(name)}-{self._run}", priority=priority, pure=False,
             )  # fmt: skip
-        return self._gathered("triangulate", list(futures.values()))
+        released = []
+        for group in range(groups.count):
+            tiles = [futures[~tile] for tile in groups.tiles_of(group)]
+            released.append(self._submit("release", group, release, folders, group, tiles))
+        found = self._gathered("triangulate", [*released, *futures.values()])
+        return found[len(released) :]
 
     def _submit(self, stage: str, number: int, task: Callable[..., Any], *arguments: Any) -> Any:
         key = self._key(stage, number)
-        return self._client.submit(_tried, task, *arguments, key=key, pure=False)
+        return self._client.submit(_tried, task, *arguments, key=key, priority=2, pure=False)
 
     def _key(self, stage: str, number: int) -> str:
         return f"{stage}-{number:05d}-{self._run}-{self._rounds}"
@@ -431,15 +439,6 @@ def _in_record_file(block: Any, path: Path, reading: Reading) -> Part:
     """Write a block to a file, with all its values."""
     cloud = reading.changed(as_cloud(block))
     return in_record_file(records_from(cloud), path, schema_of(cloud), Origin("Dask"))
-
-
-def _numbered(parts: Sequence[Any]) -> list[Part]:
-    """Tell each part which row of all is its first."""
-    firsts = [0, *accumulate(part.rows for part in parts)]
-    return [
-        replace(part, origin=replace(part.origin, row=first))
-        for part, first in zip(parts, firsts, strict=False)
-    ]
 
 
 def _tried(task: Callable[..., Any], *arguments: Any) -> Any:

@@ -45,6 +45,21 @@ def check(tiled: Tiled, points: Points = POINTS) -> None:
     assert (tiled.npoints, tiled.nsimplex) == (len(points), expected.nsimplex)
     assert tiled.compute().dtype == tiled.duplicates.dtype == np.int64
     assert tiled.is_sound()
+    check_report(tiled)
+
+
+def check_report(tiled: Tiled) -> None:
+    """Every row is a vertex, a duplicate of one, or skipped."""
+    report, used = tiled.report, np.unique(tiled.compute())
+    assert report.rows == report.used + report.duplicates + report.skipped
+    assert (report.used, report.triangles, report.overhangs) == (len(used), tiled.nsimplex, 0)
+    assert np.array_equal(np.sort(np.r_[used, report.left_out]), np.arange(tiled.npoints))
+    assert np.array_equal(report.left_out, np.sort(report.left_out))
+    is_skipped = report.representatives < 0
+    assert np.array_equal(report.left_out[is_skipped], tiled.skipped)
+    pairs = np.column_stack((report.left_out, report.representatives))[~is_skipped]
+    assert np.array_equal(pairs, tiled.duplicates)
+    assert report.left_out.dtype == report.representatives.dtype == np.int64
 
 
 def npy(folder: Path, array: np.ndarray) -> Path:
@@ -233,6 +248,59 @@ def test_progress_grows_to_one(tmp_path: Path) -> None:
     assert shown == sorted(shown)
     assert shown[-1] == 1.0
     assert len(shown) > 20
+
+
+class Heard:
+    """What is heard of a run, before its rows are counted and after."""
+
+    def __init__(self) -> None:
+        self.before: list[float] = []
+        self.after: list[float] = []
+        self.rows: int | None = None
+
+    def begin(self, rows: int) -> None:
+        self.rows = rows
+
+    def __call__(self, share: float) -> None:
+        (self.before if self.rows is None else self.after).append(share)
+
+
+@pytest.mark.parametrize("surface", [False, True])
+@pytest.mark.parametrize("kinds", [["xyz"], ["ply"], ["laz"], ["ply", "xyz"], []])
+def test_copies_have_a_share_of_the_progress(
+    kinds: list[str], surface: bool, tmp_path: Path
+) -> None:
+    """Files are read in blocks of up to a million bytes; a list is as good as a file."""
+    heard, points = Heard(), np.random.default_rng(3).random((40_000, 3))
+    source: object = iter(np.split(points, 5))
+    if kinds:
+        source = [tmp_path / f"points.{kind}" for kind in kinds]
+        for path in source:
+            liftmesh.write(path, liftmesh.Cloud(points))
+    make = liftmesh.tile_surface if surface else liftmesh.tile
+    found = make(source, tmp_path / "out", tile_rows=10_000, progress=heard)
+    assert heard.rows == found.npoints
+    assert heard.before == sorted(heard.before)
+    assert heard.before[0] == 0
+    assert 5 / 15 in heard.before
+    assert len({*heard.before}) > 2
+    assert 5 / 15 <= heard.after[0] < 7 / 15
+    assert heard.after == sorted(heard.after)
+    assert heard.after[-1] == 1
+
+
+def test_what_is_read_in_place_takes_no_share_for_copies(tmp_path: Path) -> None:
+    heard = Heard()
+    liftmesh.tile(SOURCES["NPY"](tmp_path), tmp_path / "out", tile_rows=70, progress=heard)
+    assert heard.before == []
+    assert heard.after[0] == 0.01  # a tenth of the first reading
+
+
+def test_of_what_does_not_say_how_long_it_is_the_end_is_heard(tmp_path: Path) -> None:
+    heard = Heard()
+    parts = (part for part in np.split(POINTS, 10))
+    liftmesh.tile(parts, tmp_path, tile_rows=70, progress=heard)
+    assert heard.before == [0, 5 / 15]
 
 
 def test_folders_that_hold_no_triangles(tmp_path: Path) -> None:

@@ -84,8 +84,23 @@ def test_the_bytes_are_those_of_one_process(
     assert shown == sorted(shown)
     assert shown[-1] == 1.0
     assert found.simplices.max().compute() == len(POINTS) - 1  # by the same workers
+    assert found.report.used == len(POINTS)
     again = liftmesh.dask.delaunay(source, tmp_path, **OPTIONS)  # the current client
     assert again.manifest == found.manifest
+
+
+def test_rows_go_as_triangles_come(client: Client, source: Path, tmp_path: Path) -> None:
+    """There are four groups of three tiles, which are worked on one after the other."""
+    there: list[frozenset[str]] = []
+
+    def watch(share: float) -> None:
+        found = tmp_path.glob(".liftmesh-tiles/run-?????-??.npy")
+        there.append(frozenset(path.stem[-2:] for path in found))
+
+    liftmesh.dask.delaunay(source, tmp_path, client=client, progress=watch, **OPTIONS)
+    whole = there.index(frozenset({"00", "01", "02", "03"}))
+    assert len({*there[whole:]}) > 2
+    assert there[-1] == frozenset()
 
 
 def test_objects_of_dask_and_of_memory(
@@ -252,7 +267,7 @@ def test_files_of_workers_are_cut_off_as_by_a_full_disk(
             time.sleep(0.05)
         client.run(limit, resource.RLIM_INFINITY)
     names = {path.name for path in tmp_path.rglob("*")}
-    assert {"job.json", "run-00011.npy"} <= names
+    assert {"job.json", "run-00011-03.npy"} <= names
     assert not names & {"manifest.json", "tile-00003.npy"}
     found = liftmesh.dask.delaunay(source, tmp_path, **options)
     assert found.is_sound()

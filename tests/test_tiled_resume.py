@@ -91,9 +91,10 @@ def test_a_full_disk_at_every_file(
         assert asked() <= files - number + 12  # what was done is not done again
 
 
-def stopped_half_way(source: Path, out: Path) -> None:
+def stopped_half_way(source: Path, out: Path, left: int = 12) -> None:
+    """Begin a run that ends when it writes the last files but some: at the merges, or at tiles."""
     files = begun(source, out.with_name("counted"), 0)
-    begun(source, out, files - 12)
+    begun(source, out, files - left)
 
 
 DAMAGES: dict[str, Callable[[Path], Any]] = {
@@ -104,20 +105,21 @@ DAMAGES: dict[str, Callable[[Path], Any]] = {
 
 
 @pytest.mark.parametrize(
-    ("name", "damage"),
+    ("name", "damage", "left"),
     [
-        ("tile-00001.npy", "truncated"),
-        ("tile-00001.npy", "removed"),
-        (".liftmesh-tiles/tile-00001-records.npy", "removed"),
-        (".liftmesh-tiles/tile-00001-records.npy", "changed"),
-        (".liftmesh-tiles/run-00001.npy", "changed"),
+        ("tile-00001.npy", "truncated", 12),
+        ("tile-00001.npy", "removed", 12),
+        (".liftmesh-tiles/tile-00001-records.npy", "removed", 12),
+        (".liftmesh-tiles/tile-00001-records.npy", "changed", 12),
+        (".liftmesh-tiles/run-00001-00.npy", "changed", 34),
     ],
 )
 def test_damaged_files_are_made_again(
-    name: str, damage: str, source: Path, expected: dict[str, bytes], tmp_path: Path
+    name: str, damage: str, left: int, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    stopped_half_way(source, out)
+    stopped_half_way(source, out, left)
+    assert len([*out.glob(".liftmesh-tiles/tile-*.json")]) > 1
     DAMAGES[damage](out / name)
     liftmesh.tile(source, out, tile_rows=TILE_ROWS)
     assert contents(out) == expected
@@ -202,12 +204,13 @@ def test_killed_at_any_moment_and_begun_again(tmp_path: Path) -> None:
     np.save(source, np.random.default_rng(3).random((24_000, 2)))
     liftmesh.tile(source, tmp_path / "expected", tile_rows=1000)
     command = [sys.executable, "-c", KILLED, str(source), str(out)]
-    for files in (8, 60, 130):  # of the runs, of the tiles, and of the merges
+    for what, files in (("run-*", 8), ("tile-*.json", 3), ("seam-*.json", 4)):
         child = subprocess.Popen(command, env={**os.environ, "OMP_NUM_THREADS": "1"})
-        while child.poll() is None and len(list(out.glob(".liftmesh-tiles/*"))) < files:
+        while child.poll() is None and len(list(out.glob(f".liftmesh-tiles/{what}"))) < files:
             time.sleep(0.002)
         child.send_signal(signal.SIGKILL)
         child.wait()
+        assert not (out / "manifest.json").exists()
     liftmesh.tile(source, out, tile_rows=1000)
     assert contents(out) == contents(tmp_path / "expected")
     shutil.rmtree(out)

@@ -68,7 +68,10 @@ def run(
     ] = None,
     scratch: Annotated[
         Path | None,
-        typer.Option(metavar="FOLDER", help="For 24 bytes a row; by default a folder in OUT."),
+        typer.Option(
+            metavar="FOLDER",
+            help="For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT.",
+        ),
     ] = None,
     anew: Annotated[
         bool, typer.Option("--anew", help="Replace what a former run has written to OUT.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 from liftmesh._typing import Progress
@@ -10,6 +11,7 @@ from liftmesh.choices import NonFinite, ShardFormat, check_progress
 from liftmesh.threads import as_threads
 from liftmesh.tiles.run import Options, triangulated
 from liftmesh.tiles.schedule import Serial
+from liftmesh.tiles.sources import parts_of
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -48,7 +50,8 @@ def tile(  # noqa: PLR0913 - options are keywords
         How many rows a tile has, about. A tile takes some 200 bytes a row; "auto" means 1,500,000
         rows, or as many as in the run that is resumed.
     scratch : str or path, optional
-        Where to make a folder for 24 bytes a row, which is removed at the end; by default `out`.
+        Where to make a folder for 24 bytes a row; by default `out`. It shrinks as tiles are
+        finished, and is removed at the end.
     nonfinite : {"error", "skip"}, default "error"
         Whether rows with NaN or infinity raise an error, or are listed in ``skipped``.
     resume : bool, default True
@@ -65,9 +68,9 @@ def tile(  # noqa: PLR0913 - options are keywords
     threads : int, optional
         As for `delaunay`; one tile is triangulated at a time.
     progress : callable, optional
-        Called with the fraction of the work done. If it has a method ``begin``, this is called
-        first, with the number of rows. An exception that it raises ends the run, which can be
-        resumed.
+        Called with the fraction of the work done. If it has a method ``begin``, this is called with
+        the number of rows, first of all, or when a source that is read once has been read. An
+        exception that it raises ends the run, which can be resumed.
 
     Returns
     -------
@@ -112,7 +115,8 @@ def tile(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
     options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
-    found = triangulated(source, options, Serial(count, progress))
+    runner = Serial(count, progress)
+    found = triangulated(source, options, runner, cut=partial(parts_of, show=runner.copied))
     if progress is not None:
         progress(1.0)
     return found

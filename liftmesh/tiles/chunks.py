@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from liftmesh.arrays import non_finite
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.tiles.clouds import read_part
 from liftmesh.tiles.repeated import set_apart
-from liftmesh.tiles.runs import load_plan
+from liftmesh.tiles.runs import load_plan, stem_of
 from liftmesh.tiles.store import is_sound, load_record, save_array, save_record
 
 if TYPE_CHECKING:
@@ -114,11 +115,11 @@ def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteEr
 def partition(
     folders: Folders, part: Part, number: int, first: int, chunk: Mapping[str, Any]
 ) -> None:
-    """Sort the rows of a part by tile into a file of the scratch folder.
+    """Sort the rows of a part by tile into files of the scratch folder, one for each group.
 
-    Beside it: where each tile begins in it, the box of each tile's rows, the rows that are not
-    finite, and duplicates of rows at positions that are repeated very often. Of a surface also the
-    values of the rows, and the position and height of those duplicates.
+    Beside them: where each tile begins, the box of each tile's rows, the rows that are not finite,
+    and duplicates of rows at positions that are repeated very often. Of a surface also the values
+    of the rows, and the position and height of those duplicates.
 
     Parameters
     ----------
@@ -138,20 +139,31 @@ def partition(
     InputError
         The rows have changed since.
     """
-    stem = f"run-{number:05d}"
-    record = folders.scratch / f"{stem}.json"
-    before = load_record(record, folders.plan)
-    if before is not None and is_sound(folders.scratch, before):
+    stem = Path(stem_of(folders, number))
+    record = stem.with_suffix(".json")
+    digests: dict[str, str] = load_record(record, folders.plan) or {}
+    missing = _missing(folders, stem.name, digests)
+    if not missing:
         return
     rows, values = read_part(part)
     if digests_of(rows, values) != (chunk["sha256"], chunk.get("values", "")):
         raise changed(part)
     arrays = sorted_by_tile(load_plan(folders), rows, first, values, folders.policy)
-    digests = {
-        f"{stem}{what}.npy": save_array(folders.scratch / f"{stem}{what}.npy", array)
-        for what, array in arrays.items()
-    }
+    parts = folders.groups.apart(arrays)
+    for end, name in missing.items():
+        digests[name] = save_array(folders.scratch / name, parts[end])
     save_record(record, folders.plan, digests)
+
+
+def _missing(folders: Folders, stem: str, digests: Mapping[str, str]) -> dict[str, str]:
+    """List the files of a part that are needed and not there, by the ends of their names."""
+    ends = folders.groups.names(with_values=bool(folders.policy), without=folders.released)
+    names = {end: f"{stem}{end}.npy" for end in ends}
+    return {
+        end: name
+        for end, name in names.items()
+        if name not in digests or not is_sound(folders.scratch, {name: digests[name]})
+    }
 
 
 def sorted_by_tile(

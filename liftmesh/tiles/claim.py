@@ -40,7 +40,7 @@ _SHARD = re.compile(
 _TEMPORARY = r"\.liftmesh-[0-9a-f]{16}"
 _NOTE = re.compile(
     r"points-\d{5,}(-\d{5,})?\.npy|(boxes|shards|cuts)\.npy"
-    r"|run-\d{5,}(-begins|-boxes|-skipped|-duplicates|-values|-apart)?\.npy"
+    r"|run-\d{5,}(-\d{2})?(-begins|-boxes|-skipped|-duplicates|-values|-apart)?\.npy"
     r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull|links|edges|values|heights)\.npy"
     rf"|(job|plan|(run|tile|seam)-\d{{5,}})\.json|{_TEMPORARY}"
 )
@@ -121,6 +121,22 @@ def check_apart(folders: Folders, parts: Sequence[Part]) -> None:
         real = Path(os.path.realpath(place))
         if str(real.parent) == out and _SHARD.fullmatch(real.name):
             raise InputError(f"{place} would be overwritten: choose another folder than {out}")
+
+
+def release_copies(folders: Folders, parts: Sequence[Part]) -> None:
+    """Remove the copies of what cannot be read by ranges: the next run makes them anew.
+
+    Parameters
+    ----------
+    folders : Folders
+        Claimed.
+    parts : sequence of Part
+        The source, whose rows have been sorted by tile.
+    """
+    for place in {part.place for part in parts if part.place is not None}:
+        path = Path(place)
+        if path.parent == folders.scratch and _NOTE.fullmatch(path.name):
+            path.unlink(missing_ok=True)
 
 
 def clear(folders: Folders) -> None:

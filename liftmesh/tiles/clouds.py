@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Progress
 from liftmesh.arrays import as_coordinates, widened
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
@@ -22,6 +22,7 @@ from liftmesh.frozen import FrozenDict
 from liftmesh.io.files import read_chunks
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
+from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
 from liftmesh.tiles.parquet import parquet_parts
 from liftmesh.tiles.ranges import kind_of, values_of
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
@@ -33,7 +34,6 @@ from liftmesh.tiles.sources import (
     npy_parts,
     parts_of,
     planar,
-    written,
 )
 from liftmesh.tiles.store import save_array
 
@@ -205,7 +205,9 @@ class Reading:
         return cloud if self.crs is None else replace(cloud, crs=self.crs)
 
 
-def valued_parts(source: object, rows: int, scratch: Path, reading: Reading) -> list[Valued]:
+def valued_parts(
+    source: object, rows: int, scratch: Path, reading: Reading, show: Progress = unheard
+) -> list[Valued]:
     """Cut a source into parts with values.
 
     Parameters
@@ -218,6 +220,8 @@ def valued_parts(source: object, rows: int, scratch: Path, reading: Reading) -> 
         Where to write what cannot be read by ranges.
     reading : Reading
         How files are read.
+    show : callable
+        Hears which share of that is written.
 
     Returns
     -------
@@ -231,12 +235,15 @@ def valued_parts(source: object, rows: int, scratch: Path, reading: Reading) -> 
     """
     files = files_of(source)
     if files is not None:
-        each = (valued_parts_of_file(file, file.source, rows, scratch, reading) for file in files)
+        each = (
+            valued_parts_of_file(f, f.source, rows, scratch, reading, nth(show, k, len(files)))
+            for k, f in enumerate(files)
+        )
         return alike([part for parts in each for part in parts])
     if reading.options:
         raise InputError(f"{', '.join(reading.options)}: options of files, and there is no file")
     if isinstance(source, Iterator):
-        clouds = (reading.changed(as_cloud(chunk)) for chunk in source)
+        clouds = (reading.changed(as_cloud(chunk)) for chunk in of_iterator(source, show))
         return alike(spooled(clouds, rows, scratch, Origin("iterator")))
     if isinstance(source, np.memmap) and reading.crs is None:
         found = parts_of(source, rows, scratch)
@@ -246,7 +253,12 @@ def valued_parts(source: object, rows: int, scratch: Path, reading: Reading) -> 
 
 
 def valued_parts_of_file(
-    origin: Origin, name: str, rows: int, scratch: Path, reading: Reading
+    origin: Origin,
+    name: str,
+    rows: int,
+    scratch: Path,
+    reading: Reading,
+    show: Progress = unheard,
 ) -> list[Valued]:
     """Cut a file into parts with values.
 
@@ -256,7 +268,7 @@ def valued_parts_of_file(
         The file, as the caller knows it.
     name : str
         The path to open.
-    rows, scratch, reading
+    rows, scratch, reading, show
         As for `valued_parts`.
 
     Returns
@@ -280,7 +292,7 @@ def valued_parts_of_file(
         clouds: Iterable[Cloud] = _of_parquet(origin, name, rows)
     else:
         clouds = read_chunks(name, rows=rows, **reading.options)
-    return spooled(map(reading.changed, clouds), rows, scratch, origin)
+    return spooled(map(reading.changed, of_file(clouds, show)), rows, scratch, origin)
 
 
 def _of_parquet(origin: Origin, name: str, rows: int) -> Iterator[Cloud]:

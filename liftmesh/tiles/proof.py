@@ -23,6 +23,7 @@ from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.tiles.adjacency_proof import AdjacencyProof
 from liftmesh.tiles.clouds import planar_of
 from liftmesh.tiles.findings import Findings
+from liftmesh.tiles.groups import Groups
 from liftmesh.tiles.repeated import positions_of, set_apart
 from liftmesh.tiles.runs import save_boxes, tile_records
 from liftmesh.tiles.schedule import in_order
@@ -70,7 +71,7 @@ class Proof:
     def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> None:
         self._tiled = tiled
         self._plan = plan
-        self._folders = Folders(tiled.directory, scratch)
+        self._folders = Folders(tiled.directory, scratch, groups=Groups(plan.tiles))
         self._threads = threads
         self._lowest = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._shards = {path.stem: path for path in tiled.shards}
@@ -100,7 +101,8 @@ class Proof:
             rows = np.ascontiguousarray(planar_of(chunk))
             digest.update(rows.data)
             stem = self._folders.scratch / f"run-{number - 1:05d}"
-            for what, array in self._sorted(rows, chunk, first).items():
+            arrays = self._folders.groups.apart(self._sorted(rows, chunk, first))
+            for what, array in arrays.items():
                 save_array(Path(f"{stem}{what}.npy"), array)
             first += len(rows)
         self._folders = replace(self._folders, runs=number)

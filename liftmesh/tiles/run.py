@@ -21,18 +21,23 @@ from liftmesh.choices import NonFinite, ShardFormat, as_count, as_switch, check_
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.terrain.triangulate import check_system
 from liftmesh.tiles.chunks import Scanned, changed, partition, scan
-from liftmesh.tiles.claim import check_apart, claimed, clear, folders_of
+from liftmesh.tiles.claim import (
+    check_apart,
+    claimed,
+    clear,
+    folders_of,
+    release_copies,
+)
+from liftmesh.tiles.groups import Groups
 from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of
 from liftmesh.tiles.plan import Plan, planned
 from liftmesh.tiles.publish import publish
+from liftmesh.tiles.release import released
 from liftmesh.tiles.repeated import frequent
 from liftmesh.tiles.runs import save_boxes, save_plan, tile_sample
 from liftmesh.tiles.shards import check_format
 from liftmesh.tiles.sources import Part, parts_of
-from liftmesh.tiles.stages import (
-    JOB,
-    Folders,
-)
+from liftmesh.tiles.stages import JOB, Folders
 from liftmesh.tiles.store import load_record, save_record, seal
 from liftmesh.tiles.surfacing import Surfacing, schema_of_parts
 from liftmesh.tiles.tiled import Tiled, open_tiled
@@ -193,6 +198,7 @@ class Run:
             plan = finer
         else:
             folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
+        release_copies(folders, self.parts)
         done = runner.tree(folders, plan, sizes)
         publish(runner, folders, self.parts, plan, identity, done, skipped)
 
@@ -200,16 +206,19 @@ class Run:
         self, runner: Runner, plan: Plan, identity: Mapping[str, Any], scanned: Sequence[Scanned]
     ) -> tuple[Folders, list[int], Integers]:
         """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
-        name = seal(_program(), identity, plan.as_dict())
+        groups = Groups.of_plan(plan.tiles, max(part.rows for part in self.parts))
+        name = seal(_program(), identity, plan.as_dict(), groups.count)
         policy = "" if self.surface is None else self.surface.duplicates
         folders = replace(
             self.folders,
             plan=name,
             held=2 * self.tile_rows,
             runs=len(self.parts),
+            groups=groups,
             policy=policy,
         )
         save_plan(folders, plan)
+        folders = replace(folders, released=released(runner, folders))
         numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
         calls = [(folders, part, i, first, found.as_chunk) for i, (part, first, found) in numbered]
         runner.each("partition", partition, calls)
@@ -217,6 +226,8 @@ class Run:
 
     def _cut_again(self, plan: Plan, folders: Folders, sizes: Sequence[int]) -> Plan:
         """Cut the tiles that came out too large, by a sample of their own rows."""
+        if folders.released:
+            return plan  # its tiles are done: there was nothing to cut
         for tile, size in enumerate(sizes):
             if size > _LARGE * self.tile_rows:
                 wanted = -(-size // self.tile_rows)

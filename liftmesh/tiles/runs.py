@@ -1,6 +1,6 @@
 """What tasks read of a run: the plan, and the rows of each part, sorted by tile.
 
-`stages.partition` writes the rows. No table has the tiles of all runs at once: with 10,000 of each
+`chunks.partition` writes the rows. No table has the tiles of all runs at once: with 10,000 of each
 it would have 10^8 numbers. A tile reads from each run where its rows are, then these rows.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.errors import FormatError
+from liftmesh.tiles.groups import suffix
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.ranges import fill, kind_of, values_of
@@ -63,7 +64,8 @@ def tile_values(folders: Folders, tile: int) -> Array:
         Their coordinates and values.
     """
     runs = [*_runs(folders, tile)]
-    kind = kind_of(folders.scratch / f"{_stem(0)}-values.npy")  # of all runs
+    group = suffix(folders.groups.of(tile))
+    kind = kind_of(Path(f"{stem_of(folders, 0)}{group}-values.npy"))  # of all runs
     values = np.empty(_count(runs), kind)
     at = 0
     for stem, begin, end in runs:
@@ -97,20 +99,23 @@ def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
     return np.concatenate(found).view(np.float64)[:, 1:]
 
 
-def _stem(number: int) -> str:
-    return f"run-{number:05d}"
+def stem_of(folders: Folders, number: int) -> str:
+    """Return how the names of the files of a part begin, with the folder."""
+    return str(folders.scratch / f"run-{number:05d}")
 
 
-def _runs(folders: Folders, tile: int) -> Iterator[tuple[Path, int, int]]:
+def _runs(folders: Folders, tile: int) -> Iterator[tuple[str, int, int]]:
     """Find the rows of a tile in all runs: how the names of the files begin, and which rows."""
+    group = folders.groups.of(tile)
+    first = folders.groups.tiles_of(group).start
     for number in range(folders.runs):
-        stem = folders.scratch / _stem(number)
-        begin, end = values_of(Path(f"{stem}-begins.npy"), tile, tile + 2).tolist()
-        if begin < end:
-            yield stem, begin, end
+        stem = stem_of(folders, number)
+        begins = values_of(Path(f"{stem}-begins.npy"), first, tile + 2).tolist()
+        if begins[-2] < begins[-1]:
+            yield f"{stem}{suffix(group)}", begins[-2] - begins[0], begins[-1] - begins[0]
 
 
-def _count(runs: list[tuple[Path, int, int]]) -> int:
+def _count(runs: list[tuple[str, int, int]]) -> int:
     return sum(end - begin for _, begin, end in runs)
 
 
@@ -135,7 +140,7 @@ def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
     tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
     skipped = [np.empty(0, dtype=np.int64)]
     for number in range(folders.runs):
-        stem = folders.scratch / _stem(number)
+        stem = stem_of(folders, number)
         sizes += np.diff(np.load(f"{stem}-begins.npy"))
         boxes = np.load(f"{stem}-boxes.npy")
         tight[:, :2] = np.minimum(tight, boxes)[:, :2]

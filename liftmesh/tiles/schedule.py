@@ -6,30 +6,36 @@ process; `liftmesh.dask` hands them to workers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from liftmesh._typing import Progress
+from liftmesh.tiles.release import release
 from liftmesh.tiles.stages import Done, Folders, node
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
 
-SHARES = {"spool": 0, "scan": 1, "partition": 2, "triangulate": 7, "link": 0}
-"""What the stages take of the whole, about."""
+SHARES = {
+    "open": 0, "spool": 5, "scan": 1, "check": 0, "partition": 2, "triangulate": 7, "link": 0
+}  # fmt: skip
+"""What the stages take of the whole, about; to spool, which is to copy, only if a source is."""
 
 
 class Runner(Protocol):
     """What calls tasks."""
 
     def begin(self, rows: int) -> None:
-        """Hear how many rows there are, before the first task on them."""
+        """Hear how many rows there are, once they are counted."""
 
     def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
         """Call a task with each of some arguments, in any order; return its results in order."""
 
     def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
-        """Call `stages.node` for all nodes of a plan, children first; the root is the last."""
+        """Call `stages.node` for all nodes of a plan, children first; the root is the last.
+
+        When the tiles of a group are done, `release` is called for it.
+        """
 
 
 class Meter:
@@ -38,6 +44,7 @@ class Meter:
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self._before = 0.0
+        self._shares = {**SHARES, "spool": 0}
 
     def begin(self, rows: int) -> None:
         """Tell how many rows there are, if anybody wants to know."""
@@ -47,10 +54,13 @@ class Meter:
 
     def show(self, stage: str, share: float) -> None:
         """Report which share of a stage is done."""
+        if stage == "spool":
+            self._shares = SHARES
         if self._progress is not None:
-            passed = list(SHARES).index(stage)
-            units = sum(list(SHARES.values())[:passed]) + SHARES[stage] * share
-            self._before = max(self._before, min(1.0, units / sum(SHARES.values())))
+            shares = [*self._shares.values()]
+            passed = [*self._shares].index(stage)
+            units = sum(shares[:passed]) + shares[passed] * share
+            self._before = max(self._before, min(1.0, units / sum(shares)))
             self._progress(self._before)
 
 
@@ -60,6 +70,10 @@ class Serial:
     def __init__(self, threads: int, progress: Progress | None = None) -> None:
         self._threads = threads
         self._meter = Meter(progress)
+
+    def copied(self, share: float) -> None:
+        """Hear how much is copied of what cannot be read by ranges."""
+        self._meter.show("spool", share)
 
     def begin(self, rows: int) -> None:
         """Hear how many rows there are."""
@@ -79,9 +93,17 @@ class Serial:
         rows, total = 0, max(1, sum(sizes))
         for name, children in in_order(plan):
             done[name] = node(folders, name, [done[child] for child in children], self._threads)
-            rows += sizes[~name] if name < 0 else 0
+            if name < 0:
+                rows += sizes[~name]
+                self._release(folders, folders.groups.of(~name), done)
             self._meter.show("triangulate", rows / total)
         return list(done.values())
+
+    def _release(self, folders: Folders, group: int, done: Mapping[int, Done]) -> None:
+        """Remove the rows of a group when its last tile is done."""
+        tiles = [~tile for tile in folders.groups.tiles_of(group)]
+        if all(tile in done for tile in tiles):
+            release(folders, group, [done[tile] for tile in tiles])
 
 
 def in_order(plan: Plan) -> list[tuple[int, list[int]]]:

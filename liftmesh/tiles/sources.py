@@ -8,23 +8,27 @@ iterators) is written to the scratch folder first, x and y alone.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, Protocol
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Progress
 from liftmesh.arrays import MOST_ROWS, as_coordinates, widened
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.files import read_chunks
 from liftmesh.io.npy_array import Layout
 from liftmesh.io.registry import as_cloud
 from liftmesh.io.streams import remaining
+from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
 from liftmesh.tiles.las import las_parts
 from liftmesh.tiles.parquet import parquet_files, parquet_parts
-from liftmesh.tiles.store import concatenated, save_array
+from liftmesh.tiles.store import save_array
+
+BY_RANGES = (".npy", ".parquet", ".pq", ".las")
+"""Suffixes of files that are read in place, but for LAS that is compressed."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +61,6 @@ class Part(Protocol):
 
     def read(self) -> Array:
         """Read the rows; the result is (n, 2) or (n, 3), of real numbers."""
-
-
-Kind = TypeVar("Kind", bound=Part)
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ def planar(part: Part) -> Floats:
     return np.ascontiguousarray(rows)
 
 
-def parts_of(source: object, rows: int, scratch: Path) -> list[Part]:
+def parts_of(source: object, rows: int, scratch: Path, show: Progress = unheard) -> list[Part]:
     """Cut a source into parts.
 
     Parameters
@@ -161,6 +162,8 @@ def parts_of(source: object, rows: int, scratch: Path) -> list[Part]:
         How many rows a part may have.
     scratch : Path
         Where to write what cannot be read by ranges.
+    show : callable
+        Hears which share of that is written.
 
     Returns
     -------
@@ -174,9 +177,13 @@ def parts_of(source: object, rows: int, scratch: Path) -> list[Part]:
     """
     files = files_of(source)
     if files is not None:
-        return [part for file in files for part in parts_of_file(file, file.source, rows, scratch)]
+        each = [
+            parts_of_file(file, file.source, rows, scratch, nth(show, number, len(files)))
+            for number, file in enumerate(files)
+        ]
+        return [part for parts in each for part in parts]
     if isinstance(source, Iterator):
-        return _spooled(source, rows, scratch, Origin("iterator"))
+        return _spooled(of_iterator(source, show), rows, scratch, Origin("iterator"))
     if isinstance(source, np.memmap) and _is_plain(source):
         name = str(source.filename)
         layout = source.dtype, source.shape, False, source.offset
@@ -210,7 +217,9 @@ def files_of(source: object) -> list[Origin] | None:
     return [Origin(name, number, is_path=True) for number, name in enumerate(names)]
 
 
-def parts_of_file(origin: Origin, name: str, rows: int, scratch: Path) -> list[Part]:
+def parts_of_file(
+    origin: Origin, name: str, rows: int, scratch: Path, show: Progress = unheard
+) -> list[Part]:
     """Cut a file into parts.
 
     Parameters
@@ -223,6 +232,8 @@ def parts_of_file(origin: Origin, name: str, rows: int, scratch: Path) -> list[P
         How many rows a part may have.
     scratch : Path
         Where to write what cannot be read by ranges.
+    show : callable
+        As for `parts_of`.
 
     Returns
     -------
@@ -242,7 +253,7 @@ def parts_of_file(origin: Origin, name: str, rows: int, scratch: Path) -> list[P
     ranges = las_parts(origin, name, rows) if suffix == ".las" else None
     if ranges is not None:
         return [*ranges]
-    chunks = (cloud.points for cloud in read_chunks(name, rows=rows))
+    chunks = (cloud.points for cloud in of_file(read_chunks(name, rows=rows), show))
     return _spooled(chunks, rows, scratch, origin)
 
 
@@ -272,27 +283,6 @@ def in_file(points: Array, path: Path, origin: Origin) -> Part:
     save_array(path, rows)
     offset = path.stat().st_size - rows.nbytes
     return NpyPart(origin, str(path), rows.dtype.str, (len(rows), 2), False, offset, 0, len(rows))
-
-
-def in_files(parts: Sequence[Kind], folder: Path) -> list[Kind]:
-    """Write the parts that are in memory to files, for other processes.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        Parts of a source.
-    folder : Path
-        Where to write.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-    """
-    return [
-        cast("Any", part).saved(folder / f"points-{number:05d}.npy") if part.place is None else part
-        for number, part in enumerate(parts)
-    ]
 
 
 def _is_plain(array: np.memmap[Any, Any]) -> bool:
@@ -376,56 +366,3 @@ def _pieces(chunks: Iterable[object], origin: Origin) -> Iterator[Floats]:
         array = chunk if isinstance(chunk, np.ndarray) else as_cloud(chunk).points
         for begin in range(0, len(array), MOST_ROWS):
             yield planar(ArrayPart(array[begin : begin + MOST_ROWS], origin))
-
-
-def written(
-    arrays: Iterable[Array],
-    rows: int,
-    scratch: Path,
-    origin: Origin,
-    write: Callable[[Array, Path, Origin], Kind],
-) -> list[Kind]:
-    """Write arrays, which come once, to files of so many rows.
-
-    Parameters
-    ----------
-    arrays : iterable of ndarray
-        Consecutive rows, of one type.
-    rows : int
-        How many rows a file has.
-    scratch : Path
-        Where to write.
-    origin : Origin
-        Where they are from.
-    write : callable
-        Writes some rows to a file, and returns what reads them.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-
-    Raises
-    ------
-    OSError
-        A file cannot be written.
-    """
-    found: list[Kind] = []
-    for held in _regrouped(arrays, rows):
-        path = scratch / f"points-{origin.number:05d}-{len(found):05d}.npy"
-        first = found[-1].origin.row + found[-1].rows if found else 0
-        found.append(write(held, path, replace(origin, row=first)))
-    return found
-
-
-def _regrouped(arrays: Iterable[Array], rows: int) -> Iterator[Array]:
-    held: list[Array] = []
-    for array in arrays:
-        held.append(array)
-        if sum(map(len, held)) >= rows:
-            whole = concatenated(held)
-            full = len(whole) // rows * rows
-            yield from (whole[i : i + rows] for i in range(0, full, rows))
-            held = [whole[full:].copy()]
-    if sum(map(len, held)):
-        yield concatenated(held)

@@ -7,7 +7,7 @@ was killed goes on where it was.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Integers
 from liftmesh.choices import ShardFormat
 from liftmesh.tiles.edges import open_edges, paired
+from liftmesh.tiles.groups import Groups
 from liftmesh.tiles.node import Frontier, Merged, joined, merge
 from liftmesh.tiles.runs import load_plan, tile_records, tile_values
 from liftmesh.tiles.shards import save_shard
@@ -51,6 +52,10 @@ class Folders:
         How many points a merge may have in memory; with more, its arrays are in files.
     runs : int
         How many parts the source has.
+    groups : Groups
+        Which tiles share files of rows.
+    released : frozenset of int
+        The groups whose rows are not needed: an earlier run has done their tiles.
     shards : {"npy", "parquet", "ply"}
         The format of the triangles.
     neighbors : bool
@@ -65,6 +70,8 @@ class Folders:
     plan: str = ""
     held: int = 0
     runs: int = 0
+    groups: Groups = field(default_factory=Groups)
+    released: frozenset[int] = frozenset()
     shards: ShardFormat = "npy"
     neighbors: bool = False
     policy: str = ""
@@ -159,16 +166,40 @@ def node(folders: Folders, name: int, children: Sequence[Done], threads: int) ->
     Done
         What it did, now or in an earlier run.
     """
-    record = folders.scratch / f"{label(name)}.json"
-    before = load_record(record, folders.plan)
+    before = earlier(folders, name)
     if before is not None:
-        done = Done.from_dict(before)
-        if is_sound(folders.out, done.shards) and is_sound(folders.scratch, done.notes):
-            return done
+        return before
     done = _merged(folders, name, children, threads)
     names_to_disk(folders.out)
-    save_record(record, folders.plan, asdict(done))
+    save_record(_record(folders, name), folders.plan, asdict(done))
     return done
+
+
+def earlier(folders: Folders, name: int) -> Done | None:
+    """Return what a node has done in an earlier run.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where it would have written.
+    name : int
+        A cut of the plan, or ``~t`` for tile t.
+
+    Returns
+    -------
+    Done or None
+        None if it has not, or a file is damaged.
+    """
+    before = load_record(_record(folders, name), folders.plan)
+    if before is None:
+        return None
+    done = Done.from_dict(before)
+    is_whole = is_sound(folders.out, done.shards) and is_sound(folders.scratch, done.notes)
+    return done if is_whole else None
+
+
+def _record(folders: Folders, name: int) -> Path:
+    return folders.scratch / f"{label(name)}.json"
 
 
 def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int) -> Done:

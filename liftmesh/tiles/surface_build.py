@@ -64,7 +64,8 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         values of the row take; "auto" means 1,500,000, or as many as in the run that is resumed.
     scratch : str or path, optional
         Where to make a folder for 48 bytes a row and its values, twice where the source cannot be
-        read by ranges; it is removed at the end. By default `out`.
+        read by ranges, until its rows are sorted by tile; by default `out`. It shrinks as tiles are
+        finished, and is removed at the end.
     resume
         As for `tile`.
     shards : "npy"
@@ -125,8 +126,9 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     options = Options.checked(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
-    cut = partial(valued_parts, reading=surface.reading)
-    found = triangulated(source, options, Serial(count, progress), cut=cut)
+    runner = Serial(count, progress)
+    cut = partial(valued_parts, reading=surface.reading, show=runner.copied)
+    found = triangulated(source, options, runner, cut=cut)
     if progress is not None:
         progress(1.0)
     return cast("TiledSurface", found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,10 +14,11 @@ from liftmesh._typing import Integers
 from liftmesh.choices import as_folder
 from liftmesh.errors import FormatError, InputError
 from liftmesh.frozen import freeze
-from liftmesh.optional import load
+from liftmesh.terrain.report import Report
 from liftmesh.tiles.adjacency import as_pairs, neighbors_of
+from liftmesh.tiles.dask_collections import Collections
 from liftmesh.tiles.manifest import manifest_of
-from liftmesh.tiles.shards import open_shard, read_shard
+from liftmesh.tiles.shards import open_shard
 from liftmesh.tiles.store import is_sound, mapped
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Tiled:
+class Tiled(Collections):
     """A triangulation in shards, as returned by `tile` and `open_tiled`.
 
     Triangles name rows of the whole source, counted through all of its files. Each is in one
@@ -92,6 +93,41 @@ class Tiled:
         """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
         hull = self._mapped("hull.npy")
         return np.stack([hull, np.roll(hull, -1)], axis=1)
+
+    @property
+    def report(self) -> Report:
+        """What became of every row: a vertex, a duplicate, or skipped; with rows of 64 bits.
+
+        It is as from `triangulate`, and holds 16 bytes for each row that is left out; `duplicates`
+        and `skipped` map files.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> points = [[0, 0], [1, 0], [0, 1], [1, 0], [float("nan"), 2]]
+        >>> report = liftmesh.tile(points, tempfile.mkdtemp(), nonfinite="skip").report
+        >>> print(report)
+        5 rows, 3 of them used in 1 triangle. Left out: 1 duplicate, 1 row not finite.
+        >>> report.left_out.tolist(), report.representatives.tolist()
+        ([3, 4], [1, -1])
+        """
+        pairs, skipped = self.duplicates, self.skipped
+        left_out = np.concatenate([pairs[:, 0], skipped])
+        order = np.argsort(left_out, kind="stable")
+        representatives = np.concatenate([pairs[:, 1], np.full_like(skipped, -1)])
+        return Report(
+            rows=self.npoints,
+            used=self.npoints - len(left_out),
+            duplicates=len(pairs),
+            overhangs=0,
+            skipped=len(skipped),
+            triangles=self.nsimplex,
+            policy="first",
+            seconds={},
+            left_out=left_out[order],
+            representatives=representatives[order],
+        )
 
     def blocks(self) -> Iterator[Integers]:
         """Yield the triangles of one shard after the other.
@@ -308,90 +344,8 @@ class Tiled:
         return {**shards, **self.manifest["files"]}
 
     @property
-    def simplices(self) -> Any:
-        """The triangles as an array of Dask, (m, 3) int64, a chunk for each shard.
-
-        Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
-        """
-        return self._of_dask(self.to_delayed(), 3)
-
-    @property
-    def neighbors(self) -> Any:
-        """The neighbours as an array of Dask, (m, 3, 2) int64, as of `neighbor_blocks`.
-
-        Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
-        """
-        delayed = load("dask", extra="dask").delayed
-        keys = (
-            f"neighbors-{each['sha256'][:16]}-{i}" for i, each in enumerate(self.manifest["shards"])
-        )
-        return self._of_dask(
-            [delayed(self._pairs)(i, dask_key_name=key) for i, key in enumerate(keys)], 3, 2
-        )
-
-    def _of_dask(self, delayed: Sequence[Any], *shape: int) -> Any:
-        array = load("dask.array", extra="dask")
-        return array.concatenate(
-            [
-                array.from_delayed(each, (count, *shape), np.int64)
-                for each, count in zip(delayed, self._counts, strict=True)
-            ]
-        )
-
-    @property
     def _counts(self) -> list[int]:
         return [each["triangles"] for each in self.manifest["shards"]]
-
-    def to_delayed(self) -> list[Any]:
-        """Return the shards as delayed objects of Dask, which read them.
-
-        Returns
-        -------
-        list of dask.delayed.Delayed
-            Each computes an (m, 3) ndarray of int64.
-
-        Raises
-        ------
-        MissingDependencyError
-            Dask is not installed.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
-        >>> tiled.to_delayed()[0].compute()
-        array([[0, 1, 2]])
-        """
-        delayed = load("dask", extra="dask").delayed
-        return [
-            delayed(read_shard)(path, dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}")
-            for path, shard in zip(self.shards, self.manifest["shards"], strict=True)
-        ]
-
-    def to_dask_dataframe(self) -> Any:
-        """Return the triangles as a DataFrame of Dask.
-
-        Returns
-        -------
-        dask.dataframe.DataFrame
-            The columns a, b and c are the corners; a partition for each shard.
-
-        Raises
-        ------
-        MissingDependencyError
-            Dask, or its DataFrame, is not installed.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
-        >>> tiled.to_dask_dataframe().compute().to_numpy().tolist()
-        [[0, 1, 2]]
-        """
-        frame = load("dask.dataframe", extra="dask")
-        return frame.from_dask_array(self.simplices, columns=["a", "b", "c"])
 
     def _mapped(self, name: str) -> Integers:
         return mapped(self.directory / name)

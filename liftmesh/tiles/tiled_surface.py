@@ -10,7 +10,6 @@ import numpy as np
 
 from liftmesh._typing import Array, Rows
 from liftmesh.terrain.plane import resolve_plane
-from liftmesh.terrain.report import Report
 from liftmesh.tiles.schema import Schema, cloud_from
 from liftmesh.tiles.store import mapped
 from liftmesh.tiles.surface_files import faces_name, vertices_name
@@ -21,6 +20,7 @@ from liftmesh.tiles.tiled import Tiled
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
     from liftmesh.terrain.frame import Frame
+    from liftmesh.terrain.report import Report
 
 
 @dataclass(frozen=True)
@@ -85,22 +85,14 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
 
         It holds 16 bytes for each row that is left out; `duplicates` and `skipped` map files.
         """
-        pairs, skipped = self.duplicates, self.skipped
-        left_out = np.concatenate([pairs[:, 0], skipped])
-        order = np.argsort(left_out, kind="stable")
-        representatives = np.concatenate([pairs[:, 1], np.full_like(skipped, -1)])
-        overhangs = int(self.manifest["surface"]["overhangs"])
-        found: dict[str, Any] = {"left_out": left_out, "representatives": representatives}
-        return Report(
-            rows=self.npoints,
-            used=self.npoints - len(left_out),
-            duplicates=len(pairs) - overhangs,
+        report = super().report
+        said = self.manifest["surface"]
+        overhangs = int(said["overhangs"])
+        return replace(
+            report,
+            duplicates=report.duplicates - overhangs,
             overhangs=overhangs,
-            skipped=len(skipped),
-            triangles=self.nsimplex,
-            policy=self.manifest["surface"]["duplicates"],
-            seconds={},
-            **{name: each[order] for name, each in found.items()},
+            policy=said["duplicates"],
             columns=self.schema.columns,
             color_depth=self.schema.color_depth,
         )

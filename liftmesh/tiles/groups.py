@@ -1,0 +1,125 @@
+"""Groups of tiles: the rows of each are in files of their own, which can be removed by themselves.
+
+The rows of a chunk are sorted by tile. In one file, they would all be needed until the last tile is
+done. So there is a file for each group of consecutive tiles, and when all tiles of a group are on
+the disk, its files of all chunks are removed (`release.py`): the triangles take their place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from liftmesh._typing import Array
+
+_MOST = 16  # more would hardly save anything: a sixteenth of the rows is 1.5 bytes a point
+_ROWS = 50_000  # of a file on average: sorting them takes a hundred times what a file takes
+_FEW = 4  # groups, if chunks have fewer rows
+_LEAST_ROWS = 500  # of a file even then: it takes a few kilobytes anyway
+_OF_ROWS = ("", "-values")  # the ends of the names of what is sorted by tile
+_BESIDE = ("-begins", "-boxes", "-skipped", "-duplicates")
+_BESIDE_VALUES = ("-apart",)
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Groups of consecutive tiles, as equal as can be."""
+
+    tiles: int = 1
+    count: int = 1
+
+    @classmethod
+    def of_plan(cls, tiles: int, chunk_rows: int) -> Groups:
+        """Choose how many groups there are.
+
+        Parameters
+        ----------
+        tiles : int
+            The number of tiles.
+        chunk_rows : int
+            How many rows the largest chunk has.
+
+        Returns
+        -------
+        Groups
+            A finer plan has as many at least, so its files replace all of those before.
+        """
+        wanted = max(chunk_rows // _ROWS, min(_FEW, chunk_rows // _LEAST_ROWS), 1)
+        return cls(tiles, min(_MOST, tiles, wanted))
+
+    def of(self, tile: int) -> int:
+        """Return the group of a tile.
+
+        >>> [Groups(5, 3).of(tile) for tile in range(5)]
+        [0, 0, 1, 1, 2]
+        """
+        return tile * self.count // self.tiles
+
+    def tiles_of(self, group: int) -> range:
+        """Return the tiles of a group.
+
+        >>> [[*Groups(5, 3).tiles_of(group)] for group in range(3)]
+        [[0, 1], [2, 3], [4]]
+        """
+        first, end = (-(-each * self.tiles // self.count) for each in (group, group + 1))
+        return range(first, end)
+
+    def apart(self, arrays: Mapping[str, Array]) -> dict[str, Array]:
+        """Give each group its part of what is sorted by tile.
+
+        Parameters
+        ----------
+        arrays : mapping of str to ndarray
+            What `chunks.sorted_by_tile` returns.
+
+        Returns
+        -------
+        dict of str to ndarray
+            What is written of a chunk, by the ends of the names.
+        """
+        found = {what: each for what, each in arrays.items() if what not in _OF_ROWS}
+        begins = arrays["-begins"]
+        for group in range(self.count):
+            tiles = self.tiles_of(group)
+            rows = slice(begins[tiles.start], begins[tiles.stop])
+            found |= {
+                f"{suffix(group)}{what}": arrays[what][rows] for what in _OF_ROWS if what in arrays
+            }
+        return found
+
+    def names(self, *, with_values: bool, without: Collection[int] = ()) -> list[str]:
+        """List what `apart` returns.
+
+        Parameters
+        ----------
+        with_values : bool
+            Whether rows have values.
+        without : collection of int
+            Groups whose rows are not needed.
+
+        Returns
+        -------
+        list of str
+            The ends of the names.
+        """
+        beside = [*_BESIDE, *(_BESIDE_VALUES if with_values else ())]
+        groups = [group for group in range(self.count) if group not in without]
+        return beside + [end for group in groups for end in of_rows(group, with_values=with_values)]
+
+
+def suffix(group: int) -> str:
+    """Return what the names of the files of a group have behind the name of the chunk.
+
+    >>> suffix(7)
+    '-07'
+    """
+    return f"-{group:02d}"
+
+
+def of_rows(group: int, *, with_values: bool) -> list[str]:
+    """List the ends of the names of the rows of a group in each chunk.
+
+    >>> of_rows(7, with_values=True)
+    ['-07', '-07-values']
+    """
+    return [f"{suffix(group)}{what}" for what in (_OF_ROWS if with_values else _OF_ROWS[:1])]
