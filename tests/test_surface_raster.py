@@ -132,6 +132,15 @@ def test_single_precision_holds_every_height() -> None:
     assert surface.raster(1, dtype="float32", quantity="slope").values[-1, 0] == 90
 
 
+def test_heights_that_no_face_has_may_be_beyond_single_precision() -> None:
+    whole = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 8], [40, 40, 1e39]])
+    with pytest.raises(liftmesh.InputError, match=r"height 1e\+39 is beyond float32"):
+        whole.raster(1, dtype="float32")
+    found = whole.trim(max_edge=10).raster(1, dtype="float32")
+    assert found.values.shape == (4, 4)
+    assert np.nanmax(found.values) < 8
+
+
 def test_single_precision_has_one_north() -> None:
     surface = liftmesh.triangulate([[0, 0, 0], [4, 0, 4e-9], [0, 4, -4]])
     assert surface.aspect([1, 1]) > 359

@@ -72,7 +72,8 @@ def layout_of(
     if not all(step > 0 for step in steps):
         raise InputError(f"resolution is {shown(resolution)}: give a positive number, or two")
     if bounds is None:
-        corners = surface.triangulation.points[surface.faces]
+        solved = surface.triangulation
+        corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
         bounds = [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
     left, low, right, high = _numbers("bounds", bounds, 4)
     if not (left < right and low < high):

@@ -197,7 +197,7 @@ def rasterized(
     scan = _Scan(surface, layout, as_threads(threads, layout.rows * layout.columns))
     values = np.empty((layout.rows, layout.columns), wanted.kind)
     if quantity == "height":
-        wanted.check_range(surface.frame.heights(surface.vertices)[surface.faces])
+        _check_range(surface, wanted)
         if method == "linear":
             scan.fill(values[:, :, None])
         else:
@@ -208,6 +208,13 @@ def rasterized(
     wanted.finish(values)
     crs = surface.crs if surface.frame.name == "xy" else None
     return Raster(values, layout.transform, crs, quantity)
+
+
+def _check_range(surface: Surface, wanted: Wanted) -> None:
+    """Raise if a height of a face is beyond the type; others than those of faces may be."""
+    heights = surface.frame.heights(surface.vertices)
+    if not np.fmax.reduce(np.abs(heights)) <= np.finfo(wanted.kind).max:
+        wanted.check_range(heights[surface.faces])
 
 
 def _fill_by(

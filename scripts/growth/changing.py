@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from distributions import Points
+from distributions import Points, polar
 
 import liftmesh
 from growth.counting import Work
+from growth.families import named, random
 from growth.functions import EXACT, TERRAIN, on_points, on_surface
 from growth.planar import FANS, PLANAR
 from growth.spatial import SPATIAL
@@ -61,6 +62,14 @@ def few_vertices(surface: liftmesh.Surface) -> object:
     return liftmesh.simplify(surface, max_points=max(len(surface.vertices) // 4, 64))
 
 
+def hub(n: int) -> Points:
+    """A ring around a vertex within a square: it has all others of the ring for neighbours."""
+    angles = np.sort(random().random(n - 5)) * 2 * np.pi
+    square = [[9.0, 9.0], [9.0, -9.0], [-9.0, 9.0], [-9.0, -9.0]]
+    planar = np.vstack([polar(1.0, angles), [[0.0, 0.0]], square])
+    return np.column_stack([planar, random().random(n)])
+
+
 def subjects() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families."""
     whole = on_points(lambda p: liftmesh.DynamicTriangulation(p).to_triangulation())
@@ -72,7 +81,7 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "DynamicTriangulation.find", PLANAR, looked_up, ("uniform",)
     yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()
     yield "simplify", SPATIAL, simplified, TERRAIN
-    yield "thin adaptively", SPATIAL, thinned, TERRAIN
+    yield "thin adaptively", {**SPATIAL, **named(hub)}, thinned, (*TERRAIN, "hub")
     yield "simplify a surface", SPATIAL, on_surface(few_vertices), ("random heights",)
 
 

@@ -5,6 +5,7 @@
 // the number of corners. Where they are many, the neighbours are triangulated by themselves. Edges
 // of the hole are edges of that triangulation, too, and its triangles inside the hole are wanted:
 // both conflict with no neighbour.
+#include <limits>
 #include <utility>
 
 #include "dynamic/hole.hpp"
@@ -14,16 +15,22 @@
 namespace liftmesh::dynamic {
 
 void Triangulation::find_star(Vertex v, Star& star) const {
+    find_star(v, std::numeric_limits<std::size_t>::max(), star);
+}
+
+bool Triangulation::find_star(Vertex v, std::size_t most, Star& star) const {
     star.triangles.clear();
     star.link.clear();
     star.beyond.clear();
     Edge corner = corner_[v];
     do {
+        if (star.link.size() == most) return false;
         star.triangles.push_back(triangle_of(corner));
         star.link.push_back(slots_.tail(corner));
         star.beyond.push_back(slots_.twin(corner));
         corner = next(slots_.twin(next(corner)));
     } while (corner != corner_[v]);
+    return true;
 }
 
 void Triangulation::plan(const Star& star, Patch& patch) const {

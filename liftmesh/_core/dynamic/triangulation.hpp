@@ -119,8 +119,10 @@ class Triangulation {
     const std::vector<BorderEdge>& border() const { return border_; }
     const std::vector<TriangleId>& star() const { return star_triangles_; }
     Vertex fill(Point p);
-    // Those of a removal, of a vertex whose neighbours are not on one line.
+    // Those of a removal, of a vertex whose neighbours are not on one line. Of a vertex with more
+    // neighbours than `most`, the star is not found.
     void find_star(Vertex v, Star& star) const;
+    bool find_star(Vertex v, std::size_t most, Star& star) const;
     void plan(const Star& star, Patch& patch) const;
     // `made` gets the triangles of the patch.
     void replace(Vertex v, const Star& star, const Patch& patch, std::vector<TriangleId>& made);

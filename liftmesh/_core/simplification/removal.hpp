@@ -85,8 +85,7 @@ class Removal {
 template <class Samples, class Measure>
 bool Removal<Samples, Measure>::plan(Vertex v) {
     if (cover_.is_corner(v)) return false;
-    cover_.mesh().find_star(v, star_);
-    if (star_.link.size() > most_neighbors) return false;
+    if (!cover_.mesh().find_star(v, most_neighbors, star_)) return false;
     plan_patch();
     return true;
 }

@@ -191,12 +191,14 @@ class Scan {
         first = std::max(first, box.rows.first);
         last = std::min(last, box.rows.last);
         const std::int32_t most = rows_together(box.columns);
+        const auto across = static_cast<std::size_t>(box.columns.last - box.columns.first);
         RowSpans found;
         while (first <= last && !patience.ends()) {
             const FaceRows rows{first, std::min(most, last - first + 1), found};
             spans.put(first, rows.count, found);
             sink_.fill(face, facet, rows);
-            judge_borders(face, rows, patience);
+            patience.ends(static_cast<std::size_t>(rows.count) * across / 8);
+            if (!found.are_sure) judge_borders(face, rows, patience);
             first += rows.count;
         }
         return static_cast<std::size_t>(box.rows.last - box.rows.first + 1);
@@ -210,8 +212,6 @@ class Scan {
     void judge_borders(std::int32_t face, const FaceRows& rows, Patience& patience) {
         for (std::int32_t i = 0; i < rows.count; ++i) {
             const auto possible = rows.spans.possible(i), sure = rows.spans.sure(i);
-            if (!possible.is_empty())
-                patience.ends(static_cast<std::size_t>(possible.last - possible.first) / 8);
             if (rows.spans.is_sure(i)) continue;
             const bool any = !sure.is_empty();
             judge(face, rows.first + i, {possible.first, any ? sure.first - 1 : possible.last},

@@ -105,6 +105,7 @@ struct RowSpans {
     static constexpr std::int32_t most = 64;
 
     std::int32_t first[most], last[most], sure_first[most], sure_last[most];
+    bool are_sure;  // whether all rows surely are
 
     Interval possible(std::int32_t i) const { return {first[i], last[i]}; }
     Interval sure(std::int32_t i) const { return {sure_first[i], sure_last[i]}; }
@@ -128,12 +129,14 @@ class Spans {
 
     // Of `count` rows from `row` on.
     void put(std::int32_t row, std::int32_t count, RowSpans& spans) const {
+        Ints doubt = both(is_unknown_);
         for (std::int32_t i = 0; i < count; i += 2) {
             if (is_unknown_)
                 put_all(i, spans);
             else
-                put_two(Pair{0, 1} + spread<Pair>(double{1} * (row - row_) + i), i, spans);
+                doubt |= put_two(Pair{0, 1} + spread<Pair>(double{1} * (row - row_) + i), i, spans);
         }
+        spans.are_sure = (doubt[0] | doubt[1]) == 0;
     }
 
  private:
@@ -145,18 +148,24 @@ class Spans {
     };
 
     // Offsets from the first column; -1 and `end_` stand for all beyond. What is rounded down is
-    // never negative: a lower end is rounded up as its distance from `end_`.
-    void put_two(Pair row, std::int32_t i, RowSpans& spans) const {
+    // never negative: a lower end is rounded up as its distance from `end_`. Returns zeros if both
+    // rows are sure.
+    Ints put_two(Pair row, std::int32_t i, RowSpans& spans) const {
         const Pair low = greatest(lower_[0].at(row), lower_[1].at(row));
         const Pair high = least(upper_[0].at(row), upper_[1].at(row));
         const Pair to_end = spread<Pair>(end_ + slack_), from_start = spread<Pair>(1 + slack_);
         Pair behind = to_end - high;
         if (has_level_) behind = level_.at(row) > spread<Pair>(level_bound_) ? behind : to_end;
         const std::int32_t first = columns_.first, last = columns_.last;
-        store(both(last + 1) - whole(to_end - low), spans.first + i);
-        store(both(first - 1) + whole(from_start + high), spans.last + i);
-        store(both(first) + whole(from_start + low), spans.sure_first + i);
-        store(both(last) - whole(behind), spans.sure_last + i);
+        const Ints begin = both(last + 1) - whole(to_end - low);
+        const Ints end = both(first - 1) + whole(from_start + high);
+        const Ints sure_begin = both(first) + whole(from_start + low);
+        const Ints sure_end = both(last) - whole(behind);
+        store(begin, spans.first + i);
+        store(end, spans.last + i);
+        store(sure_begin, spans.sure_first + i);
+        store(sure_end, spans.sure_last + i);
+        return (begin ^ sure_begin) | (end ^ sure_end);
     }
     void put_all(std::int32_t i, RowSpans& spans) const {
         for (const std::int32_t at : {i, i + 1}) {
