@@ -24,6 +24,7 @@
 #include "signs.hpp"
 #include "surfaces.hpp"
 #include "text.hpp"
+#include "tiles.hpp"
 
 namespace portability {
 
@@ -41,6 +42,7 @@ void run_sets(const char* file) {
         add_disks(coordinates, rows, digests);
         add_surfaces(coordinates, rows, digests);
         add_changes(coordinates, rows, digests);
+        add_tiles(coordinates, rows, digests);
         add_signs(coordinates, rows, digests);
         add_printed(coordinates, rows, digests);
         at += 1 + 2 * rows;

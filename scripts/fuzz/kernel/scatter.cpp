@@ -83,6 +83,28 @@ Scatter raster_scatter(Bytes& bytes) {
     return made;
 }
 
+Scatter turned_scatter(Bytes& bytes, std::size_t most) {
+    const unsigned side = 3 + bytes.byte() % 10, heights = 2 + bytes.byte() % 5;
+    const int exponent = bytes.small() / 4;
+    Scatter made;
+    std::set<std::pair<double, double>> known;
+    const auto next = [&](bool is_middle) {
+        const unsigned first = bytes.byte(), second = bytes.byte();
+        if (is_middle) {
+            const Point p = made.points[first % made.size()], q = made.points[second % made.size()];
+            return Point{(p.x + q.x) / 2, (p.y + q.y) / 2};
+        }
+        const int i = static_cast<int>(first % side), j = static_cast<int>(second % side);
+        return Point{std::ldexp(2 * i - j, exponent), std::ldexp(i + 2 * j, exponent)};
+    };
+    while (bytes.left() && made.size() < most) {
+        const unsigned what = bytes.byte();
+        const Point p = next(what % 3 == 0 && made.size() > 1);
+        add(made, known, p, what / 3 % heights);
+    }
+    return made;
+}
+
 bool are_wide(const std::vector<Point>& points) {
     liftmesh::Range range;
     for (const Point p : points) range.add(p);

@@ -32,6 +32,10 @@ Scatter scatter(Bytes& bytes, std::size_t most);
 // A raster whose columns and rows are a step apart, within rounding; some pixels are missing.
 Scatter raster_scatter(Bytes& bytes);
 
+// Points of a small lattice that is turned by the ratio 1 : 2, and the middles of two of them: many
+// are on edges, exactly. Heights have few values.
+Scatter turned_scatter(Bytes& bytes, std::size_t most);
+
 // Whether the magnitudes of points are outside the window of the in-circle filter.
 bool are_wide(const std::vector<Point>& points);
 

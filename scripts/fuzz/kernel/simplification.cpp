@@ -100,6 +100,11 @@ class Approximated {
     liftmesh::Delaunay whole_;
 };
 
+Scatter drawn_scatter(unsigned what, Bytes& bytes) {
+    if (what % 2 == 0) return raster_scatter(bytes);
+    return what % 16 < 8 ? scatter(bytes, most_samples) : turned_scatter(bytes, most_samples);
+}
+
 Wish drawn_wish(const Scatter& at, Bytes& bytes) {
     const unsigned kind = bytes.byte();
     const double p = at.heights[bytes.byte() % at.size()], q = at.heights[bytes.byte() % at.size()];
@@ -142,7 +147,7 @@ void check_interrupted(const Approximated& given, const Wish& wish, std::size_t 
 void check_simplification(Bytes bytes) {
     Bytes asked(bytes);  // the wish is drawn from the same bytes once more
     const unsigned what = bytes.byte();
-    const Scatter at = what % 2 == 0 ? raster_scatter(bytes) : scatter(bytes, most_samples);
+    const Scatter at = drawn_scatter(what, bytes);
     if (at.size() < 3) return;
     const Approximated given(at);
     if (!given.has_area()) return;
