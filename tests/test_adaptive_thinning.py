@@ -47,6 +47,16 @@ def test_the_order_of_rows_does_not_count() -> None:
     assert len(found[0]) == 20
 
 
+def test_level_ground_keeps_rows_everywhere() -> None:
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(24.0), np.arange(24.0)))
+    points = np.column_stack([x, y, np.full(len(x), 7.5)])
+    found = liftmesh.thin(points, adaptive=80).points
+    quarters = np.bincount((2 * (found[:, 0] > 11.5) + (found[:, 1] > 11.5)).astype(int))
+    assert quarters.min() >= 10
+    again = liftmesh.thin(np.random.default_rng(3).permutation(points), adaptive=80).points
+    assert {*map(tuple, again.tolist())} == {*map(tuple, found.tolist())}
+
+
 def test_triangles_along_an_edge_are_long_and_thin() -> None:
     points = adaptive.thinned_image()
     surface = liftmesh.triangulate(points)

@@ -65,8 +65,9 @@ def thin(
     adaptive : int, optional
         Keep so many rows: those without which a surface would lose most (adaptive thinning, L.
         Demaret and A. Iske, 2006). The next to go is always the one without which the squares of
-        the vertical distances of all that are gone grow least. Corners of the hull stay; of rows at
-        one planar position the first counts, and each row must be finite.
+        the vertical distances of all that are gone grow least; of several, as on level ground, one
+        that a hash of the coordinates chooses. Corners of the hull stay; of rows at one planar
+        position the first counts, and each row must be finite.
 
     Returns
     -------

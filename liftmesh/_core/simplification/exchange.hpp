@@ -26,6 +26,7 @@ struct ByTolerance {
         cost = std::max(cost, distance);
         return true;
     }
+    static bool is_first(Point p, Point q) { return before_xy(p, q); }
     static constexpr bool needs_before = false;
     double cost = 0;
 };

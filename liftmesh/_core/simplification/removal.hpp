@@ -21,11 +21,13 @@ struct Offer {
     Point point;
     Vertex vertex;
     std::uint32_t version;
+};
 
-    // The cheapest comes first, then the lexicographically least.
-    bool operator<(const Offer& other) const {
-        if (cost != other.cost) return cost > other.cost;
-        return before_xy(other.point, point);
+// The cheapest comes first; of equal ones, that whose point the measure puts first.
+template <class Measure>
+struct IsLater {
+    bool operator()(const Offer& a, const Offer& b) const {
+        return a.cost != b.cost ? a.cost > b.cost : Measure::is_first(b.point, a.point);
     }
 };
 
@@ -76,7 +78,7 @@ class Removal {
     Patience patience_;
     std::vector<std::uint32_t> version_;
     Vertex held_ = ghost;
-    std::priority_queue<Offer> heap_;
+    std::priority_queue<Offer, std::vector<Offer>, IsLater<Measure>> heap_;
     dynamic::Star star_;
     dynamic::Patch patch_;
     std::vector<Facet> facets_;
