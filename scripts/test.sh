@@ -39,6 +39,25 @@ wheel_is_done() {
     return "$code"
 }
 
+# Prints a new folder in memory, for the files of tests, which wait for the disk some ten thousand times. Prints nothing
+# if memory or room for files in it is short (the tests need less than a gigabyte), or programs cannot be started there.
+folder_in_memory() {
+    local place=/dev/shm folder
+    (($(kilobytes_of_memory) > 8000000 && $(kilobytes_of_room "$place") > 4000000)) || return 0
+    folder=$(mktemp -d "$place/liftmesh-XXXXXXXX" 2>/dev/null) || return 0
+    printf '#!/bin/sh\n' >"$folder/program"
+    chmod +x "$folder/program"
+    if "$folder/program" 2>/dev/null; then say "$folder"; else rm -rf "$folder"; fi
+}
+
+kilobytes_of_memory() {
+    awk '/^MemAvailable:/ { found = $2 } END { print found + 0 }' /proc/meminfo 2>/dev/null || say 0
+}
+
+kilobytes_of_room() {
+    df -Pk "$1" 2>/dev/null | awk 'NR == 2 { found = $4 } END { print found + 0 }'
+}
+
 prepare_machine tests
 make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --editable '.[test]'
 # As pip does for what it installs: the tests start hundreds of processes, also where Python writes no bytecode.
@@ -48,7 +67,12 @@ make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --editab
 wheel_log=$(mktemp)
 wheel >"$wheel_log" 2>&1 &
 wheel_process=$!
-trap 'wait; rm -f "$wheel_log"' EXIT
+in_memory=$(folder_in_memory)
+trap 'wait; rm -rf "$wheel_log" "$in_memory"' EXIT
+folders=()
+if [[ -n $in_memory ]]; then # those of tests that have passed are removed at once
+    folders=(--basetemp "$in_memory/tests" -o tmp_path_retention_policy=failed)
+fi
 
 check "ruff: lint" .venv-test/bin/ruff check .
 check "ruff: format" .venv-test/bin/ruff format --check .
@@ -56,6 +80,6 @@ check "clang-format" format_cpp
 check "mypy" .venv-test/bin/mypy
 check "import-linter" .venv-test/bin/lint-imports
 check "the wheel, outside the repository" wheel_is_done
-check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --dist worksteal --doctest-modules liftmesh tests
+check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --dist worksteal "${folders[@]}" --doctest-modules liftmesh tests
 say
 say "All checks passed in $SECONDS s."

@@ -149,6 +149,21 @@ def test_copies_go_when_their_rows_are_sorted(tmp_path: Path) -> None:
     assert found.is_sound()
 
 
+def test_copies_are_made_again_for_rows_that_are_missing(tmp_path: Path) -> None:
+    """What comes once has to come again for that."""
+
+    def once() -> Iterator[Any]:
+        return iter(np.split(CLOUD, 5))
+
+    made("surface", once(), tmp_path / "expected")
+    out = tmp_path / "out"
+    stopped("surface", once(), out, 0.8)
+    assert not [*out.glob(".liftmesh-tiles/points-*.npy")]
+    (out / "tile-00000-faces.npy").unlink()
+    made("surface", once(), out)
+    assert contents(out) == contents(tmp_path / "expected")
+
+
 def test_a_copy_that_is_no_copy_stays(tmp_path: Path) -> None:
     """Whoever keeps a source among our files finds it there afterwards."""
     scratch = tmp_path / ".liftmesh-tiles"
