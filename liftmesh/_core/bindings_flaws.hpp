@@ -15,9 +15,9 @@ template <class Kind>
 nb::list as_list(const liftmesh::FlawsOf<Kind>& flaws) {
     nb::list kinds;
     for (std::size_t kind = 0; kind < static_cast<std::size_t>(Kind::kinds); ++kind) {
-        const liftmesh::Places& places = flaws[static_cast<Kind>(kind)];
+        const liftmesh::FlawPlaces& places = flaws[static_cast<Kind>(kind)];
         nb::list first;
-        for (const liftmesh::Place& place : places.first())
+        for (const liftmesh::FlawPlace& place : places.first())
             first.append(nb::make_tuple(place.at, place.other));
         kinds.append(nb::make_tuple(places.count(), first));
     }

@@ -88,7 +88,7 @@ class Clipper {
                 write_corners(passages_[i]);
                 end_ring(cell);
             } else {
-                const Crossed &in = passages_[i].in, &out = passages_[i].out;
+                const CrossedRidge &in = passages_[i].in, &out = passages_[i].out;
                 if (!is_spoke(in.row) || !is_spoke(out.row)) return false;
                 ends_.push_back({spoke_of(in.row), in.edge, i, false});
                 ends_.push_back({spoke_of(out.row), out.edge, i, true});
@@ -175,7 +175,7 @@ class Clipper {
         return true;
     }
 
-    void write(Corner corner, const Crossed& crossed) {
+    void write(Corner corner, const CrossedRidge& crossed) {
         clipped_.corners.push_back(corner);
         clipped_.points.push_back(crossed.at);
         clipped_.certain.push_back(crossed.is_certain);

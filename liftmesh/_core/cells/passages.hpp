@@ -8,7 +8,7 @@
 
 namespace liftmesh {
 
-struct Crossed {
+struct CrossedRidge {
     std::int32_t edge = -1;  // none: the passage is a whole ring
     std::int32_t row = -1;   // the cell on the other side of the ridge
     Point at = {};
@@ -18,7 +18,7 @@ struct Crossed {
 struct Passage {
     std::int32_t cell, ring;
     std::int32_t first, count;  // corners passed, in a circle
-    Crossed in, out;
+    CrossedRidge in, out;
 
     bool is_ring() const { return out.edge < 0; }
 };

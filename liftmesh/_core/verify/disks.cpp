@@ -263,7 +263,7 @@ class Verification {
 
     static void add(DiskEdge verdict, std::size_t place, Found& found) {
         if (verdict == DiskEdge::right) return;
-        const Place at{place, 0};
+        const FlawPlace at{place, 0};
         if (verdict == DiskEdge::entered) found.add(DiskFlaw::not_delaunay, at);
         if (verdict == DiskEdge::backwards) found.add(DiskFlaw::wrong_order, at);
         if (verdict == DiskEdge::tied) found.add(DiskFlaw::not_canonical, at);

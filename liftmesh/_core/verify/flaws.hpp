@@ -28,55 +28,57 @@ enum class Flaw : std::uint8_t {
 
 // Where a flaw is. The meaning of the two numbers depends on the flaw: a row, a triangle, a place
 // among the corners (edge k of triangle t is opposite corner 3 t + k), or two of these.
-struct Place {
+struct FlawPlace {
     std::uint64_t at, other;
-    auto operator<=>(const Place&) const = default;
+    auto operator<=>(const FlawPlace&) const = default;
 };
 
 // A count of places, and the smallest few of them.
-class Places {
+class FlawPlaces {
  public:
     static constexpr std::size_t kept = 16;
 
-    void add(Place place) {
+    void add(FlawPlace place) {
         ++count_;
         keep(place);
     }
-    void add(const Places& other) {
+    void add(const FlawPlaces& other) {
         count_ += other.count_;
-        for (const Place& place : other.first_) keep(place);
+        for (const FlawPlace& place : other.first_) keep(place);
     }
     std::size_t count() const { return count_; }
-    const std::vector<Place>& first() const { return first_; }
+    const std::vector<FlawPlace>& first() const { return first_; }
 
  private:
-    void keep(Place place) {
+    void keep(FlawPlace place) {
         if (first_.size() == kept && first_.back() <= place) return;
         first_.insert(std::upper_bound(first_.begin(), first_.end(), place), place);
         if (first_.size() > kept) first_.pop_back();
     }
 
     std::size_t count_ = 0;
-    std::vector<Place> first_;  // ascending
+    std::vector<FlawPlace> first_;  // ascending
 };
 
 template <class Kind>
 class FlawsOf {
  public:
-    void add(Kind flaw, Place place) { places_[static_cast<std::size_t>(flaw)].add(place); }
+    void add(Kind flaw, FlawPlace place) { places_[static_cast<std::size_t>(flaw)].add(place); }
     void add(const FlawsOf& other) {
         for (std::size_t i = 0; i < places_.size(); ++i) places_[i].add(other.places_[i]);
     }
-    const Places& operator[](Kind flaw) const { return places_[static_cast<std::size_t>(flaw)]; }
+    const FlawPlaces& operator[](Kind flaw) const {
+        return places_[static_cast<std::size_t>(flaw)];
+    }
 
     bool any(Kind flaw) const { return (*this)[flaw].count() > 0; }
     bool any() const {
         return std::any_of(places_.begin(), places_.end(),
-                           [](const Places& places) { return places.count() > 0; });
+                           [](const FlawPlaces& places) { return places.count() > 0; });
     }
 
  private:
-    std::array<Places, static_cast<std::size_t>(Kind::kinds)> places_;
+    std::array<FlawPlaces, static_cast<std::size_t>(Kind::kinds)> places_;
 };
 
 using Flaws = FlawsOf<Flaw>;
