@@ -188,3 +188,13 @@ class TestCommand:
     )
     def test_bad_input_is_one_line(self, heap, words, code: int, said: str) -> None:
         failed(run(*words, cwd=heap.parent), code, said)
+
+
+@pytest.mark.parametrize("exponent", [-300, -100, 250, 505])
+def test_areas_in_space_scale_with_the_coordinates(exponent: int) -> None:
+    points = np.random.default_rng(8).random((40, 3))
+    expected = liftmesh.triangulate(points).area()
+    found = liftmesh.triangulate(np.ldexp(points, exponent)).area()
+    assert found == np.ldexp(expected, 2 * exponent)
+    steep = np.array([[0, 0, 0], [1, 0, 1e300], [0, 1, 0]])
+    assert liftmesh.triangulate(steep).area() == pytest.approx(5e299)

@@ -20,7 +20,7 @@ from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.corners import ranks
 from liftmesh.terrain.units import metres_of, rise_of
-from liftmesh.terrain.within import in_all, in_each, level_within
+from liftmesh.terrain.within import check_measured, in_all, in_each, level_within
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -191,8 +191,7 @@ def _total(name: str, parts: Floats) -> float:
         total = math.fsum(parts.tolist())
     except (OverflowError, ValueError):
         total = math.inf
-    if not math.isfinite(total):
-        raise InputError(f"the {name} is beyond the largest double: scale the coordinates")
+    check_measured((name, total))
     return total
 
 
@@ -221,7 +220,10 @@ def _inclined(corners: Floats, heights: Floats) -> Floats:
     (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
     bz, cz = heights[:, 1] - heights[:, 0], heights[:, 2] - heights[:, 0]
     x, y = by * cz - bz * cy, bz * cx - bx * cz
-    areas: Floats = np.sqrt(x * x + y * y + _turns(corners) ** 2) / 2
+    normals = np.stack([x, y, _turns(corners)])
+    scale = np.frexp(np.abs(normals).max(axis=0))[1]  # squares of larger numbers are no doubles
+    x, y, turns = np.ldexp(normals, -scale)
+    areas: Floats = np.ldexp(np.sqrt(x * x + y * y + turns**2) / 2, scale)
     return areas
 
 
