@@ -139,7 +139,9 @@ def test_units_are_known_or_not(crs, expected) -> None:
     assert found.cubic_metres == (None if expected is None else pytest.approx(expected))
 
 
-@pytest.mark.parametrize("level", [np.nan, np.inf, "sea", [1, 2], None])
+@pytest.mark.parametrize(
+    "level", ["3", b"3", np.datetime64(3, "s"), np.inf, np.nan, "sea", [1, 2], None]
+)
 def test_what_is_no_level_is_refused(level) -> None:
     with pytest.raises(liftmesh.InputError, match="level is"):
         liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]).volume(level)
@@ -188,6 +190,12 @@ class TestCommand:
     )
     def test_bad_input_is_one_line(self, heap, words, code: int, said: str) -> None:
         failed(run(*words, cwd=heap.parent), code, said)
+
+
+@pytest.mark.parametrize("planar", ["no", None, 2])
+def test_what_is_no_switch_is_refused(planar) -> None:
+    with pytest.raises(liftmesh.InputError, match=r"planar is .*: give True or False"):
+        liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]).area(planar=planar)
 
 
 @pytest.mark.parametrize("exponent", [-300, -100, 250, 505])

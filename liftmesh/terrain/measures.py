@@ -16,7 +16,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.arrays import as_reals
-from liftmesh.choices import shown
+from liftmesh.choices import as_switch, shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.corners import ranks
 from liftmesh.terrain.units import metres_of, rise_of
@@ -88,7 +88,8 @@ class Measuring:
         Raises
         ------
         InputError
-            The area is beyond the largest double, or the factor not positive.
+            The area is beyond the largest double, the factor is not positive, or `planar` is
+            neither True nor False.
 
         Examples
         --------
@@ -97,10 +98,11 @@ class Measuring:
         >>> roof.area(), roof.area(planar=True)
         (10.0, 6.0)
         """
+        is_planar = as_switch("planar", planar)
         corners, heights = _faces(self)
         rise, _ = rise_of(self, z_factor)
         with np.errstate(all="ignore"):
-            areas = _planar(corners) if planar else _inclined(corners, heights * rise)
+            areas = _planar(corners) if is_planar else _inclined(corners, heights * rise)
             return _total("area", areas)
 
     def volume(self: Any, level: float = 0.0, *, polygon: object = None) -> Volume:
