@@ -17,6 +17,7 @@ MOST_ROWS: int = _kernel.MOST_ROWS
 
 _DOUBLE = np.dtype(np.float64)
 _PIECE = 1 << 16
+_NO_REALS = (str, bytes, complex, np.complexfloating, np.datetime64, np.timedelta64)
 
 
 def as_coordinates(points: ArrayLike) -> Reals:
@@ -159,16 +160,19 @@ def as_reals(values: ArrayLike) -> Floats:
     Raises
     ------
     TypeError, ValueError, OverflowError
-        They are no real numbers: `numpy.asarray` alone drops the imaginary part of complex ones.
+        They are no real numbers: `numpy.asarray` alone drops the imaginary part of complex ones,
+        and takes texts, bytes and times for numbers.
 
     Examples
     --------
     >>> as_reals((1, 2))
     array([1., 2.])
     """
-    if np.iscomplexobj(values):
-        raise TypeError("complex numbers")
-    return np.asarray(values, dtype=np.float64)
+    array = np.asarray(values)
+    objects = array.ravel() if array.dtype.kind == "O" else ()
+    if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
+        raise TypeError("no real numbers")
+    return np.asarray(array, dtype=np.float64)
 
 
 def read_only(array: Array) -> Array:

@@ -38,6 +38,16 @@ def test_each_step_removes_the_row_that_costs_least() -> None:
         liftmesh.thin(points, adaptive=3)
 
 
+def test_rows_that_are_all_corners_of_the_hull_stay_or_are_refused() -> None:
+    turns = np.arange(12) * np.pi / 6
+    points = np.column_stack([np.rint(1000 * np.cos(turns)), np.rint(1000 * np.sin(turns)), turns])
+    for count in (3, 11):
+        with pytest.raises(liftmesh.InputError, match="hull alone has 12 corners"):
+            liftmesh.thin(points, adaptive=count)
+    for count in (12, 13, 10**400):
+        assert len(liftmesh.thin(points, adaptive=count)) == 12
+
+
 def test_the_order_of_rows_does_not_count() -> None:
     x, y = (each.ravel() for each in np.meshgrid(np.arange(12.0), np.arange(9.0)))
     points = np.column_stack([x, y, np.where(y > 4 + x / 5, 3, 0)])

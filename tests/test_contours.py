@@ -291,6 +291,19 @@ class TestLevels:
         assert len(lines.longer_than(1e9)) == 0
         assert len(lines.longer_than(1e9).lengths) == 0
 
+    @pytest.mark.parametrize(
+        "taken", [slice(1, 3), slice(None, None, -2), slice(5, 2), slice(-2, None), slice(0, 99)]
+    )
+    def test_a_slice_has_the_lines_that_a_list_has(self, taken: slice) -> None:
+        lines = rolling().contours(interval=5)
+        found, expected = lines[taken], [*lines][taken]
+        assert isinstance(found, liftmesh.Contours)
+        assert len(found) == len(expected)
+        np.testing.assert_array_equal(found.lengths, lines.lengths[taken])
+        for one, other in zip(found, expected, strict=True):
+            assert (one.level, one.closed, one.index) == (other.level, other.closed, other.index)
+            np.testing.assert_array_equal(one.points, other.points)
+
     @pytest.mark.parametrize("height", [1.7e308, 5e-324, 1e-300])
     def test_heights_of_any_size(self, height: float) -> None:
         surface = liftmesh.triangulate(
@@ -312,6 +325,10 @@ class TestLevels:
             ({"interval": 1, "index_every": 0}, "index_every"),
             ({"levels": [np.inf]}, "finite heights"),
             ({"levels": ["a"]}, "cannot be read as numbers"),
+            ({"levels": [1, "3"]}, "cannot be read as numbers"),
+            ({"levels": np.array([1, "3"], object)}, "cannot be read as numbers"),
+            ({"levels": np.array([3], "m8[s]")}, "cannot be read as numbers"),
+            ({"interval": "3"}, "interval is '3'"),
         ],
     )
     def test_what_are_no_levels_is_refused(self, options, said: str) -> None:

@@ -139,7 +139,9 @@ def test_units_are_known_or_not(crs, expected) -> None:
     assert found.cubic_metres == (None if expected is None else pytest.approx(expected))
 
 
-@pytest.mark.parametrize("level", [np.nan, np.inf, "sea", [1, 2], None])
+@pytest.mark.parametrize(
+    "level", ["3", b"3", np.datetime64(3, "s"), np.inf, np.nan, "sea", [1, 2], None]
+)
 def test_what_is_no_level_is_refused(level) -> None:
     with pytest.raises(liftmesh.InputError, match="level is"):
         liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]).volume(level)
@@ -188,3 +190,19 @@ class TestCommand:
     )
     def test_bad_input_is_one_line(self, heap, words, code: int, said: str) -> None:
         failed(run(*words, cwd=heap.parent), code, said)
+
+
+@pytest.mark.parametrize("planar", ["no", None, 2])
+def test_what_is_no_switch_is_refused(planar) -> None:
+    with pytest.raises(liftmesh.InputError, match=r"planar is .*: give True or False"):
+        liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]).area(planar=planar)
+
+
+@pytest.mark.parametrize("exponent", [-300, -100, 250, 505])
+def test_areas_in_space_scale_with_the_coordinates(exponent: int) -> None:
+    points = np.random.default_rng(8).random((40, 3))
+    expected = liftmesh.triangulate(points).area()
+    found = liftmesh.triangulate(np.ldexp(points, exponent)).area()
+    assert found == np.ldexp(expected, 2 * exponent)
+    steep = np.array([[0, 0, 0], [1, 0, 1e300], [0, 1, 0]])
+    assert liftmesh.triangulate(steep).area() == pytest.approx(5e299)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import example, given, settings, strategies as st
 from surface_oracle import turn
 from test_sampling import LATTICE, exactly
 from test_trimming import drawn, meadow, trimmed
@@ -81,3 +82,85 @@ def test_pieces_of_a_line_are_one_part() -> None:
 def test_what_is_no_line_is_refused(line) -> None:
     with pytest.raises(liftmesh.InputError):
         liftmesh.triangulate(meadow()).profile(line)
+
+
+def lattice(size: int, step: float, origin: tuple[float, float]) -> np.ndarray:
+    """Squares whose sides meet in points that rounding makes one of, with heights in tenths."""
+    grid = np.stack(np.meshgrid(np.arange(size), np.arange(size)), -1).reshape(-1, 2) * step
+    heights = np.random.default_rng(size).integers(0, 6, len(grid)) / 10
+    return np.column_stack([grid + origin, heights])
+
+
+def bits(found: liftmesh.Profile) -> tuple[bytes, bytes, list[int]]:
+    return found.points.tobytes(), found.distances.tobytes(), found.starts.tolist()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.randoms(use_true_random=False), st.lists(PLACE, min_size=3, max_size=4))
+def test_no_bit_depends_on_the_order_of_the_rows(random, places) -> None:
+    points = lattice(14, 0.01, (500_000.13, 5_200_000.37))
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    line = low + (high - low) * np.array(places) / 13
+    shuffled = random.sample([*range(len(points))], len(points))
+    first, second = (liftmesh.triangulate(each) for each in (points, points[shuffled]))
+    assert bits(first.profile(line)) == bits(second.profile(line))
+
+
+def test_of_sides_that_cross_at_one_rounded_position_the_lowest_counts() -> None:
+    points = lattice(30, 0.01, (500_000.13, 5_200_000.37))
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    line = [low, low / 2 + high / 2, [high[0], low[1]]]
+    first, second = (liftmesh.triangulate(each).profile(line) for each in (points, points[::-1]))
+    assert len(first.points) > 40
+    assert bits(first) == bits(second)
+
+
+def test_negative_zeros_do_not_tell_orders_of_rows_apart() -> None:
+    points = np.array([[-1, -1, 0.0], [1, -1, -0.0], [-1, 1, -0.0], [1, 1, 0.0], [-0.0, 0.0, -0.0]])
+    first, second = (liftmesh.triangulate(each) for each in (points, points[::-1]))
+    for line in ([[-1, 0], [1, -0.0]], [[-0.0, -1], [0.0, 1]], [[-1, -1], [1, 1]]):
+        assert bits(first.profile(line)) == bits(second.profile(line))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(-1000, 1018), st.lists(PLACE, min_size=2, max_size=4, unique=True))
+@example(-1000, [(0.0, 1.0), (6.0, 3.0)])
+@example(1018, [(0.5, 0.0), (6.0, 3.5)])
+def test_lines_of_every_scale_meet_the_same(exponent, places) -> None:
+    points, line = lattice(8, 1.0, (0, 0)), np.array(places) * 2
+    ordinary = liftmesh.triangulate(points).profile(line)
+    points[:, :2] = np.ldexp(points[:, :2], exponent)
+    found = liftmesh.triangulate(points).profile(np.ldexp(line, exponent))
+    assert found.starts.tolist() == ordinary.starts.tolist()
+    np.testing.assert_array_equal(found.points[:, 2], ordinary.points[:, 2])
+    np.testing.assert_array_equal(found.points[:, :2], np.ldexp(ordinary.points[:, :2], exponent))
+    np.testing.assert_array_equal(found.distances, np.ldexp(ordinary.distances, exponent))
+
+
+def test_sides_as_long_as_doubles_reach_are_crossed() -> None:
+    far, high = 1.5 * 2.0**1023, 1.25 * 2.0**1023
+    points = [[-far, -far, -high], [far, -far, -high], [-far, far, high], [far, far, high]]
+    found = liftmesh.triangulate(points).profile([[-far / 8, 0], [far / 8, 0]])
+    np.testing.assert_array_equal(found.points[:, 1:], 0)
+    assert found.points[:, 0].tolist() == [-far / 8, 0, far / 8]
+    near = liftmesh.triangulate([[0, 0, 0], [1, 0, 4], [1e200, 2e200, 0], [0, 1, 4]])
+    found = near.profile([[0, 0.5], [3, 0.5]])
+    assert found.points[:, 0].tolist() == [0, 0.5, 1.25]
+
+
+def test_a_line_longer_than_the_largest_double_is_refused() -> None:
+    surface = liftmesh.triangulate(meadow())
+    for line in ([[-1e308, 0], [1e308, 0]], [[0, 0], [1e308, 0], [0, 0]]):
+        with pytest.raises(liftmesh.InputError, match="longer than the largest double"):
+            surface.profile(line)
+
+
+def test_a_line_of_many_corners_meets_what_its_pieces_meet() -> None:
+    surface = liftmesh.triangulate(meadow()).trim(max_edge=12)
+    line = np.random.default_rng(3).uniform(-10, 110, (41, 2))
+    line[20] = line[19]
+    found = surface.profile(line)
+    pieces = [surface.profile(piece).points for piece in pairwise(line)]
+    expected = np.unique(np.concatenate(pieces), axis=0)
+    np.testing.assert_array_equal(np.unique(found.points, axis=0), expected)
+    assert (np.diff(found.distances) >= 0).all()

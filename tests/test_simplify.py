@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 from random import Random
 
 import numpy as np
@@ -234,6 +235,32 @@ def test_what_is_asked_wrongly() -> None:
     weighted = liftmesh.triangulate(points, weights=np.ones(len(points)))
     with pytest.raises(liftmesh.InputError, match="weights"):
         liftmesh.simplify(weighted, max_error=1)
+
+
+def test_a_part_of_a_triangulation_is_refused(tmp_path: Path) -> None:
+    points = np.vstack([grid(np.random.default_rng(2)), [[30, 2, 1], [30, 4, 1]]])
+    trimmed = liftmesh.triangulate(points).trim(max_edge=5)
+    assert 0 < len(trimmed.faces) < len(trimmed.triangulation.simplices)
+    path = tmp_path / "part.ply"
+    liftmesh.write(path, trimmed)
+    for part in (trimmed, trimmed.to_cloud(), path):
+        with pytest.raises(liftmesh.InputError, match="simplify first, then trim"):
+            liftmesh.simplify(part, max_error=1)
+    whole = liftmesh.simplify(points, max_error=1)
+    np.testing.assert_array_equal(
+        liftmesh.simplify(trimmed.vertices, max_error=1).faces, whole.faces
+    )
+    left = whole.trim(max_edge=12)
+    assert 0 < left.area(planar=True) < whole.area(planar=True)
+
+
+def test_faces_that_are_whole_or_of_another_kind_do_not_count() -> None:
+    points = grid(np.random.default_rng(3))
+    expected = liftmesh.simplify(points, max_error=1)
+    whole = liftmesh.triangulate(points)
+    others = liftmesh.Cloud(points, faces=np.array([[0, 1, 79], [0, 79, 70]], np.int32))
+    for mesh in (whole, whole.to_cloud(), others):
+        np.testing.assert_array_equal(liftmesh.simplify(mesh, max_error=1).faces, expected.faces)
 
 
 def test_progress_rises_and_can_end_the_run() -> None:

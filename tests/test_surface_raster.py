@@ -208,6 +208,13 @@ class TestLight:
         found = self.slab(1.0, 20).raster(1, quantity="hillshade", light=(0, 90))
         np.testing.assert_allclose(found.values, 255 * np.cos(np.pi / 4), rtol=1e-12)
 
+    def test_faces_as_steep_as_doubles_reach(self) -> None:
+        gentle, steep = (
+            self.slab(slope, 300).raster(1, quantity="hillshade") for slope in (1e9, 1e300)
+        )
+        np.testing.assert_allclose(steep.values, gentle.values, rtol=1e-6)
+        assert steep.values.min() > 100
+
     @pytest.mark.parametrize("light", [(1,), (0, 91), (0, -1), ("north", 3), 5, (np.inf, 5)])
     def test_other_light_is_refused(self, light) -> None:
         with pytest.raises(liftmesh.InputError, match="light is"):
@@ -262,6 +269,8 @@ class TestLayout:
             ({"resolution": -1.0}, "give a positive number"),
             ({"resolution": np.nan}, "resolution is nan"),
             ({"resolution": "fine"}, "resolution is 'fine'"),
+            ({"resolution": "3"}, "resolution is '3'"),
+            ({"resolution": (b"3", 1)}, "resolution is"),
             ({"resolution": (1, 2, 3)}, "resolution is"),
             ({"resolution": 1, "transform": (1, 0, 0, 0, 1, 0)}, "either"),
             ({"transform": (1, 0, 0, 0, 1, 0)}, "either"),
@@ -296,6 +305,11 @@ class TestFiles:
     def found(self) -> liftmesh.Raster:
         points = np.random.default_rng(0).random((400, 3)) * (600, 500, 10) + (1.8e5, 3.3e5, 0)
         return liftmesh.triangulate(points, crs="EPSG:28992").raster(2, dtype="float32")
+
+    def test_what_is_no_switch_is_refused(self, found, tmp_path) -> None:
+        with pytest.raises(liftmesh.InputError, match="cog is 'no': give True or False"):
+            found.save(tmp_path / "dtm.tif", cog="no")
+        assert not any(tmp_path.iterdir())
 
     @pytest.mark.parametrize("compress", [None, "deflate", "lzw", "zstd"])
     @pytest.mark.parametrize("cog", [False, True])

@@ -219,6 +219,7 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
         (lambda t, _: t.raster(1, progress=3), InputError, "progress is 3"),
         (lambda t, to: t.save_raster(to / "a.png", 1), FormatError, "written as GeoTIFF"),
         (lambda t, to: t.save_raster(to / "a.tif", 1, compress="x"), InputError, "compress is 'x'"),
+        (lambda t, to: t.save_raster(to / "a.tif", 1, cog="no"), InputError, "cog is 'no'"),
         (lambda t, to: t.save_raster(to / "b" / "a.tif", 1), FileNotFoundError, "does not exist"),
         (lambda t, _: t.contours(), InputError, "give either levels or an interval"),
         (lambda t, _: t.contours(interval=0), InputError, "interval is 0"),

@@ -171,3 +171,38 @@ def test_polygons_of_one_name_and_invalid_ones_are_named() -> None:
     crossed["features"][0]["geometry"]["coordinates"] = [[[0, 0], [2, 2], [2, 0], [0, 2]]]
     with pytest.raises(liftmesh.InputError, match="polygon 'A 7': polygon 0 is not valid"):
         slope.cut_and_fill_by_polygon(slope, crossed)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(-480, 500))
+def test_volumes_in_polygons_scale_with_the_coordinates(exponent: int) -> None:
+    ground, cut = hills(4, 0), hills(4, 1)
+    lot = np.array([[0.5, 0.5], [2.5, 0.6], [2.4, 2.5], [0.5, 2.4]])
+    expected = ground.volume(polygon=lot), ground.cut_and_fill(cut, polygon=lot)
+    ground, cut = hills(4, 0, exponent), hills(4, 1, exponent)
+    lot = np.ldexp(lot, exponent)
+    found = ground.volume(polygon=lot), ground.cut_and_fill(cut, polygon=lot)
+    for one, other in zip(found, expected, strict=True):
+        assert np.ldexp(one.area, -2 * exponent) == pytest.approx(other.area, rel=1e-12)
+        assert np.ldexp(one.net, -2 * exponent) == pytest.approx(other.net, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("scale", [(512, 1.0), (1020, 1.0), (500, 1e300), (500, 1e100)])
+def test_what_is_beyond_the_doubles_is_refused(scale: tuple[int, float]) -> None:
+    ground, cut = hills(4, 0, *scale), hills(4, 1, *scale)
+    lot = np.ldexp([[0.5, 0.5], [2.5, 0.6], [2.4, 2.5], [0.5, 2.4]], scale[0])
+    for measure in (
+        lambda: ground.volume(polygon=lot),
+        lambda: ground.volume_by_polygon(lot),
+        lambda: ground.cut_and_fill(cut),
+        lambda: ground.cut_and_fill(cut, polygon=lot),
+        lambda: ground.cut_and_fill_by_polygon(cut, lot),
+    ):
+        with pytest.raises(liftmesh.InputError, match="beyond the largest double: scale the coord"):
+            measure()
+
+
+def hills(size: int, seed: int, exponent: int = 0, rise: float = 1.0) -> liftmesh.Surface:
+    grid = np.stack(np.meshgrid(np.arange(size), np.arange(size)), -1).reshape(-1, 2) + seed / 4
+    heights = np.random.default_rng(seed).integers(1, 9, len(grid)) * rise
+    return liftmesh.triangulate(np.column_stack([np.ldexp(grid, exponent), heights]))

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
-HELP = "No point is further away from the mesh, along z, than --max-error: exactly."
+HELP = (
+    "No point is further away from the mesh, along z, than --max-error: exactly. The mesh covers "
+    "the hull of the points: simplify first, then trim with liftmesh triangulate."
+)
 EXAMPLES = [
     "liftmesh simplify dem.tif tin.ply --max-error 1",
     "liftmesh simplify dem.tif tin.xml --max-error 0.5 --max-points 100000",

@@ -57,8 +57,8 @@ def most_significant(cloud: Cloud, wanted: int) -> Rows:
     surface = triangulate(cloud)
     used, plane, hull = positions_of(surface)
     heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0
-    rows, _, _ = _kernel.thin(plane, heights, hull, wanted, None)
-    if len(rows) > max(wanted, 0) and len(rows) < len(used):
+    rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), None)
+    if len(rows) > wanted:
         raise InputError(
             f"adaptive is {wanted}: the hull alone has {len(rows)} corners, which stay"
         )

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,6 +71,8 @@ class Contour:
 class Contours:
     """Contours of a surface, as `Surface.contours` returns them: a sequence of lines; read-only.
 
+    A slice of them is `Contours`, too.
+
     Parameters
     ----------
     points : (n, 2) ndarray of float64
@@ -94,6 +96,8 @@ class Contours:
     >>> lines = hill.contours(interval=4)
     >>> len(lines), lines[0].level, lines[0].points.tolist()
     (1, 4.0, [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0], [1.0, 1.0]])
+    >>> hill.contours(interval=2)[1:].levels
+    array([4., 6.])
     """
 
     points: Floats
@@ -115,7 +119,13 @@ class Contours:
     def __len__(self) -> int:
         return len(self.levels)
 
-    def __getitem__(self, number: int) -> Contour:
+    @overload
+    def __getitem__(self, number: int) -> Contour: ...
+    @overload
+    def __getitem__(self, number: slice) -> Contours: ...
+    def __getitem__(self, number: int | slice) -> Contour | Contours:
+        if isinstance(number, slice):
+            return self._selected(np.arange(len(self))[number])
         number = range(len(self))[number]
         points = self.points[self.starts[number] : self.starts[number + 1]]
         level, closed, index = self.levels[number], self.closed[number], self.index[number]
@@ -166,15 +176,20 @@ class Contours:
             least = math.nan
         if not least >= 0:
             raise InputError(f"length is {shown(length)}: give a number, not below zero")
-        kept = self.lengths >= least
-        counts = np.diff(self.starts)
+        return self._selected(np.flatnonzero(self.lengths >= least))
+
+    def _selected(self, lines: Array) -> Contours:
+        """Return some of the lines, in the order given."""
+        counts = np.diff(self.starts)[lines]
+        starts = np.concatenate([[0], np.cumsum(counts)])
+        places = np.arange(starts[-1]) + np.repeat(self.starts[lines] - starts[:-1], counts)
         return replace(
             self,
-            points=self.points[np.repeat(kept, counts)],
-            starts=np.concatenate([[0], np.cumsum(counts[kept])]),
-            levels=self.levels[kept],
-            closed=self.closed[kept],
-            index=self.index[kept],
+            points=self.points[places],
+            starts=starts,
+            levels=self.levels[lines],
+            closed=self.closed[lines],
+            index=self.index[lines],
         )
 
     def save(self, path: str | os.PathLike[str]) -> Path:

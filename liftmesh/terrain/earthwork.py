@@ -18,7 +18,7 @@ from liftmesh.predicates import orient2d
 from liftmesh.same_crs import are_different
 from liftmesh.terrain.measures import cubic_metres_of
 from liftmesh.terrain.sampling import relief_of
-from liftmesh.terrain.within import between_within, in_all, in_each
+from liftmesh.terrain.within import between_within, check_measured, in_all, in_each
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -87,7 +87,7 @@ class Comparing:
         ------
         InputError
             The surfaces are over different planes or in different coordinate systems, or have no
-            area in common; or the polygon is invalid.
+            area in common; the polygon is invalid; or a volume is beyond the largest double.
         FormatError
             A file of a polygon is invalid.
         MissingDependencyError
@@ -116,7 +116,10 @@ class Comparing:
         fill, cut, area = 0.0, 0.0, 0.0
         if pair is not None:
             fill, cut, area = relief_of(self).between(relief_of(other), *pair)
+            check_measured(("volume", fill), ("volume", cut), ("area", area))
         if not area > 0:
+            for each in (self, other):
+                each.area(planar=True)  # raises where areas are no doubles
             raise InputError("the surfaces have no area in common")
         return Earthwork(cut, fill, area, cubic_metres_of(self))
 
@@ -143,7 +146,7 @@ class Comparing:
         ------
         InputError
             The surfaces are over different planes or in different coordinate systems, a polygon is
-            invalid, or two have one name.
+            invalid, two have one name, or a volume is beyond the largest double.
         FormatError, MissingDependencyError, OSError
             As for `cut_and_fill`.
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.arrays import as_reals
-from liftmesh.choices import shown
+from liftmesh.choices import as_switch, shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.corners import ranks
 from liftmesh.terrain.units import metres_of, rise_of
-from liftmesh.terrain.within import in_all, in_each, level_within
+from liftmesh.terrain.within import check_measured, in_all, in_each, level_within
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -88,7 +88,8 @@ class Measuring:
         Raises
         ------
         InputError
-            The area is beyond the largest double, or the factor not positive.
+            The area is beyond the largest double, the factor is not positive, or `planar` is
+            neither True nor False.
 
         Examples
         --------
@@ -97,10 +98,11 @@ class Measuring:
         >>> roof.area(), roof.area(planar=True)
         (10.0, 6.0)
         """
+        is_planar = as_switch("planar", planar)
         corners, heights = _faces(self)
         rise, _ = rise_of(self, z_factor)
         with np.errstate(all="ignore"):
-            areas = _planar(corners) if planar else _inclined(corners, heights * rise)
+            areas = _planar(corners) if is_planar else _inclined(corners, heights * rise)
             return _total("area", areas)
 
     def volume(self: Any, level: float = 0.0, *, polygon: object = None) -> Volume:
@@ -191,8 +193,7 @@ def _total(name: str, parts: Floats) -> float:
         total = math.fsum(parts.tolist())
     except (OverflowError, ValueError):
         total = math.inf
-    if not math.isfinite(total):
-        raise InputError(f"the {name} is beyond the largest double: scale the coordinates")
+    check_measured((name, total))
     return total
 
 
@@ -221,7 +222,10 @@ def _inclined(corners: Floats, heights: Floats) -> Floats:
     (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
     bz, cz = heights[:, 1] - heights[:, 0], heights[:, 2] - heights[:, 0]
     x, y = by * cz - bz * cy, bz * cx - bx * cz
-    areas: Floats = np.sqrt(x * x + y * y + _turns(corners) ** 2) / 2
+    normals = np.stack([x, y, _turns(corners)])
+    scale = np.frexp(np.abs(normals).max(axis=0))[1]  # squares of larger numbers are no doubles
+    x, y, turns = np.ldexp(normals, -scale)
+    areas: Floats = np.ldexp(np.sqrt(x * x + y * y + turns**2) / 2, scale)
     return areas
 
 

@@ -1,25 +1,23 @@
 """Profiles: what a line in the plane becomes on a surface, with a corner at every side it crosses.
 
-Which sides a line crosses, and which vertices it passes, is decided exactly. The height where it
-crosses a side comes from the ends of the side, the lexicographically lesser first, so it is the one
-of both faces. Where the line leaves the faces, the profile has a gap.
+The height where it crosses a side comes from the ends of the side, the lexicographically lesser
+first, so it is the one of both faces. Where the line leaves the faces, the profile has a gap.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats, Mask
 from liftmesh.arrays import as_pairs
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
-from liftmesh.predicates import orient2d
+from liftmesh.terrain.line_crossings import LineCrossings
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -84,11 +82,15 @@ class Profiling:
         Raises
         ------
         InputError
-            There are fewer than two corners, or one is not finite.
+            There are fewer than two corners, or one is not finite; or the line is longer than the
+            largest double.
 
         Notes
         -----
-        Each piece of the line takes time for all faces. Points are draped by `sample`.
+        The line is halved, again and again, and each half looks only at the faces that are near the
+        one that it is of. So a piece takes time for the faces near it; one piece across the whole
+        surface, for all of them. Corners are draped by `sample`. No bit depends on the order of the
+        rows.
 
         Examples
         --------
@@ -98,98 +100,41 @@ class Profiling:
         [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
         """
         corners = _corners(line)
-        faces = _Sides(self)
-        pieces = [faces.over(p, q) for p, q in pairwise(corners)]
-        lengths = np.hypot(*np.diff(corners, axis=0).T)
-        before = np.concatenate([[0], np.cumsum(lengths)])
-        parts: list[Floats] = []
-        for (points, runs), start in zip(pieces, before, strict=False):
-            for first, last in runs:
-                part = points[first : last + 1] + np.array([0, 0, 0, start])
-                goes_on = parts and np.array_equal(parts[-1][-1, :2], part[0, :2])
-                if goes_on and first == 0:
-                    parts[-1] = np.concatenate([parts[-1], part[1:]])
-                else:
-                    parts.append(part)
-        whole = np.concatenate(parts) if parts else np.empty((0, 4))
-        starts = np.cumsum([0, *map(len, parts)])
-        return Profile(whole[:, :3].copy(), whole[:, 3].copy(), starts)
+        before = _distances(corners)
+        pieces = LineCrossings(self).of(corners)
+        points = np.concatenate(pieces)
+        piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
+        points[:, 3] += before[piece]
+        return _parts(points, _are_joined(self, points, piece))
 
 
-class _Sides:
-    """The sides of the faces of a surface, and what a piece of a line meets of them."""
-
-    def __init__(self, surface: Surface) -> None:
-        self.surface = surface
-        self.points = surface.triangulation.points
-        self.heights = surface.frame.heights(surface.vertices)
-        corners = self.points[surface.faces]
-        self.low, self.high = corners.min(axis=1), corners.max(axis=1)
-
-    def over(self, p: Floats, q: Floats) -> tuple[Floats, list[tuple[int, int]]]:
-        """Return x, y, height and distance of what the piece meets, and the runs over faces."""
-        near = ((self.high >= np.minimum(p, q)) & (self.low <= np.maximum(p, q))).all(axis=1)
-        faces = self.surface.faces[near]
-        rows = np.unique(faces)
-        turns = orient2d(p, q, self.points[rows]) if len(rows) else np.zeros(0, np.int8)
-        ends = self.surface.sample([p, q])
-        met = [np.column_stack([[p, q], ends]), self._vertices(rows[turns == 0], p, q)]
-        sides = _sides(faces)
-        apart = turns[np.searchsorted(rows, sides)].prod(axis=1) < 0
-        met.append(self._crossings(sides[apart], p, q))
-        points = np.concatenate(met)
-        points = points[np.isfinite(points[:, 2])]
-        along = np.hypot(points[:, 0] - p[0], points[:, 1] - p[1])
-        order = np.lexsort([points[:, 1], points[:, 0], along])
-        points = np.column_stack([points, along])[order]
-        fresh = np.ones(len(points), dtype=np.bool_)
-        fresh[1:] = (points[1:, :2] != points[:-1, :2]).any(axis=1)
-        return self._runs(points[fresh])
-
-    def _vertices(self, rows: Rows, p: Floats, q: Floats) -> Floats:
-        """Return the vertices on the line that are between its ends."""
-        at = self.points[rows]
-        between = ((at >= np.minimum(p, q)) & (at <= np.maximum(p, q))).all(axis=1)
-        return np.column_stack([at[between], self.heights[rows[between]]])
-
-    def _crossings(self, sides: Rows, p: Floats, q: Floats) -> Floats:
-        """Return where the piece crosses sides whose ends are apart from its line."""
-        tails, heads = self.points[sides[:, 0]], self.points[sides[:, 1]]
-        swap = (heads[:, 0] < tails[:, 0]) | (
-            (heads[:, 0] == tails[:, 0]) & (heads[:, 1] < tails[:, 1])
-        )
-        sides[swap] = sides[swap, ::-1]
-        tails, heads = self.points[sides[:, 0]], self.points[sides[:, 1]]
-        meets = orient2d(tails, heads, p) * orient2d(tails, heads, q) <= 0
-        sides, tails, heads = sides[meets], tails[meets], heads[meets]
-        (dx, dy), (low, high) = q - p, self.heights[sides.T]
-        at_tail, at_head = (
-            np.abs(dx * (each[:, 1] - p[1]) - dy * (each[:, 0] - p[0])) for each in (tails, heads)
-        )
-        share = at_tail / np.maximum(at_tail + at_head, np.finfo(float).tiny)
-        at = np.clip(
-            tails + share[:, None] * (heads - tails),
-            np.minimum(tails, heads),
-            np.maximum(tails, heads),
-        )
-        at = np.clip(at, np.minimum(p, q), np.maximum(p, q))
-        return np.column_stack([at, low + share * (high - low)])
-
-    def _runs(self, points: Floats) -> tuple[Floats, list[tuple[int, int]]]:
-        """Join neighbours with a face between them."""
-        middles = (points[:-1, :2] + points[1:, :2]) / 2
-        joined = np.isfinite(self.surface.sample(middles)) if len(middles) else np.zeros(0, bool)
-        breaks = np.flatnonzero(~joined)
-        firsts = np.concatenate([[0], breaks + 1])
-        lasts = np.concatenate([breaks, [len(points) - 1]])
-        runs = [(a, b) for a, b in zip(firsts.tolist(), lasts.tolist(), strict=True) if a < b]
-        return points, runs
+def _are_joined(surface: Surface, points: Floats, piece: Array) -> Mask:
+    """Whether points and those after them are one corner of the line, or have a face between."""
+    firsts, steps = points[:-1, :2], np.diff(points[:, :2], axis=0)
+    one_piece = piece[1:] == piece[:-1]
+    joined: Mask = (steps == 0).all(axis=1)
+    joined[one_piece] = np.isfinite(surface.sample((firsts + steps / 2)[one_piece]))
+    return joined
 
 
-def _sides(faces: Rows) -> Rows:
-    """Return the sides of faces, each once."""
-    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    return np.unique(sides, axis=0) if len(sides) else sides
+def _parts(points: Floats, joined: Mask) -> Profile:
+    """Make a profile of the parts that are more than a point."""
+    part = np.concatenate([[0], np.cumsum(~joined)])[: len(points)]
+    fresh = np.ones(len(points), dtype=np.bool_)
+    fresh[1:] = ~joined | (points[1:, :2] != points[:-1, :2]).any(axis=1)
+    counts = np.bincount(part[fresh])
+    kept = fresh & (counts > 1)[part]
+    starts = np.concatenate([[0], np.cumsum(counts[counts > 1])])
+    return Profile(points[kept, :3], points[kept, 3], starts)
+
+
+def _distances(corners: Floats) -> Floats:
+    """Return how far along the line its corners are."""
+    with np.errstate(over="ignore"):
+        found = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
+    if not np.isfinite(found[-1]):
+        raise InputError("the line is longer than the largest double: scale the coordinates")
+    return found
 
 
 def _corners(line: Any) -> Floats:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.choices import RasterQuantity, SampleMethod
+from liftmesh.choices import RasterQuantity, SampleMethod, as_switch
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import geotiff_writer
 from liftmesh.io.atomic import replacing
@@ -119,7 +119,7 @@ class Raster:
         FormatError
             The name does not end in .tif or .tiff.
         InputError
-            The compression or the coordinate system is unknown.
+            The compression or the coordinate system is unknown, or `cog` is neither True nor False.
         MissingDependencyError
             rasterio is not installed.
         OSError
@@ -138,9 +138,10 @@ class Raster:
         """
         found = Path(path)
         check_name(found)
+        is_cog = as_switch("cog", cog)
         with replacing(found) as stream:
             geotiff_writer.write(
-                stream, self.values, self.transform, self.crs, cog=cog, compress=compress
+                stream, self.values, self.transform, self.crs, cog=is_cog, compress=compress
             )
         return found
 

@@ -17,6 +17,7 @@ from liftmesh.terrain.sampling import aspect_of, slope_of
 from liftmesh.terrain.units import rise_of
 
 _TYPES = (np.dtype(np.float64), np.dtype(np.float32))
+_STEEP, _SCALE = 2.0**500, 2.0**-600
 
 
 def shade_of(gradients: Floats, light: Floats) -> Floats:
@@ -39,9 +40,11 @@ def shade_of(gradients: Floats, light: Floats) -> Floats:
     >>> shade_of(np.array([[0.0, 0.0], [-1.0, 0.0]]), np.array([0.0, 0.0, 1.0])).round()
     array([255., 180.])
     """
-    x, y = gradients[..., 0], gradients[..., 1]
-    facing = light[2] - light[0] * x - light[1] * y
-    shades: Floats = 255 * np.maximum(facing, 0) / np.sqrt(1 + x * x + y * y)
+    steep = np.abs(gradients).max(axis=-1, initial=0) > _STEEP
+    scale = np.where(steep, _SCALE, 1.0)  # of the normal, so that its square is a double
+    x, y = gradients[..., 0] * scale, gradients[..., 1] * scale
+    facing = light[2] * scale - light[0] * x - light[1] * y
+    shades: Floats = 255 * np.maximum(facing, 0) / np.sqrt(scale * scale + x * x + y * y)
     return shades
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,14 +18,21 @@ from liftmesh import _kernel
 from liftmesh._typing import Progress, Rows
 from liftmesh.choices import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
 from liftmesh.errors import InputError
+from liftmesh.io.files import read_cloud
+from liftmesh.io.metadata import lifted_by
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.deviation import Deviation, deviation, of_rows
+from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.triangulate import triangulate
 
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+
+_WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
 
 
@@ -45,7 +52,9 @@ def simplify(
     Parameters
     ----------
     cloud : path, Cloud, Surface or object
-        Anything that `triangulate` takes, as a raster of heights; or a `Surface`.
+        Anything that `triangulate` takes, as a raster of heights; or a `Surface`. Neither may be
+        trimmed, since the triangles of a simplified surface fill its hull: simplify first, then
+        trim.
     max_error : float, optional
         The vertical distance, in the units of the heights, that no position exceeds: exactly, not
         within rounding. 0 leaves out what lies on the planes of the others.
@@ -72,7 +81,8 @@ def simplify(
     ------
     InputError
         Neither `max_error` nor `max_points` is given, or one is invalid; there are fewer
-        `max_points` than corners of the hull; or the surface has weights, radii or a metric.
+        `max_points` than corners of the hull; the surface has weights, radii or a metric; or its
+        faces, or those of a mesh, are only a part of the triangulation.
     NonFiniteError, DuplicateHeightError, DegenerateInputError, UnsupportedTypeError, FormatError
         As for `triangulate`.
 
@@ -101,11 +111,8 @@ def simplify(
     check_progress(progress)
     start = time.perf_counter()
     stages = _scaled(progress)
-    if isinstance(cloud, Surface):
-        whole = cloud
-    else:
-        given: Any = {"plane": plane, "duplicates": duplicates, "nonfinite": nonfinite}
-        whole = triangulate(cloud, **given, progress=stages(0.0, _DONE_AFTER["triangulate"]))
+    given: Any = {"plane": plane, "duplicates": duplicates, "nonfinite": nonfinite}
+    whole = _whole(cloud, given, stages(0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     heights = whole.frame.heights(whole.vertices)
     used, positions, hull = positions_of(whole)
@@ -142,6 +149,29 @@ def _limits(max_error: object, max_points: object) -> tuple[float, int]:
         bound = float(max_error)  # type: ignore[arg-type]
     most = 0 if max_points is None else as_count("max_points", max_points, 3)
     return bound, min(most, _kernel.MOST_ROWS)
+
+
+def _whole(cloud: object, given: dict[str, Any], progress: Progress | None) -> Surface:
+    """Return the surface that is to be simplified; raise if it does not cover its hull."""
+    if isinstance(cloud, Surface):
+        if cloud.mask is not None:
+            raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
+        return cloud
+    source = read_cloud(cloud)
+    whole = triangulate(source, **given, progress=progress)
+    if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
+        _check_faces(source, given["plane"])
+    return whole
+
+
+def _check_faces(mesh: Cloud, plane: Any) -> None:
+    """Raise for a mesh of fewer faces than its points have, if it may have been trimmed."""
+    try:
+        as_surface(mesh, plane=plane)
+    except InputError:  # the faces are others: the points count alone, as those of a cloud
+        return
+    if not lifted_by(mesh.metadata):
+        raise InputError(f"the faces are not the whole triangulation of the points, {_WHOLE}")
 
 
 def _check_member(surface: Surface) -> None:

@@ -131,10 +131,14 @@ def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
 
 def _size(name: str, value: object) -> float:
     """Check a length in the units of the coordinates."""
-    is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    if not is_number or not 0 < float(value) < math.inf:  # type: ignore[arg-type]
+    is_number = isinstance(value, int | float | np.integer | np.floating)
+    try:
+        size = float(value) if is_number and not isinstance(value, bool) else math.nan  # type: ignore[arg-type]
+    except OverflowError:  # a whole number beyond the doubles
+        size = math.nan
+    if not 0 < size < math.inf:
         raise InputError(f"{name} is {shown(value)}: give a positive number, in the cloud's units")
-    return float(value)  # type: ignore[arg-type]
+    return size
 
 
 def _at_random(count: int, wanted: int, seed: int) -> Array:

@@ -7,6 +7,7 @@ counted once. A level is a surface of two triangles.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
 
 
+_MOST_EXPONENT = 64
+_LARGEST = np.finfo(np.float64).max
 Measured: TypeAlias = tuple[float, float, float]
 
 
@@ -90,6 +93,30 @@ def in_each(
             raise InputError(f"polygon {region.name!r}: {error}") from error
 
 
+def check_measured(*totals: tuple[str, float]) -> None:
+    """Raise for what was measured and is no double.
+
+    Parameters
+    ----------
+    *totals : (str, float)
+        What they are, and sums: infinite or NaN if they, or parts of them, are beyond the doubles.
+
+    Raises
+    ------
+    InputError
+        One is not finite.
+
+    Examples
+    --------
+    >>> check_measured(("volume", 4.0), ("area", float("inf")))
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: the area is beyond the largest double: scale the coordinates
+    """
+    for name, total in totals:
+        if not math.isfinite(total):
+            raise InputError(f"the {name} is beyond the largest double: scale the coordinates")
+
+
 def level_within(surface: Surface, level: float, polygons: list[Polygon]) -> Measured:
     """Measure the volumes between a level and a surface in polygons.
 
@@ -114,8 +141,9 @@ def level_within(surface: Surface, level: float, polygons: list[Polygon]) -> Mea
     """
     solved = surface.triangulation
     low, high = solved.min_bound, solved.max_bound
-    room = (high - low).max()
-    (left, bottom), (right, top) = low - room, high + room
+    with np.errstate(over="ignore"):
+        room = (high - low).max()
+        (left, bottom), (right, top) = np.clip([low - room, high + room], -_LARGEST, _LARGEST)
     square = delaunay([[left, bottom], [right, bottom], [left, top], [right, top]])
     flat = _kernel.Relief(
         square.points, square.simplices, square.neighbors, np.full(4, float(level)), None
@@ -167,6 +195,7 @@ def _measured(
     inside = (faces >= 0) & (others >= 0)
     chosen = (np.ascontiguousarray(each[inside]) for each in (parts, faces, others))
     above, below, area = first[0].between_within(second[0], *chosen)
+    check_measured(("volume", above), ("volume", below), ("area", area))
     return above, below, area
 
 
@@ -182,21 +211,37 @@ def _system(surface: Surface) -> str | None:
 def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation) -> Floats:
     """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
     shapely = load("shapely", extra="shapes")
-    shapes = [shapely.Polygon(each[0], each[1:]) for each in polygons]
+    used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
+    scale = _scale_of(used[0])
+    shapes = [
+        shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
+    ]
     for number, shape in enumerate(shapes):
         if not shape.is_valid:
             reason = shapely.is_valid_reason(shape)
             raise InputError(f"polygon {number} is not valid: {reason}")
     area = shapely.union_all(shapes)
-    for solved in (surface.triangulation, *others):
-        used = solved.points[solved.vertex_to_simplex >= 0]
-        area = area.intersection(shapely.MultiPoint(used).convex_hull)
+    for points in _scaled(used, scale):
+        area = area.intersection(shapely.MultiPoint(points).convex_hull)
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygonal(shapely, area)))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
-    turned = bx * cy < by * cx
-    corners[turned] = corners[turned, ::-1]
-    return np.ascontiguousarray(corners)
+    turns = bx * cy - by * cx
+    with np.errstate(over="ignore"):
+        check_measured(("area", float(np.ldexp(np.abs(turns).sum() / 2, 2 * scale))))
+    corners[turns < 0] = corners[turns < 0, ::-1]
+    return np.ascontiguousarray(np.ldexp(corners, scale))
+
+
+def _scale_of(points: Floats) -> int:
+    """Return the power of two of coordinates whose products shapely may lose, and 0 of others."""
+    exponent = int(np.frexp(np.abs(points).max(initial=0))[1])
+    return exponent if abs(exponent) > _MOST_EXPONENT else 0
+
+
+def _scaled(parts: list[Any], scale: int) -> list[Any]:
+    """Divide coordinates by a power of two."""
+    return parts if not scale else [np.ldexp(each, -scale) for each in parts]
 
 
 def _polygonal(shapely: Any, area: Any) -> Any:

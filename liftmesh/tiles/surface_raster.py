@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats, Progress
-from liftmesh.choices import RasterQuantity, SampleMethod, check_progress
+from liftmesh.choices import RasterQuantity, SampleMethod, as_switch, check_progress
 from liftmesh.io import geotiff_writer
 from liftmesh.terrain.pixels import Layout, centres_of, layout_of
 from liftmesh.terrain.raster import Raster, check_name
@@ -234,6 +234,7 @@ class Rasterizing:
         check_progress(progress)
         target = Path(path)
         check_name(target)
+        is_cog = as_switch("cog", cog)
         layout = _layout(self, resolution, bounds, transform, shape)
         windows, wanted = _windows(self, layout, quantity, method, dtype, light, z_factor, threads)
         geotiff_writer.write_windows(
@@ -243,7 +244,7 @@ class Rasterizing:
             windows.values(progress),
             layout.transform,
             self.crs,
-            cog=cog,
+            cog=is_cog,
             compress=compress,
         )
         return target
