@@ -113,7 +113,6 @@ def test_options_of_python_are_told_as_those_of_commands(message: str, said: str
             "triangulate wall.xyz b.ply",
             "a point off it (for a cloud in a vertical plane: --plane fit)",
         ),
-        ("raster a.ply b.tif --resolution 0", "--resolution is 0.0: give a positive number"),
     ],
 )
 def test_commands_name_their_own_options(line: str, said: str, tmp_path: Path) -> None:

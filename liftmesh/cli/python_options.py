@@ -11,8 +11,8 @@ import shlex
 
 _NAMES = (
     "band", "cell", "color_depth", "columns", "decimal", "delimiter", "duplicates", "encoding",
-    "end", "flat", "nodata", "nonfinite", "plane", "point_format", "scale", "skip_rows", "to_crs",
-    "unit",
+    "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale", "skip_rows",
+    "to_crs", "unit",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",

@@ -131,7 +131,8 @@ def run(
 
     limit = options.parse_size(memory, "--memory")
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
+    with options.checked():
+        rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
     if tile_rows is not None:
         rows = options.parse_count("--tile-rows", tile_rows, 16)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
