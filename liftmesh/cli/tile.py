@@ -211,15 +211,34 @@ def _client(workers: str | None, scheduler: str | None, limit: int | None) -> It
     from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
-    if workers is None:
-        with load("dask.distributed", extra="dask").Client(scheduler) as client:
+    if scheduler is not None:
+        distributed = load("dask.distributed", extra="dask")
+        _check_address(scheduler)
+        with distributed.Client(scheduler) as client:
             yield client
         return
     settings: dict[str, Any] = {} if limit is None else {"memory_limit": limit}
     settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
-    count = options.parse_count("--workers", workers, 1)
+    count = options.parse_count("--workers", workers or "", 1)
     with local_cluster(n_workers=count, **settings) as client:
         yield client
+
+
+def _check_address(text: str) -> None:
+    """Raise unless it is an address that a process may connect to."""
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
+
+    addressing = load("distributed.comm.addressing", extra="dask")
+    protocols = {*load("distributed.comm.registry", extra="dask").backends} - {"inproc"}
+    try:
+        protocol, place = addressing.parse_address(text)
+        host, port = addressing.parse_host_port(place)
+    except ValueError:
+        protocol, host, port = "", "", 0
+    if protocol not in protocols or not host or not 0 < port < 1 << 16:
+        raise typer.BadParameter(
+            f"--scheduler {text!r} is no address: give one as tcp://10.0.0.1:8786"
+        )
 
 
 def _say(found: Tiled, *, json: bool) -> None:
