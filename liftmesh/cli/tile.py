@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,6 +30,7 @@ EXAMPLES = [
     "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --duplicates lowest",
     "liftmesh tile cloud.npy /shared/tiles/ --scheduler tcp://10.0.0.1:8786",
 ]
+_NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracker"
 SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
@@ -220,8 +222,14 @@ def _client(workers: str | None, scheduler: str | None, limit: int | None) -> It
     settings: dict[str, Any] = {} if limit is None else {"memory_limit": limit}
     settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
     count = options.parse_count("--workers", workers or "", 1)
-    with local_cluster(n_workers=count, **settings) as client:
-        yield client
+    # A signal ends this process while workers end, too: whatever semaphores they had are removed by
+    # the tracker of multiprocessing, which takes the options of warnings from its parent.
+    sys.warnoptions.append(_NO_LEAKS)
+    try:
+        with local_cluster(n_workers=count, **settings) as client:
+            yield client
+    finally:
+        sys.warnoptions.remove(_NO_LEAKS)
 
 
 def _check_address(text: str) -> None:
