@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 
@@ -11,10 +12,12 @@ import pyproj
 import pytest
 import rasterio
 import trimesh
-from commands import failed, liftmesh as run
+from commands import failed, liftmesh as run, process
+from hypothesis import given, strategies as st
 from test_trimming import meadow
 
 import liftmesh
+from liftmesh.cli.sample import _EmptyFields
 
 
 @pytest.fixture
@@ -127,6 +130,35 @@ def test_points_get_heights_and_keep_their_values(tin, tmp_path) -> None:
     assert (tmp_path / "heights.csv").read_text().splitlines()[-1].split(",")[2] == ""
     run("sample", tin, tmp_path / "heights.xyz", "--at", tmp_path / "points.csv")
     assert " nan " in (tmp_path / "heights.xyz").read_text()
+
+
+@pytest.mark.parametrize("kind", ["csv", "tsv"])
+def test_stdout_has_the_bytes_of_a_file(kind: str, tin, tmp_path) -> None:
+    (tmp_path / "at.csv").write_text("x,y,nan,id\n20,20,1,7\n99,50,,8\n50,50,nan,9\n")
+    words = ("--at", "at.csv", "--json")
+    done = run("sample", tin, f"out.{kind}", *words, cwd=tmp_path)
+    told = {"path": f"out.{kind}", "method": "linear", "points": 3, "known": 2}
+    assert (json.loads(done.stdout), done.stderr) == (told, "")
+    printed = process("sample", tin, "-", "--format", kind, *words, cwd=tmp_path, text=False)
+    assert printed.stdout == (tmp_path / f"out.{kind}").read_bytes()
+    assert json.loads(printed.stderr) == told | {"path": "-"}
+    lines = [
+        line.split("\t" if kind == "tsv" else ",") for line in printed.stdout.decode().splitlines()
+    ]
+    assert lines[0] == ["x", "y", "z", "nan", "id"]
+    assert [line[2] == "" for line in lines[1:]] == [False, True, False]
+    assert [line[3] == "" for line in lines[1:]] == [False, True, True]
+
+
+@given(names=st.binary(), rows=st.lists(st.sampled_from([b"nan", b"1.5", b""]), min_size=2))
+def test_names_of_columns_stay_however_they_are_written(names: bytes, rows: list[bytes]) -> None:
+    names = names.replace(b"\n", b"nan,")
+    stream = io.BytesIO()
+    lines = _EmptyFields(stream)
+    for part in (names[:3], names[3:], b"\n", b",".join(rows) + b"\n"):
+        lines.write(part)
+    expected = b",".join(b"" if each == b"nan" else each for each in rows)
+    assert stream.getvalue() == names + b"\n" + expected + b"\n"
 
 
 def test_rows_that_are_not_finite_may_be_skipped(tmp_path) -> None:

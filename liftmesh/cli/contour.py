@@ -10,6 +10,7 @@ import typer
 from liftmesh.cli import files, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
+from liftmesh.cli.values import checked
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -64,7 +65,7 @@ def run(
     standard_streams.check_stdout()
     check_name(target)
     wanted = _wanted(interval, levels, base)
-    with options.checked():
+    with checked():
         least = length_of(surfaces.parse_number("--min-length", min_length))
     every = options.parse_count("--index-every", index_every, 1)
     files.check_place(target)

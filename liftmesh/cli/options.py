@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.choices import NonFinite, as_count
-from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.errors import InputError
 
 Source: TypeAlias = Annotated[
@@ -87,30 +84,6 @@ Metric: TypeAlias = Annotated[
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-
-
-@contextmanager
-def checked() -> Iterator[None]:
-    """Tell what the library refuses of the values of options as wrong usage.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is refused.
-
-    Examples
-    --------
-    >>> try:
-    ...     with checked():
-    ...         raise InputError("bounds are [0]: give four numbers")
-    ... except typer.BadParameter as error:
-    ...     print(error.message)
-    --bounds are [0]: give four numbers
-    """
-    try:
-        yield
-    except InputError as error:
-        raise typer.BadParameter(as_on_command_line(str(error))) from error
 
 
 def parse_plane(text: str) -> Any:

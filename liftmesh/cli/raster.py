@@ -12,6 +12,7 @@ from liftmesh.cli import files, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.trimming import trimmed
+from liftmesh.cli.values import checked
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -141,7 +142,7 @@ def _check(
     from liftmesh.terrain.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
     from liftmesh.terrain.raster_values import check_method  # noqa: PLC0415 - as above
 
-    with options.checked():
+    with checked():
         steps_of(steps if len(steps) > 1 else steps[0])
         if bounds is not None:
             bounds_of(bounds)

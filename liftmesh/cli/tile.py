@@ -14,6 +14,7 @@ import typer
 from liftmesh.choices import Duplicates, ShardFormat
 from liftmesh.cli import options, standard_streams, terminal
 from liftmesh.cli.rows import with_options as with_rows
+from liftmesh.cli.values import checked
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -133,7 +134,7 @@ def run(
 
     limit = options.parse_size(memory, "--memory")
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    with options.checked():
+    with checked():
         rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
     if tile_rows is not None:
         rows = options.parse_count("--tile-rows", tile_rows, 16)
