@@ -66,6 +66,9 @@ def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
     done = command(*words, cwd=folder)
     assert done.returncode == 3
     assert "holds the triangles of other points" in done.stderr
+    assert "or replace them with --anew\n" in done.stderr
+    done = command("tile", "b.npy", "out", "--tile-rows", 400, "--neighbors", cwd=folder)
+    assert "with --tile-rows 500, not 400: use the same, or begin anew with --anew" in done.stderr
     assert command(*words, "--anew", cwd=folder).returncode == 0
     assert liftmesh.open_tiled(folder / "out").npoints == 900
 
