@@ -248,6 +248,37 @@ writing._write = deaf
     assert_nothing_was_written(folder)
 
 
+@pytest.mark.parametrize("number", ENDS)
+def test_the_watchdog_removes_the_folder_of_a_raster_of_tiles(number: int, tmp_path: Path) -> None:
+    points = np.random.default_rng(0).random((200, 3))
+    liftmesh.tile_surface(points, tmp_path / "tiles")
+    change = """
+import rasterio.shutil
+rasterio.shutil.copy = deaf
+"""
+    words = ("raster", "tiles", "out.tif", "--resolution", "0.1", "--cog")
+    child = started(change, *words, cwd=tmp_path)
+    wait_until_deaf(child)
+    (hidden,) = tmp_path.glob(".liftmesh-raster-*")
+    assert (hidden / "raster.tif").is_file()
+    child.send_signal(number)
+    assert ended(child) == (ENDS[number][0], "", ENDS[number][1])
+    assert [path.name for path in tmp_path.iterdir()] == ["tiles"]
+
+
+def test_workers_leave_no_second_line(tmp_path: Path) -> None:
+    np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((200, 2)))
+    change = """
+import liftmesh.dask
+liftmesh.dask.delaunay = deaf
+"""
+    child = started(change, "tile", "cloud.npy", "out", "--workers", "1", cwd=tmp_path)
+    wait_until_deaf(child)
+    child.send_signal(signal.SIGTERM)
+    assert ended(child) == (ENDS[signal.SIGTERM][0], "", ENDS[signal.SIGTERM][1])
+    assert [path.name for path in tmp_path.iterdir()] == ["cloud.npy"]
+
+
 def test_a_full_pipe_of_errors_does_not_hold_up_the_end(folder: Path) -> None:
     change = DEAF + "os.write(2, bytes(65536))\n"
     child = started(change, "info", "mesh.ply", cwd=folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 
@@ -11,10 +12,12 @@ import pyproj
 import pytest
 import rasterio
 import trimesh
-from commands import failed, liftmesh as run
+from commands import failed, liftmesh as run, process
+from hypothesis import given, strategies as st
 from test_trimming import meadow
 
 import liftmesh
+from liftmesh.cli.sample import _EmptyFields
 
 
 @pytest.fixture
@@ -129,6 +132,35 @@ def test_points_get_heights_and_keep_their_values(tin, tmp_path) -> None:
     assert " nan " in (tmp_path / "heights.xyz").read_text()
 
 
+@pytest.mark.parametrize("kind", ["csv", "tsv"])
+def test_stdout_has_the_bytes_of_a_file(kind: str, tin, tmp_path) -> None:
+    (tmp_path / "at.csv").write_text("x,y,nan,id\n20,20,1,7\n99,50,,8\n50,50,nan,9\n")
+    words = ("--at", "at.csv", "--json")
+    done = run("sample", tin, f"out.{kind}", *words, cwd=tmp_path)
+    told = {"path": f"out.{kind}", "method": "linear", "points": 3, "known": 2}
+    assert (json.loads(done.stdout), done.stderr) == (told, "")
+    printed = process("sample", tin, "-", "--format", kind, *words, cwd=tmp_path, text=False)
+    assert printed.stdout == (tmp_path / f"out.{kind}").read_bytes()
+    assert json.loads(printed.stderr) == told | {"path": "-"}
+    lines = [
+        line.split("\t" if kind == "tsv" else ",") for line in printed.stdout.decode().splitlines()
+    ]
+    assert lines[0] == ["x", "y", "z", "nan", "id"]
+    assert [line[2] == "" for line in lines[1:]] == [False, True, False]
+    assert [line[3] == "" for line in lines[1:]] == [False, True, True]
+
+
+@given(names=st.binary(), rows=st.lists(st.sampled_from([b"nan", b"1.5", b""]), min_size=2))
+def test_names_of_columns_stay_however_they_are_written(names: bytes, rows: list[bytes]) -> None:
+    names = names.replace(b"\n", b"nan,")
+    stream = io.BytesIO()
+    lines = _EmptyFields(stream)
+    for part in (names[:3], names[3:], b"\n", b",".join(rows) + b"\n"):
+        lines.write(part)
+    expected = b",".join(b"" if each == b"nan" else each for each in rows)
+    assert stream.getvalue() == names + b"\n" + expected + b"\n"
+
+
 def test_rows_that_are_not_finite_may_be_skipped(tmp_path) -> None:
     (tmp_path / "nan.csv").write_text("x,y,z\n0,0,1\n9,9,nan\n4,0,2\n0,4,3\n")
     (tmp_path / "at.csv").write_text("x,y\n0,0\n1,1\n9,9\n")
@@ -177,21 +209,21 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (("raster", "tin.ply", "out.tif", "--resolution", "0"), 3, "give a positive number"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "0"), 2, "give a positive number"),
         (("raster", "tin.ply", "out.tif", "--resolution", "fine"), 2, "'fine' is not a number"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "1,2,3"), 3, "resolution is"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1,2,3"), 2, "resolution is"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1e-12"), 3, "too many"),
         (("raster", "tin.ply", "out.tif"), 2, "--resolution"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--bounds", "1,2"), 3, "bounds"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--crs", "EPSG:1"), 3, "EPSG:1"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--compress", "x"), 3, "'x'"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--bounds", "1,2"), 2, "bounds"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--crs", "EPSG:1"), 2, "EPSG:1"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--compress", "x"), 2, "'x'"),
         (("raster", "tin.ply", "no/out.tif", "--resolution", "1"), 3, "does not exist"),
         (("raster", "tin.ply", "tin.ply", "--resolution", "1"), 3, "tin.ply: rasters are written"),
         (("raster", "a.tif", "a.tif", "--resolution", "1"), 2, "same file"),
         (("raster", "tin.ply", "-", "--resolution", "1"), 3, "-: rasters are written as GeoTIFF"),
         (("raster", "none.ply", "o.png", "--resolution", "1"), 3, "o.png: rasters are written"),
-        (("raster", "none.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:abc"), 3, "EPSG:abc"),
-        (("raster", "none.ply", "o.tif", "--resolution", "1", "--compress", "x"), 3, "'x'"),
+        (("raster", "none.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:abc"), 2, "EPSG:abc"),
+        (("raster", "none.ply", "o.tif", "--resolution", "1", "--compress", "x"), 2, "'x'"),
         (("raster", "utm.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:4326"), 3, "not in --"),
         (
             ("sample", "utm.ply", "out.ply", "--at", "dutch.ply"),
@@ -225,15 +257,39 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("sample", "tin.ply", "at.csv", "--at", "at.csv"), 2, "same file"),
         (("raster", "tin.ply", "o.tif", "--resolution", "1e-5"), 3, "pixels are too many"),
         (("raster", "tin.ply", "o.tif", "--resolution", "nan"), 2, "'nan' is not a number"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "-1"), 3, "--resolution is -1.0: give"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"), 3, "one of none"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--bounds", "3,3,0,0"), 3, "--bounds"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "-1"), 2, "--resolution is -1.0: give"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"), 2, "one of none"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--bounds", "3,3,0,0"), 2, "--bounds"),
+        (("raster", "none.ply", "o.tif", "--resolution", "0"), 2, "--resolution is 0.0: give a"),
+        (("raster", "none.ply", "o.tif", "--resolution", "1", "--bounds", "0,0,1"), 2, "--bounds"),
+        (
+            ("raster", "none.ply", "o.tif", "--resolution", "1", "--bounds", "10,10,0,0"),
+            2,
+            "--bounds are [10.0, 10.0, 0.0, 0.0]: give xmin, ymin, xmax, ymax (see liftmesh",
+        ),
+        (
+            (
+                "raster",
+                "none.ply",
+                "o.tif",
+                "--resolution=1",
+                "--quantity=slope",
+                "--method=sibson",
+            ),
+            2,
+            "slope is that of faces: leave out --method sibson",
+        ),
+        (
+            ("contour", "none.ply", "o.geojson", "--interval", "1", "--min-length", "-1"),
+            2,
+            "--min-length is -1.0: give a number, not below zero",
+        ),
         (("raster", "nan.csv", "o.tif", "--resolution", "1"), 3, "with --nonfinite skip"),
         (("raster", "tin.ply", "o.tif", "--resolution", "1", "--polygon", "far.json"), 3, "faces"),
         (("contour", "tin.ply", "o.geojson", "--interval", "1e-12"), 3, "--interval is 1e-12"),
         (
             ("contour", "tin.ply", "o.geojson", "--interval", "1", "--min-length", "-1"),
-            3,
+            2,
             "--min-length is -1.0",
         ),
         (("sample", "tin.ply", "o.csv", "--at", "names.csv"), 3, "has no column x or y"),

@@ -66,6 +66,9 @@ def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
     done = command(*words, cwd=folder)
     assert done.returncode == 3
     assert "holds the triangles of other points" in done.stderr
+    assert "or replace them with --anew\n" in done.stderr
+    done = command("tile", "b.npy", "out", "--tile-rows", 400, "--neighbors", cwd=folder)
+    assert "with --tile-rows 500, not 400: use the same, or begin anew with --anew" in done.stderr
     assert command(*words, "--anew", cwd=folder).returncode == 0
     assert liftmesh.open_tiled(folder / "out").npoints == 900
 
@@ -84,10 +87,15 @@ def test_progress_on_a_terminal(folder: Path) -> None:
         (["a.npy", "out", "--shards", "obj"], 2, "--shards"),
         (["a.npy", "out", "--workers", "0"], 2, "--workers"),
         (["a.npy", "out", "--memory", "1G", "--tile-rows", "99"], 2, "exclude each other"),
+        (["a.npy", "out", "--scheduler", "xyz"], 2, "--scheduler 'xyz' is no address: give one as"),
+        (["a.npy", "out", "--scheduler", ""], 2, "--scheduler '' is no address"),
+        (["a.npy", "out", "--scheduler", "foo://x:1"], 2, "--scheduler 'foo://x:1' is no address"),
+        (["a.npy", "out", "--scheduler", "tcp://x:99999"], 2, "is no address"),
+        (["a.npy", "out", "--scheduler", "inproc://x"], 2, "is no address"),
         (["a.npy", "out", "--workers", "2", "--scheduler", "tcp://x:1"], 2, "exclude each other"),
         (["a.npy", "out", "--workers", "2", "--threads", "2"], 2, "exclude each other"),
-        (["a.npy", "out", "--memory", "1MB"], 3, "1 MB of memory do not hold a process"),
-        (["a.npy", "out", "--workers", "1", "--memory", "50M"], 3, "50 MB of memory do not hold"),
+        (["a.npy", "out", "--memory", "1MB"], 2, "1 MB of memory do not hold a process"),
+        (["a.npy", "out", "--workers", "1", "--memory", "50M"], 2, "50 MB of memory do not hold"),
         (["missing.npy", "out"], 3, "missing.npy"),
         (["a.npy", "b.npy"], 3, "b.npy"),
         (["-", "out"], 3, "-"),

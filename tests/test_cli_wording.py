@@ -90,6 +90,15 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
         ("give plane='xy', a normal", "give --plane xy, a normal"),
         ("point_format is 11: give 6", "--point-format is 11: give 6"),
         ("a.las: distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
+        ("max_points is 3, and the hull has 4", "--max-points is 3, and the hull has 4"),
+        ("replace them with resume=False", "replace them with --anew"),
+        ("tile again with neighbors=True, resume=False", "tile again with --neighbors --anew"),
+        (
+            "out holds a run with tile_rows 500, not 99",
+            "out holds a run with --tile-rows 500, not 99",
+        ),
+        ("with shard_format 'npy', not 'ply'", "with --shards 'npy', not 'ply'"),
+        ("b in None: give to_crs= or crs=", "b in None: give --to-crs or --from-crs"),
         ("the cell is empty, a distance is not", "the cell is empty, a distance is not"),
         ("band=2/a.tif: no file", "band=2/a.tif: no file"),
         ("tiles/cell=5: no file", "tiles/cell=5: no file"),
@@ -108,12 +117,13 @@ def test_options_of_python_are_told_as_those_of_commands(message: str, said: str
         ("triangulate a.ply b.las --scale 1e-9", "in steps of --scale 1e-09: give a larger"),
         ("triangulate a.ply b.ply --cell 1e-300", "--cell is 1e-300, too small"),
         ("triangulate a.ply b.ply --min-distance 1e-300", "--min-distance is 1e-300, too small"),
+        ("simplify a.ply b.ply --max-points 3", "--max-points is 3, and the hull has"),
+        ("tile a.ply feet.ply out --surface", "in None: give --to-crs or --from-crs"),
         ("triangulate feet.ply b.3mf", "but 3MF has metre, foot: give --unit"),
         (
             "triangulate wall.xyz b.ply",
             "a point off it (for a cloud in a vertical plane: --plane fit)",
         ),
-        ("raster a.ply b.tif --resolution 0", "--resolution is 0.0: give a positive number"),
     ],
 )
 def test_commands_name_their_own_options(line: str, said: str, tmp_path: Path) -> None:

@@ -304,9 +304,11 @@ def test_the_scheduler_is_lost_and_started_again(
 def test_errors_of_workers_are_those_of_one_process(client: Client, tmp_path: Path) -> None:
     points = POINTS.copy()
     points[21_234, 1] = np.nan
+    out = tmp_path / "new" / "out"
     with pytest.raises(NonFiniteError, match="row 21234 is not finite") as caught:
-        liftmesh.dask.delaunay(points, tmp_path, tile_rows=TILE_ROWS, client=client)
+        liftmesh.dask.delaunay(points, out, tile_rows=TILE_ROWS, client=client)
     assert caught.value.row == 21_234
+    assert list(tmp_path.iterdir()) == []
     with pytest.raises(InputError, match=r"points need the shape \(n, 2\) or \(n, 3\)"):
         liftmesh.dask.delaunay(dask.array.zeros((8, 4)), tmp_path / "a", client=client)
     with pytest.raises(InputError, match=r"client is a str: give a dask.distributed.Client"):

@@ -157,12 +157,57 @@ def test_what_cannot_be_resumed_leaves_no_scratch(tmp_path: Path) -> None:
     for source, error in ((line, DegenerateInputError), (iter([bad]), NonFiniteError)):
         with pytest.raises(error):
             liftmesh.tile(source, tmp_path / "out", tile_rows=ROWS)
-        assert list((tmp_path / "out").iterdir()) == []
+        assert list(tmp_path.iterdir()) == []
     liftmesh.tile(POINTS, tmp_path / "out", tile_rows=ROWS)  # the source was repaired
     before = contents(tmp_path)
     with pytest.raises(InputError, match="holds the triangles of other points"):
         liftmesh.tile(iter([POINTS[:300]]), tmp_path / "out", tile_rows=ROWS)
     assert contents(tmp_path) == before
+
+
+COLUMN = np.column_stack((np.zeros(50), np.arange(50.0)))
+REFUSED = {
+    "missing": FileNotFoundError,
+    "empty": DegenerateInputError,
+    "garbage": FormatError,
+    "nan": NonFiniteError,
+    "line": DegenerateInputError,
+}
+
+
+@pytest.mark.parametrize("make", [liftmesh.tile, liftmesh.tile_surface])
+@pytest.mark.parametrize("kind", REFUSED)
+def test_folders_that_were_made_for_nothing_are_removed(
+    make: Callable[..., Any], kind: str, tmp_path: Path
+) -> None:
+    heights = np.column_stack((COLUMN, COLUMN[:, 1]))
+    arrays = {"empty": heights[:0], "nan": heights * np.nan, "line": heights}
+    if kind == "garbage":
+        (tmp_path / "cloud.npy").write_bytes(b"garbage")
+    elif kind in arrays:
+        np.save(tmp_path / "cloud.npy", arrays[kind])
+    (tmp_path / "there").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+    for out in (tmp_path / "a" / "b" / "out", tmp_path / "there" / "out", tmp_path / "there"):
+        for scratch in (None, tmp_path / "a" / "scratch", tmp_path / "there"):
+            with pytest.raises(REFUSED[kind]):
+                make(tmp_path / "cloud.npy", out, tile_rows=30, scratch=scratch)
+            assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_folders_that_were_made_for_a_scratch_that_is_a_file_are_removed(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(NotADirectoryError):
+        liftmesh.tile(POINTS, tmp_path / "a" / "out", scratch=tmp_path / "file")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_run_that_can_go_on_keeps_the_folders_that_it_made(tmp_path: Path) -> None:
+    out, scratch = tmp_path / "a" / "out", tmp_path / "b" / "scratch"
+    stopped(POINTS, out, scratch=scratch)
+    assert any(scratch.iterdir())
+    liftmesh.tile(POINTS, out, tile_rows=ROWS, scratch=scratch)
+    assert list(scratch.iterdir()) == []
 
 
 def test_a_plan_of_another_program_is_not_mixed_with_this_one(

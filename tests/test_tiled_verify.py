@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -128,6 +131,28 @@ def test_wrong_lists_are_found(name: str, tmp_path: Path) -> None:
         np.save(tmp_path / f"{name}.npy", wrong)
         if name != "hull" or sorted(wrong) != sorted(stated):
             assert kinds(tiled, points) == {f"other_{name}"}
+
+
+KILLED = """
+import os, signal, sys
+import liftmesh
+
+def points():
+    yield [[0.0, 0.0], [1.0, 0.0]]
+    os.kill(os.getpid(), signal.SIGKILL)
+
+liftmesh.open_tiled(sys.argv[1]).verify(points())
+"""
+
+
+def test_what_a_killed_process_leaves_is_removed(tmp_path: Path) -> None:
+    tiled = liftmesh.tile(POINTS, tmp_path)
+    before = {path.name for path in tmp_path.iterdir()}
+    ended = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert len({path.name for path in tmp_path.iterdir()} - before) == 1
+    assert tiled.verify(POINTS).canonical
+    assert {path.name for path in tmp_path.iterdir()} == before
 
 
 def test_the_source_is_found_and_has_to_be_the_same(tmp_path: Path) -> None:

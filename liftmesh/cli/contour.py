@@ -10,6 +10,7 @@ import typer
 from liftmesh.cli import files, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
+from liftmesh.cli.values import checked
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -59,25 +60,26 @@ def run(
     json : bool
         Print JSON.
     """
-    from liftmesh.terrain.contours import check_name  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.contours import check_name, length_of  # noqa: PLC0415 - help and --version do without
 
     standard_streams.check_stdout()
     check_name(target)
     wanted = _wanted(interval, levels, base)
-    least = surfaces.parse_number("--min-length", min_length)
+    with checked():
+        least = length_of(surfaces.parse_number("--min-length", min_length))
     every = options.parse_count("--index-every", index_every, 1)
     files.check_place(target)
     files.check_apart(reading.polygon, source, target)
     if source.is_dir():
         tiled = opened(source, reading)
         with terminal.stage("finding contours"):
-            lines = tiled.contours(**wanted, index_every=every).longer_than(least or 0.0)
+            lines = tiled.contours(**wanted, index_every=every).longer_than(least)
     else:
         surface = reading.surface(source)
         with terminal.stage("finding contours"):
             lines = surface.contours(
                 **wanted, index_every=every, threads=reading.threads
-            ).longer_than(least or 0.0)
+            ).longer_than(least)
     with terminal.stage(f"writing {target.name}"):
         path = lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())

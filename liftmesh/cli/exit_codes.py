@@ -15,7 +15,7 @@ MEANINGS = {
     DONE: "success; compare: both results are correct",
     DIFFERENT: "compare: trimesh's hull is really different or fails; verify: not valid",
     USAGE: "wrong usage",
-    BAD_INPUT: "invalid file or points, or not enough memory",
+    BAD_INPUT: "invalid file or points, options that do not fit them, or not enough memory",
     BUG: "a bug in liftmesh",
     INTERRUPTED: "interrupted by Ctrl-C; SIGINT stays ignored where it is, as after nohup",
     PIPE_CLOSED: "the reader of the output closed the pipe",

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
 
 import typer
 
@@ -125,11 +126,23 @@ def write(
     if not is_stream(path):
         with terminal.writing(f"writing {path.name}", places.written):
             return writing.write(path, mesh, format=file_format, **options)
+    with stdout_of_bytes() as stream:
+        return writing.write(stream, mesh, format=file_format, **options)
+
+
+@contextmanager
+def stdout_of_bytes() -> Iterator[BinaryIO]:
+    """Open stdout for a file, unless a signal came.
+
+    Yields
+    ------
+    binary stream
+        A separate one: an unbuffered sys.stdout may write a part without an error.
+    """
     with terminal.stage("writing stdout"):
         check()
-        # A separate stream: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
-            return writing.write(stream, mesh, format=file_format, **options)
+            yield stream
 
 
 def headline(written: Written, content: str) -> str:

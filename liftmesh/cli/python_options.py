@@ -11,8 +11,8 @@ import shlex
 
 _NAMES = (
     "band", "cell", "color_depth", "columns", "decimal", "delimiter", "duplicates", "encoding",
-    "end", "flat", "nodata", "nonfinite", "plane", "point_format", "scale", "skip_rows", "to_crs",
-    "unit",
+    "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale", "skip_rows",
+    "to_crs", "unit",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
@@ -20,6 +20,14 @@ _PHRASES = {
     "with format=": "with --from FORMAT",
     "with max_bytes=": "with --max-bytes SIZE",
     "with crs=": "with --from-crs",
+    "to_crs= or crs=": "--to-crs or --from-crs",
+    "neighbors=True, resume=False": "--neighbors --anew",
+    "resume=False": "--anew",
+    "with neighbors ": "with --neighbors ",
+    "with nonfinite '": "with --nonfinite '",
+    "with shard_format '": "with --shards '",
+    "with tile_rows ": "with --tile-rows ",
+    "fewer tile_rows": "fewer --tile-rows",
     "dtype='float64'": "--double",
     "flat=True": "--flat",
     "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
@@ -28,8 +36,8 @@ _PHRASES = {
     "give one of None, ": "give one of none, ",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "point_format",
-    "resolution",
+    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
+    "point_format", "resolution",
 )  # fmt: skip
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
 _NAME = rf"(?P<name>{'|'.join(_NAMES)})="

@@ -12,6 +12,7 @@ from liftmesh.cli import files, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.trimming import trimmed
+from liftmesh.cli.values import checked
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -91,8 +92,7 @@ def run(
     json : bool
         Print JSON.
     """
-    from liftmesh.io import geotiff_writer  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.raster import check_name  # noqa: PLC0415 - as above
+    from liftmesh.terrain.raster import check_name  # noqa: PLC0415 - help and --version do without
 
     standard_streams.check_stdout()
     check_name(target)
@@ -100,7 +100,7 @@ def run(
     factor = surfaces.parse_number("--z-factor", z_factor, positive=True)
     covered = None if bounds is None else _numbers("--bounds", bounds)
     packing = None if compress == "none" else compress
-    geotiff_writer.checked(crs, packing)
+    _check(steps, covered, quantity, method, crs, packing)
     files.check_place(target)
     files.check_apart(reading.polygon, source, target)
     if source.is_dir():
@@ -127,6 +127,27 @@ def run(
     with terminal.stage(f"writing {target.name}"):
         path = found.save(target, cog=cog, compress=packing)
     _say(path, found, as_json=json)
+
+
+def _check(
+    steps: list[float],
+    bounds: list[float] | None,
+    quantity: RasterQuantity,
+    method: SampleMethod,
+    crs: str | None,
+    compress: str | None,
+) -> None:
+    """Raise before the work starts if the options make no raster."""
+    from liftmesh.io import geotiff_writer  # noqa: PLC0415 - as above
+    from liftmesh.terrain.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
+    from liftmesh.terrain.raster_values import check_method  # noqa: PLC0415 - as above
+
+    with checked():
+        steps_of(steps if len(steps) > 1 else steps[0])
+        if bounds is not None:
+            bounds_of(bounds)
+        check_method(quantity, method)
+        geotiff_writer.checked(crs, compress)
 
 
 def _write(

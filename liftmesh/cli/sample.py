@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -37,6 +39,7 @@ EXAMPLES = [
     "liftmesh sample survey.csv heights.ply --at points.ply --max-edge 20 --boundary-only",
 ]
 
+_CSV = frozenset({"csv", "tsv"})
 _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 
 
@@ -64,6 +67,7 @@ def run(
     table: Any = None,
     selection: Any = None,
     max_bytes: options.MaxBytes = None,
+    json: options.Json = False,
 ) -> None:
     """Read a surface and points, write the points with heights, and say how many have one.
 
@@ -85,7 +89,11 @@ def run(
         Options of tables and of the rows of IN to read, as in `liftmesh.read`.
     max_bytes : str, optional
         Limit of what a file may expand to.
+    json : bool
+        Print JSON.
     """
+    if json:
+        standard_streams.check_stdout()
     count, limit = options.parse_threads(threads), options.parse_size(max_bytes)
     files.check_target(target, target_format)
     files.check_apart(trimming.get("polygon"), source, target)
@@ -105,8 +113,13 @@ def run(
     with terminal.stage(f"sampling at {len(asked):,} points"):
         found, known = _sampled(surface, asked, method, count)
     path = _write(target, found, target_format)
-    with standard_streams.after_writing(path):
-        terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
+    place = redirect_stdout(sys.stderr) if path is None else standard_streams.dispensable_stdout()
+    with place, standard_streams.after_writing(path):
+        if json:
+            counts = {"points": len(asked), "known": known}
+            terminal.as_json({"path": str(path or "-"), "method": method, **counts})
+        else:
+            terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
 
 
 def _asked(at: Path, source: Path, own: str | None, limit: int | None) -> Cloud:
@@ -149,16 +162,25 @@ def _sampled(
 
 
 class _EmptyFields:
-    """A stream of lines of CSV or TSV in which fields that are NaN become empty."""
+    """A stream of lines of CSV or TSV in which fields that are NaN become empty.
+
+    The first line has the names of columns, which stay as they are.
+    """
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
+        self._is_amid_names = True
 
     def seekable(self) -> bool:
         return False
 
     def write(self, lines: bytes) -> int:
-        self._stream.write(_NAN.sub(b"", lines))
+        values = lines
+        if self._is_amid_names:
+            names, end, values = bytes(lines).partition(b"\n")
+            self._is_amid_names = not end
+            self._stream.write(names + end)
+        self._stream.write(_NAN.sub(b"", values))
         return len(lines)
 
 
@@ -168,10 +190,13 @@ def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     from liftmesh.io.registry import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
-    if files.is_stream(target) or kind.lower().lstrip(".") not in {"csv", "tsv"}:
+    if kind.lower().lstrip(".") not in _CSV:
         written = outputs.write(target, found, file_format).path
         return None if written is None else Path(written)
+    if files.is_stream(target):
+        with outputs.stdout_of_bytes() as stream:
+            writing.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
+        return None
     with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
-        lines: Any = _EmptyFields(stream)
-        writing.write(lines, found, format=kind)
+        writing.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
     return target

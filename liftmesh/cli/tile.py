@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ import typer
 from liftmesh.choices import Duplicates, ShardFormat
 from liftmesh.cli import options, standard_streams, terminal
 from liftmesh.cli.rows import with_options as with_rows
+from liftmesh.cli.values import checked
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -29,6 +31,7 @@ EXAMPLES = [
     "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --duplicates lowest",
     "liftmesh tile cloud.npy /shared/tiles/ --scheduler tcp://10.0.0.1:8786",
 ]
+_NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracker"
 SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
@@ -131,7 +134,8 @@ def run(
 
     limit = options.parse_size(memory, "--memory")
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
+    with checked():
+        rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
     if tile_rows is not None:
         rows = options.parse_count("--tile-rows", tile_rows, 16)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
@@ -210,15 +214,40 @@ def _client(workers: str | None, scheduler: str | None, limit: int | None) -> It
     from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
-    if workers is None:
-        with load("dask.distributed", extra="dask").Client(scheduler) as client:
+    if scheduler is not None:
+        distributed = load("dask.distributed", extra="dask")
+        _check_address(scheduler)
+        with distributed.Client(scheduler) as client:
             yield client
         return
     settings: dict[str, Any] = {} if limit is None else {"memory_limit": limit}
     settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
-    count = options.parse_count("--workers", workers, 1)
-    with local_cluster(n_workers=count, **settings) as client:
-        yield client
+    count = options.parse_count("--workers", workers or "", 1)
+    # A signal ends this process while workers end, too: whatever semaphores they had are removed by
+    # the tracker of multiprocessing, which takes the options of warnings from its parent.
+    sys.warnoptions.append(_NO_LEAKS)
+    try:
+        with local_cluster(n_workers=count, **settings) as client:
+            yield client
+    finally:
+        sys.warnoptions.remove(_NO_LEAKS)
+
+
+def _check_address(text: str) -> None:
+    """Raise unless it is an address that a process may connect to."""
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
+
+    addressing = load("distributed.comm.addressing", extra="dask")
+    protocols = {*load("distributed.comm.registry", extra="dask").backends} - {"inproc"}
+    try:
+        protocol, place = addressing.parse_address(text)
+        host, port = addressing.parse_host_port(place)
+    except ValueError:
+        protocol, host, port = "", "", 0
+    if protocol not in protocols or not host or not 0 < port < 1 << 16:
+        raise typer.BadParameter(
+            f"--scheduler {text!r} is no address: give one as tcp://10.0.0.1:8786"
+        )
 
 
 def _say(found: Tiled, *, json: bool) -> None:

@@ -8,12 +8,41 @@ type, or of a typer that is made otherwise, is left as it is.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 import typer
+
+from liftmesh.cli.python_options import as_on_command_line
+from liftmesh.errors import InputError
+
+
+@contextmanager
+def checked() -> Iterator[None]:
+    """Tell what the library refuses of the values of options as wrong usage.
+
+    Raises
+    ------
+    typer.BadParameter
+        A value is refused.
+
+    Examples
+    --------
+    >>> try:
+    ...     with checked():
+    ...         raise InputError("bounds are [0]: give four numbers")
+    ... except typer.BadParameter as error:
+    ...     print(error.message)
+    --bounds are [0]: give four numbers
+    """
+    try:
+        yield
+    except InputError as error:
+        raise typer.BadParameter(as_on_command_line(str(error))) from error
 
 
 def convert_simply(parameters: list[Any]) -> list[Any]:

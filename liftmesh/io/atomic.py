@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -33,6 +34,10 @@ _FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)
 
 # The folders, as descriptors, and names of temporary files that may exist at the moment.
 _unfinished: set[tuple[int, str]] = set()
+
+# The folders of `working_folder` that may exist at the moment.
+unfinished_folders: set[Path] = set()
+_ATTEMPTS = 3  # at removing a folder in which another thread may still make files
 
 
 @contextmanager
@@ -143,10 +148,12 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
 
 
 def remove_unfinished() -> None:
-    """Remove the temporary files of this process, which is about to end at once."""
+    """Remove the temporary files and folders of this process, which is about to end at once."""
     for folder, temporary in tuple(_unfinished):
         with suppress(OSError):
             os.unlink(temporary, dir_fd=folder)
+    for place in tuple(unfinished_folders) * _ATTEMPTS:
+        shutil.rmtree(place, ignore_errors=True)
 
 
 @contextmanager

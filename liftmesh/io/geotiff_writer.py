@@ -13,7 +13,6 @@ import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, BinaryIO
 from zlib import crc32
 
@@ -24,6 +23,7 @@ from liftmesh.choices import shown
 from liftmesh.crs import is_system
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import check_writable, replacing
+from liftmesh.io.working_folder import working_folder
 from liftmesh.optional import load
 
 _COMPRESSIONS = (None, "deflate", "lzw", "zstd")
@@ -138,8 +138,8 @@ def write_windows(
         **_tiff(compress, rows * columns * kind.itemsize),
     }
     beside = Path(os.path.realpath(path)).parent
-    with TemporaryDirectory(prefix=".liftmesh-raster-", dir=beside) as folder:
-        written = Path(folder) / "raster.tif"
+    with working_folder(beside, "raster") as folder:
+        written = folder / "raster.tif"
         with rasterio.Env(**_ALONE), _told(path):
             sums = []
             with rasterio.open(written, "w", **profile) as file:

@@ -170,13 +170,7 @@ class Contours:
         >>> hill.contours(interval=2).longer_than(5).levels
         array([2., 4.])
         """
-        try:
-            least = float(as_reals(length))
-        except (TypeError, ValueError, OverflowError):
-            least = math.nan
-        if not least >= 0:
-            raise InputError(f"length is {shown(length)}: give a number, not below zero")
-        return self._selected(np.flatnonzero(self.lengths >= least))
+        return self._selected(np.flatnonzero(self.lengths >= length_of(length)))
 
     def _selected(self, lines: Array) -> Contours:
         """Return some of the lines, in the order given."""
@@ -248,6 +242,33 @@ class Contours:
             looked_up(load("pyproj", extra="shapes"), self.crs)
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
         geopackage_writer.write(stream, self.points, self.starts, columns, self.crs, "contours")
+
+
+def length_of(length: Any) -> float:
+    """Convert the least length that lines are to have.
+
+    Parameters
+    ----------
+    length : float
+        As for `Contours.longer_than`.
+
+    Returns
+    -------
+    float
+        The length.
+
+    Raises
+    ------
+    InputError
+        It is no number, or negative.
+    """
+    try:
+        least = float(as_reals(length))
+    except (TypeError, ValueError, OverflowError):
+        least = math.nan
+    if not least >= 0:
+        raise InputError(f"length is {shown(length)}: give a number, not below zero")
+    return least
 
 
 def check_name(path: Path) -> None:

@@ -68,17 +68,60 @@ def layout_of(
         )
     if resolution is None:
         return _checked(_numbers("transform", transform, 6), *_whole(shape))
-    steps = _steps(resolution)
-    if not all(step > 0 for step in steps):
-        raise InputError(f"resolution is {shown(resolution)}: give a positive number, or two")
+    steps = steps_of(resolution)
     if bounds is None:
         solved = surface.triangulation
         corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
         bounds = [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
+    return _aligned(*bounds_of(bounds), steps)
+
+
+def steps_of(resolution: object) -> tuple[float, ...]:
+    """Convert a resolution to the width and height of a pixel.
+
+    Parameters
+    ----------
+    resolution : float or pair of float
+        As for `Surface.raster`.
+
+    Returns
+    -------
+    tuple of float
+        Width and height.
+
+    Raises
+    ------
+    InputError
+        It is not one positive number, or two.
+    """
+    steps = _steps(resolution)
+    if not all(step > 0 for step in steps):
+        raise InputError(f"resolution is {shown(resolution)}: give a positive number, or two")
+    return steps
+
+
+def bounds_of(bounds: object) -> tuple[float, float, float, float]:
+    """Convert bounds to numbers.
+
+    Parameters
+    ----------
+    bounds : sequence of float
+        As for `Surface.raster`.
+
+    Returns
+    -------
+    tuple of float
+        Lowest x and y, highest x and y.
+
+    Raises
+    ------
+    InputError
+        They are not four such numbers.
+    """
     left, low, right, high = _numbers("bounds", bounds, 4)
     if not (left < right and low < high):
         raise InputError(f"bounds are {shown(bounds)}: give xmin, ymin, xmax, ymax")
-    return _aligned(left, low, right, high, steps)
+    return left, low, right, high
 
 
 def _steps(resolution: Any) -> tuple[float, ...]:

@@ -55,6 +55,23 @@ _OF_GRADIENTS: dict[str, Callable[[Floats, Floats], Floats]] = {
 }
 
 
+def check_method(quantity: RasterQuantity, method: SampleMethod) -> None:
+    """Raise unless a quantity has a method of interpolation.
+
+    Parameters
+    ----------
+    quantity, method
+        As for `Surface.raster`.
+
+    Raises
+    ------
+    InputError
+        The quantity is one of faces.
+    """
+    if quantity != "height" and method != "linear":
+        raise InputError(f"{quantity} is that of faces: leave out method={method!r}")
+
+
 @dataclass(frozen=True)
 class Wanted:
     """Which values a raster is asked to hold, checked.
@@ -107,8 +124,7 @@ class Wanted:
         """
         check_option("quantity", quantity, RasterQuantity)
         check_option("method", method, SampleMethod)
-        if quantity != "height" and method != "linear":
-            raise InputError(f"{quantity} is that of faces: leave out method {method!r}")
+        check_method(quantity, method)
         return cls(quantity, _checked_type(dtype), _light_of(light), rise_of(surface, z_factor))
 
     def check_range(self, heights: Floats) -> None:

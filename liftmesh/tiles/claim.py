@@ -16,7 +16,7 @@ import os
 import re
 import socket
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,7 +75,7 @@ def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
     Parameters
     ----------
     folders : Folders
-        They are made if they are missing.
+        They are made if they are missing; after an error, those that are empty are removed again.
     anew : bool
         Whether to remove what an interrupted run has left in the scratch folder.
 
@@ -86,19 +86,31 @@ def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
     OSError
         The folders cannot be used.
     """
-    folders.out.mkdir(parents=True, exist_ok=True)
-    if not (folders.out / CLAIM).exists():
-        _check_out(folders.out)
-    with _locked(folders.out / CLAIM) as lock:
-        _take(lock, folders, anew=anew)
-        try:
-            yield
-        except BaseException as error:
-            if isinstance(error, DegenerateInputError) or not (folders.scratch / JOB).is_file():
-                _leave(folders)  # nothing could be resumed
-            raise
-        _remove_unnamed(folders.out)
-        _leave(folders)
+    missing = [*_missing(folders.scratch), *_missing(folders.out)]
+    try:
+        folders.out.mkdir(parents=True, exist_ok=True)
+        if not (folders.out / CLAIM).exists():
+            _check_out(folders.out)
+        with _locked(folders.out / CLAIM) as lock:
+            _take(lock, folders, anew=anew)
+            try:
+                yield
+            except BaseException as error:
+                if isinstance(error, DegenerateInputError) or not (folders.scratch / JOB).is_file():
+                    _leave(folders)  # nothing could be resumed
+                raise
+            _remove_unnamed(folders.out)
+            _leave(folders)
+    except BaseException:
+        for folder in missing:
+            with suppress(OSError):  # it was not made, or holds something
+                folder.rmdir()
+        raise
+
+
+def _missing(folder: Path) -> list[Path]:
+    """List the folders that have to be made for this one, the innermost first."""
+    return [each for each in (folder, *folder.parents) if not os.path.lexists(each)]
 
 
 def check_apart(folders: Folders, parts: Sequence[Part]) -> None:

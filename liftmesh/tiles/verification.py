@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Progress
 from liftmesh.choices import as_folder, check_progress
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.working_folder import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.threads import as_threads
 from liftmesh.tiles.chunks import digests_of
@@ -59,11 +59,11 @@ def verified(
     show = progress if progress is not None else lambda _: None
     source = _source_of(tiled) if points is None else points
     place = tiled.directory if scratch is None else as_folder("scratch", scratch)
-    with tempfile.TemporaryDirectory(prefix=".liftmesh-verify-", dir=place) as folder:
+    with working_folder(place, "verify") as folder:
         plan = _plan_of(tiled)
-        proof = proof_of(tiled, plan, Path(folder), count)
+        proof = proof_of(tiled, plan, folder, count)
         sizes = [chunk["rows"] for chunk in tiled.manifest["chunks"]]
-        rows = _rows(tiled, source, max(1, *sizes), Path(folder))
+        rows = _rows(tiled, source, max(1, *sizes), folder)
         chunks = _as_first_read(_regrouped(rows, sizes), tiled.manifest["chunks"])
         skipped, digest = proof.read(_shown(chunks, len(sizes), show))
         for number, _ in enumerate(proof.parts(), 1):
