@@ -12,8 +12,8 @@ Point turned_left(Point p) {
 
 }  // namespace
 
-Fan::Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around, Segment segment,
-         Guard guard)
+Fan::Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around,
+         LineSegment segment, Guard guard)
     : points_(points), site_(points[row]), around_(around), segment_(segment), guard_(guard) {
     first_ = find_first();
     ahead_ = count_below(Rank::ahead);
@@ -23,7 +23,7 @@ Fan::Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around
 Fan::Rank Fan::rank_of(std::int32_t row) const {
     const int along = sign_along(segment_, site_, points_[row], guard_);
     if (along > 0) return Rank::ahead;
-    const Segment across{turned_left(segment_.from), turned_left(segment_.to)};
+    const LineSegment across{turned_left(segment_.from), turned_left(segment_.to)};
     if (sign_along(across, site_, points_[row], guard_) < 0)
         return along < 0 ? Rank::behind_right : Rank::right;
     return along < 0 ? Rank::behind_left : Rank::left;

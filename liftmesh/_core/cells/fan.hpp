@@ -18,8 +18,8 @@ namespace liftmesh {
 
 class Fan {
  public:
-    Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around, Segment segment,
-        Guard guard);
+    Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around,
+        LineSegment segment, Guard guard);
 
     // Neighbours in the order of their directions, from behind on the right to behind on the left:
     // those ahead, and before and after these at most one that is exactly aside.
@@ -44,7 +44,7 @@ class Fan {
     const Point* points_;
     Point site_;
     const std::vector<Spoke>& around_;
-    Segment segment_;
+    LineSegment segment_;
     Guard guard_;
     std::size_t first_ = 0, ahead_ = 0, left_ = 0;
 };

@@ -127,7 +127,7 @@ class Following {
     }
 
     bool follow_edge(std::int32_t edge, std::int32_t next, Passage& here) {
-        const Segment segment{domain_.corners[edge], domain_.corners[next]};
+        const LineSegment segment{domain_.corners[edge], domain_.corners[next]};
         for (;;) {
             const Hub* const hub = enter(cell_);
             if (patience_.ends(around_.size() + 1)) return false;
@@ -144,7 +144,7 @@ class Following {
     }
 
     // The row whose cell a segment enters from this one; -1 if it ends here.
-    std::int32_t entered(Segment segment) {
+    std::int32_t entered(LineSegment segment) {
         std::int32_t best = -1;
         tied_.clear();
         for (const Spoke& spoke : around_) {
@@ -159,7 +159,7 @@ class Following {
     }
 
     // The same for a cell with many neighbours.
-    std::int32_t entered_from(const Hub& hub, Segment segment) {
+    std::int32_t entered_from(const Hub& hub, LineSegment segment) {
         tied_.clear();
         const Fan fan(dual_.points, cell_, hub.around, segment, guard_);
         if (fan.is_right_aside()) collect_ties(fan, fan.ahead() - 1, segment.to);
@@ -168,14 +168,14 @@ class Following {
         if (best < fan.left() && !is_nearer(segment.to, cell_, fan.row(best))) return fan.row(best);
         // It ends here: on the ridges of neighbours side by side, if on any.
         if (best < fan.left()) collect_ties(fan, best, segment.to);
-        const Segment back{segment.to, segment.from};
+        const LineSegment back{segment.to, segment.from};
         const Fan behind(dual_.points, cell_, hub.around, back, guard_);
         if (const std::size_t last = first_crossed(behind, back); last < behind.left())
             collect_ties(behind, last, segment.to);
         return -1;
     }
 
-    std::int32_t way_out(Segment segment, const std::vector<Spoke>& around) const {
+    std::int32_t way_out(LineSegment segment, const std::vector<Spoke>& around) const {
         const Fan fan(dual_.points, cell_, around, segment, guard_);
         const std::size_t best = first_crossed(fan, segment);
         const bool leaves = best < fan.left() && !is_nearer(segment.to, cell_, fan.row(best));
@@ -183,7 +183,7 @@ class Following {
     }
 
     // Of the neighbours ahead, or the end of these if there are none.
-    std::size_t first_crossed(const Fan& fan, Segment segment) const {
+    std::size_t first_crossed(const Fan& fan, LineSegment segment) const {
         std::size_t low = fan.ahead(), high = fan.left();
         while (low < high && high - low > 1) {
             const std::size_t middle = low + (high - low) / 2;
@@ -205,7 +205,7 @@ class Following {
     }
 
     // The corner is where the segment ends, if that is in this cell.
-    void note_ties(Segment segment, std::int32_t edge, std::int32_t corner) {
+    void note_ties(LineSegment segment, std::int32_t edge, std::int32_t corner) {
         for (const std::int32_t row : tied_) {
             if (corner >= 0) ties_.push_back({corner, -1, cell_, row});
             if (gap(segment.from, row) == 0) ties_.push_back({-1, edge, cell_, row});

@@ -92,7 +92,7 @@ int exact_gap(const Lift& lift, Point p, const Lifted<Lift>& s, const Lifted<Lif
 
 // The gap of t at the start times that of u at the end, less the gap of u times that of t.
 template <class Lift>
-int exact_order(const Lift& lift, Segment segment, const Lifted<Lift>& s, const Lifted<Lift>& t,
+int exact_order(const Lift& lift, LineSegment segment, const Lifted<Lift>& s, const Lifted<Lift>& t,
                 const Lifted<Lift>& u) {
     const auto on = lattice<Lift, 3, 2>(lift, {s, t, u}, {segment.from, segment.to});
     ExactSum<4> sum(on.width());
@@ -106,7 +106,7 @@ int exact_order(const Lift& lift, Segment segment, const Lifted<Lift>& s, const 
 }
 
 // The sign of (to - from) (u - t).
-int exact_along(Segment segment, Point t, Point u) {
+int exact_along(LineSegment segment, Point t, Point u) {
     const PlanarLattice<4> on({segment.from, segment.to, t, u});
     ExactSum<2> sum(on.width());
     for (const auto [end, site, is_positive] :
@@ -121,7 +121,7 @@ int exact_along(Segment segment, Point t, Point u) {
 
 // Where all three cells meet on the segment. With shares r, s, t of the infinitesimals, the order
 // is the sign of share_u (gap of t falls) - share_t (gap of u falls) + share_s (the difference).
-bool perturbed_order(Segment segment, Point s, Point t, Point u) {
+bool perturbed_order(LineSegment segment, Point s, Point t, Point u) {
     const bool is_u_last = before_xy(t, u);
     const Point last = is_u_last ? u : t;
     if (before_xy(last, s))
@@ -139,7 +139,7 @@ DoubleWord<double> precise_excess(ByRadius, double t, double s) {
 }  // namespace
 
 // Each product errs by 3 e of itself, the sum by e.
-int sign_along(Segment segment, Point s, Point t, Guard guard) {
+int sign_along(LineSegment segment, Point s, Point t, Guard guard) {
     const Pair products = (pair(segment.to) - pair(segment.from)) * (pair(t) - pair(s));
     const Pair sizes = magnitudes(products);
     const int found =
@@ -155,8 +155,8 @@ int gap_sign(const Lift& lift, Point p, const Lifted<Lift>& s, const Lifted<Lift
 }
 
 template <class Lift>
-bool enters_before(const Lift& lift, Segment segment, const Lifted<Lift>& s, const Lifted<Lift>& t,
-                   const Lifted<Lift>& u, Guard guard) {
+bool enters_before(const Lift& lift, LineSegment segment, const Lifted<Lift>& s,
+                   const Lifted<Lift>& t, const Lifted<Lift>& u, Guard guard) {
     const Gap t0 = gap(lift, segment.from, s, t), t1 = gap(lift, segment.to, s, t);
     const Gap u0 = gap(lift, segment.from, s, u), u1 = gap(lift, segment.to, s, u);
     const double left = t0.value * u1.value, right = u0.value * t1.value;
@@ -175,8 +175,8 @@ bool enters_before(const Lift& lift, Segment segment, const Lifted<Lift>& s, con
 // so the gap by 12 u^2 of G, the sum of magnitudes, its fall by 17 u^2 of Q = |r_x d_x| + |r_y
 // d_y|, the quotient by 15 u^2. The constants are larger, for the rounding of the bound.
 template <class Lift>
-Estimate crossing(const Lift& lift, Segment segment, const Lifted<Lift>& s, const Lifted<Lift>& t,
-                  Guard guard) {
+Estimate crossing(const Lift& lift, LineSegment segment, const Lifted<Lift>& s,
+                  const Lifted<Lift>& t, Guard guard) {
     const Pair p = pair(segment.from), at_s = pair(s.point), at_t = pair(t.point);
     const auto r = exact_difference(at_t, at_s), d = exact_difference(pair(segment.to), p);
     const DoubleWord<Pair> gaps = r * (exact_difference(p, at_s) + exact_difference(p, at_t));
@@ -199,11 +199,11 @@ Estimate crossing(const Lift& lift, Segment segment, const Lifted<Lift>& s, cons
     return {at, is_known ? error + 0x1p-1000 * magnitudes(d.high) : Pair{unknown, unknown}};
 }
 
-#define LIFTMESH_INSTANCES(Lift)                                                                \
-    template int gap_sign(const Lift&, Point, const Lifted<Lift>&, const Lifted<Lift>&, Guard); \
-    template bool enters_before(const Lift&, Segment, const Lifted<Lift>&, const Lifted<Lift>&, \
-                                const Lifted<Lift>&, Guard);                                    \
-    template Estimate crossing(const Lift&, Segment, const Lifted<Lift>&, const Lifted<Lift>&,  \
+#define LIFTMESH_INSTANCES(Lift)                                                                   \
+    template int gap_sign(const Lift&, Point, const Lifted<Lift>&, const Lifted<Lift>&, Guard);    \
+    template bool enters_before(const Lift&, LineSegment, const Lifted<Lift>&,                     \
+                                const Lifted<Lift>&, const Lifted<Lift>&, Guard);                  \
+    template Estimate crossing(const Lift&, LineSegment, const Lifted<Lift>&, const Lifted<Lift>&, \
                                Guard);
 LIFTMESH_INSTANCES(Paraboloid)
 LIFTMESH_INSTANCES(ByWeight)

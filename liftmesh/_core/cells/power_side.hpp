@@ -29,22 +29,22 @@ bool is_nearer(const Lift& lift, Point p, const Lifted<Lift>& s, const Lifted<Li
     return side != 0 ? side > 0 : before_xy(s.point, t.point);
 }
 
-struct Segment {
+struct LineSegment {
     Point from, to;
 };
 
 // The sign of the product of the segment and the step from s to t: whether the gap falls along it.
-int sign_along(Segment segment, Point s, Point t, Guard guard);
+int sign_along(LineSegment segment, Point s, Point t, Guard guard);
 
 // Along a segment on which the gaps of both t and u fall, whether that of t is zero first: whether
 // it would enter the cell of t before that of u, from that of s.
 template <class Lift>
-bool enters_before(const Lift& lift, Segment segment, const Lifted<Lift>& s, const Lifted<Lift>& t,
-                   const Lifted<Lift>& u, Guard guard);
+bool enters_before(const Lift& lift, LineSegment segment, const Lifted<Lift>& s,
+                   const Lifted<Lift>& t, const Lifted<Lift>& u, Guard guard);
 
 // Where a segment crosses the ridge of s and t.
 template <class Lift>
-Estimate crossing(const Lift& lift, Segment segment, const Lifted<Lift>& s, const Lifted<Lift>& t,
-                  Guard guard);
+Estimate crossing(const Lift& lift, LineSegment segment, const Lifted<Lift>& s,
+                  const Lifted<Lift>& t, Guard guard);
 
 }  // namespace liftmesh

@@ -63,7 +63,9 @@ class Tracer {
         for (std::size_t i = 0; i < count_; ++i)
             if (steps_[i].face >= 0) places_.remove(steps_[i].face);
     }
-    const Step& step(std::int32_t place) const { return steps_[static_cast<std::size_t>(place)]; }
+    const CrossedStep& step(std::int32_t place) const {
+        return steps_[static_cast<std::size_t>(place)];
+    }
 
     void trace_open(std::size_t first) {
         const std::size_t start = points_.size();
@@ -134,7 +136,7 @@ class Tracer {
     Places places_;
     Patience patience_;
     std::size_t level_ = 0, count_ = 0;
-    const Step* steps_ = nullptr;
+    const CrossedStep* steps_ = nullptr;
     std::vector<std::int32_t> next_, before_;  // steps, or -1
     std::vector<std::uint8_t> is_done_;
     std::vector<Point> points_;

@@ -18,7 +18,7 @@
 namespace liftmesh {
 
 // Through one face, with what is above on the left.
-struct Step {
+struct CrossedStep {
     Point exit;         // on the side by which the line leaves the face
     std::int32_t face;  // -1 if it is none
     std::int32_t next;  // across that side; -1 if there is none
@@ -33,8 +33,8 @@ class Crossed {
     bool list();
 
     // By ascending faces.
-    const Step* begin(std::size_t level) const { return steps_.begin(level); }
-    const Step* end(std::size_t level) const { return steps_.end(level); }
+    const CrossedStep* begin(std::size_t level) const { return steps_.begin(level); }
+    const CrossedStep* end(std::size_t level) const { return steps_.end(level); }
 
     // The point by which the line of a level enters a face.
     Point entry(std::size_t level, std::int32_t face) const;
@@ -54,7 +54,7 @@ class Crossed {
     std::size_t count_;
     ThreadPool& pool_;
     Buffer<std::uint32_t> rank_;  // of each row
-    Lists<Step> steps_;
+    Lists<CrossedStep> steps_;
 };
 
 }  // namespace liftmesh

@@ -20,7 +20,7 @@ inline double on_the_way(double from, double to, double share) {
 }  // namespace detail
 
 // One end is below the level, the other is not. An end at the level is the point itself.
-inline Point crossing(Corner u, Corner v, double level) {
+inline Point crossing(SurfaceCorner u, SurfaceCorner v, double level) {
     if (before_xy(v.at, u.at)) std::swap(u, v);
     if (u.height == level) return u.at;
     if (v.height == level) return v.at;

@@ -29,7 +29,7 @@ double blend(double za, double zb, double zc, Weights weights) {
     return between(half, least / 2, greatest / 2) * 2;
 }
 
-double height_between(Corner u, Corner v, Point query) {
+double height_between(SurfaceCorner u, SurfaceCorner v, Point query) {
     if (before_xy(v.at, u.at)) std::swap(u, v);
     double dx = v.at.x - u.at.x, dy = v.at.y - u.at.y;
     double from_x = query.x - u.at.x, from_y = query.y - u.at.y;
@@ -43,7 +43,8 @@ double height_between(Corner u, Corner v, Point query) {
     return blend(u.height, v.height, u.height, {share, 0});
 }
 
-Facet::Facet(const Corner& p, const Corner& q, const Corner& r) : a_(p), b_(q), c_(r) {
+SurfaceFacet::SurfaceFacet(const SurfaceCorner& p, const SurfaceCorner& q, const SurfaceCorner& r)
+    : a_(p), b_(q), c_(r) {
     if (before_xy(q.at, a_.at) && before_xy(q.at, r.at)) {
         a_ = q, b_ = r, c_ = p;
     } else if (before_xy(r.at, a_.at)) {
@@ -66,7 +67,7 @@ Facet::Facet(const Corner& p, const Corner& q, const Corner& r) : a_(p), b_(q), 
 }
 
 // Of a plain triangle the determinants do not cancel, relative to the steepness.
-Point Facet::gradient() const {
+Point SurfaceFacet::gradient() const {
     const double rise = std::max(std::fabs(rise_b_), std::fabs(rise_c_));
     const Point slopes{(rise_b_ * cy_ - rise_c_ * by_) * inverse_,
                        (rise_c_ * bx_ - rise_b_ * cx_) * inverse_};

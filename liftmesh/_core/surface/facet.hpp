@@ -18,7 +18,7 @@
 
 namespace liftmesh {
 
-struct Corner {
+struct SurfaceCorner {
     Point at;
     double height;
 };
@@ -27,12 +27,12 @@ struct Corner {
 double blend(double za, double zb, double zc, Weights weights);
 
 // On the edge of two corners, at a point exactly on it.
-double height_between(Corner u, Corner v, Point query);
+double height_between(SurfaceCorner u, SurfaceCorner v, Point query);
 
-class Facet {
+class SurfaceFacet {
  public:
     // Corners in counter-clockwise order.
-    Facet(const Corner& p, const Corner& q, const Corner& r);
+    SurfaceFacet(const SurfaceCorner& p, const SurfaceCorner& q, const SurfaceCorner& r);
 
     // At a point strictly inside.
     double height(Point query) const {
@@ -62,7 +62,7 @@ class Facet {
         return raised > all(greatest_) ? all(greatest_) : raised;
     }
 
-    Corner a_, b_, c_;  // a is the lexicographically least
+    SurfaceCorner a_, b_, c_;  // a is the lexicographically least
     double bx_, by_, cx_, cy_, rise_b_, rise_c_, inverse_, least_, greatest_;
     bool is_plain_;
 };

@@ -147,14 +147,15 @@ class Overlay {
     static Point minus(Point p, Point origin) { return {p.x - origin.x, p.y - origin.y}; }
 
     // Corners from the lexicographically least on, relative to a point.
-    static std::array<Corner, 3> placed(const Relief& relief, std::int32_t face, Point origin) {
-        std::array<Corner, 3> found = {relief.corner(face, 0), relief.corner(face, 1),
-                                       relief.corner(face, 2)};
+    static std::array<SurfaceCorner, 3> placed(const Relief& relief, std::int32_t face,
+                                               Point origin) {
+        std::array<SurfaceCorner, 3> found = {relief.corner(face, 0), relief.corner(face, 1),
+                                              relief.corner(face, 2)};
         const auto least = std::min_element(
             found.begin(), found.end(),
-            [](const Corner& p, const Corner& q) { return before_xy(p.at, q.at); });
+            [](const SurfaceCorner& p, const SurfaceCorner& q) { return before_xy(p.at, q.at); });
         std::rotate(found.begin(), least, found.end());
-        for (Corner& corner : found) corner.at = minus(corner.at, origin);
+        for (SurfaceCorner& corner : found) corner.at = minus(corner.at, origin);
         return found;
     }
 
@@ -162,14 +163,14 @@ class Overlay {
         const Point origin = placed(first_, face, {0, 0})[0].at;
         const auto lower = placed(first_, face, origin), upper = placed(second_, other, origin);
         Polygon common;
-        for (const Corner& corner : lower) common.add(corner.at);
+        for (const SurfaceCorner& corner : lower) common.add(corner.at);
         for (std::size_t k = 0; k < 3 && common.count > 2; ++k)
             common = clipped(common, upper[k].at, upper[(k + 1) % 3].at);
         for (std::size_t k = 0; part_ && k < 3 && common.count > 2; ++k)
             common =
                 clipped(common, minus((*part_)[k], origin), minus((*part_)[(k + 1) % 3], origin));
         if (common.count < 3) return;
-        const Facet below(lower[0], lower[1], lower[2]), above(upper[0], upper[1], upper[2]);
+        const SurfaceFacet below(lower[0], lower[1], lower[2]), above(upper[0], upper[1], upper[2]);
         std::array<double, Polygon::most> rise{};
         for (std::size_t i = 0; i < common.count; ++i)
             rise[i] = above.height(common.corners[i]) - below.height(common.corners[i]);

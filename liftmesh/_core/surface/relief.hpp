@@ -48,7 +48,7 @@ class Relief {
         return is_shown(simplex) ||
                (place.kind == Place::side && is_shown(mesh_.neighbor(simplex, place.k)));
     }
-    Corner corner(std::int32_t simplex, int k) const {
+    SurfaceCorner corner(std::int32_t simplex, int k) const {
         const std::int32_t row = mesh_.vertex(simplex, k);
         return {point(mesh_.place(row)), heights_[row]};
     }
@@ -62,7 +62,7 @@ class Relief {
             heights_.prefetch(row);
         }
     }
-    Facet facet(std::int32_t simplex) const {
+    SurfaceFacet facet(std::int32_t simplex) const {
         return {corner(simplex, 0), corner(simplex, 1), corner(simplex, 2)};
     }
 

@@ -44,7 +44,7 @@ struct Heighten {
     static constexpr Real nothing = static_cast<Real>(no_height);
     Real* out() const { return heights; }
 
-    void fill(std::int32_t, const Facet& facet, const FaceRows& rows) const {
+    void fill(std::int32_t, const SurfaceFacet& facet, const FaceRows& rows) const {
         if (!facet.is_plain()) {
             rows.for_each([&](std::int32_t row, Interval columns) {
                 for (std::int32_t at = columns.first; at <= columns.last; ++at)
@@ -60,7 +60,7 @@ struct Heighten {
     // Two at a time; of an odd number the last two overlap those before. Works on copies, which no
     // height that is written can change. Where rows are level, their pixels have one y.
     template <bool is_level>
-    void fill_plainly(Facet facet, const FaceRows& rows) const {
+    void fill_plainly(SurfaceFacet facet, const FaceRows& rows) const {
         const Grid pixels = grid;
         rows.for_each([&, start = heights](std::int32_t row, Interval columns) {
             Real* to = start + pixels.pixel(row, 0);
@@ -93,7 +93,7 @@ struct Incline {
     static constexpr double nothing = no_height;
     double* out() const { return gradients; }
 
-    void fill(std::int32_t, const Facet& facet, const FaceRows& rows) const {
+    void fill(std::int32_t, const SurfaceFacet& facet, const FaceRows& rows) const {
         const Point slopes = facet.gradient();
         rows.for_each([&](std::int32_t row, Interval columns) {
             for (std::int32_t at = columns.first; at <= columns.last; ++at)
@@ -118,7 +118,7 @@ struct Name {
     static constexpr std::int32_t nothing = outside;
     std::int32_t* out() const { return owners; }
 
-    void fill(std::int32_t face, const Facet&, const FaceRows& rows) const {
+    void fill(std::int32_t face, const SurfaceFacet&, const FaceRows& rows) const {
         rows.for_each([&](std::int32_t row, Interval columns) {
             std::int32_t* to = owners + grid.pixel(row, 0);
             std::fill(to + columns.first, to + columns.last + 1, face);
@@ -187,7 +187,7 @@ class Scan {
         const PixelBox box = finder_.box(corners, far);
         if (box.is_empty()) return 0;
         const Spans spans(grid_, corners, box, far);
-        const Facet facet = relief_.facet(face);
+        const SurfaceFacet facet = relief_.facet(face);
         first = std::max(first, box.rows.first);
         last = std::min(last, box.rows.last);
         const std::int32_t most = rows_together(box.columns);

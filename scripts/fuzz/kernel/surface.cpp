@@ -135,7 +135,7 @@ void judge_owners(const Ground& ground, const std::vector<Point>& asked, const A
         if (owner < 0) continue;
         double least = HUGE_VAL, greatest = -HUGE_VAL;
         for (int k = 0; k < 3; ++k) {
-            const liftmesh::Corner corner = ground.relief.corner(owner, k);
+            const liftmesh::SurfaceCorner corner = ground.relief.corner(owner, k);
             least = std::min(least, corner.height);
             greatest = std::max(greatest, corner.height);
             demand(!(corner.at == asked[i]) || corner.height == height,
