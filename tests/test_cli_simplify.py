@@ -67,7 +67,6 @@ def test_what_is_left_of_a_trimmed_mesh(tmp_path: Path) -> None:
     lm.write(tmp_path / "part.ply", lm.triangulate(points).trim(max_edge=2))
     done = liftmesh("simplify", "part.ply", "b.ply", "--max-error", "1", cwd=tmp_path)
     assert done.returncode == 3
-    assert "part.ply" in done.stderr
     assert "simplify first, then trim" in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert [each.name for each in tmp_path.iterdir()] == ["part.ply"]

@@ -13,6 +13,7 @@ from test_sampling import LATTICE, exactly
 from test_trimming import drawn, meadow, trimmed
 
 import liftmesh
+from liftmesh.terrain.line_crossings import LineCrossings
 
 PLACE = st.tuples(*[st.integers(-1, 14).map(lambda each: each / 2)] * 2)
 
@@ -164,3 +165,23 @@ def test_a_line_of_many_corners_meets_what_its_pieces_meet() -> None:
     expected = np.unique(np.concatenate(pieces), axis=0)
     np.testing.assert_array_equal(np.unique(found.points, axis=0), expected)
     assert (np.diff(found.distances) >= 0).all()
+
+
+class Counted(LineCrossings):
+    """Counts the faces that are looked at, for all halves of the line."""
+
+    looked = 0
+
+    def _near(self, corners, first, faces):
+        self.looked += len(faces)
+        return super()._near(corners, first, faces)
+
+
+def test_a_piece_looks_at_the_faces_near_it() -> None:
+    points = np.random.default_rng(4).random((3000, 3))
+    surface = liftmesh.triangulate(points)
+    turns = np.linspace(0, 2 * np.pi, 201)
+    line = 0.5 + 0.3 * np.column_stack([np.cos(turns), np.sin(turns)])
+    crossings = Counted(surface)
+    assert len(crossings.of(line)) == 200
+    assert len(surface.faces) < crossings.looked < 10 * len(surface.faces)
