@@ -13,7 +13,9 @@ import typer
 
 from liftmesh.choices import Duplicates, ShardFormat
 from liftmesh.cli import options, standard_streams, terminal
+from liftmesh.cli.python_options import of_reading
 from liftmesh.cli.rows import with_options as with_rows
+from liftmesh.cli.tables import with_options as with_table
 from liftmesh.cli.values import checked
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ _NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracke
 SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
+@with_table
 @with_rows
 def run(
     sources: Annotated[
@@ -87,6 +90,7 @@ def run(
     ] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
+    table: Any = None,
     selection: Any = None,
     json: options.Json = False,
 ) -> None:
@@ -114,15 +118,16 @@ def run(
         Whether neighbours are written.
     nonfinite, threads : str
         As in `liftmesh.tile`.
-    selection : dict
-        Which rows a surface has, as in `liftmesh.read_chunks`.
+    table, selection : dict
+        How tables are read, and which rows a surface has, as in `liftmesh.read_chunks`.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    if not surface and (duplicates or selection):
-        given = "--duplicates" if duplicates else f"--{next(iter(selection)).replace('_', '-')}"
+    reading = {**table, **selection}
+    if not surface and (duplicates or reading):
+        given = "--duplicates" if duplicates else of_reading(next(iter(reading)))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -141,7 +146,7 @@ def run(
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
     common |= {"shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **selection}
+        common |= {"duplicates": duplicates or "first", **reading}
     paths = [str(path) for path in sources]
     with terminal.bar(1.0) as advance:
         progress = _Shown(advance, f"triangulating into {out}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from liftmesh.cli.python_options import of_reading
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,14 +44,14 @@ def opened(source: Path, reading: Reading, **others: object) -> TiledSurface:
     """
     from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
 
-    given = [*reading.trimming, *reading.table, *reading.selection]
+    given = [*reading.trimming, *map(of_reading, [*reading.table, *reading.selection])]
     given += [name for name, value in others.items() if value not in (None, False)]
     given += ["format"] if reading.file_format is not None else []
     given += ["nonfinite"] if reading.nonfinite != "error" else []
     given += ["plane"] if reading.plane != "xy" else []
     if given:
-        name = given[0].replace("_", "-")
-        raise typer.BadParameter(f"--{name} is for files: {source} is a surface in tiles as it is")
+        name = f"--{given[0].lstrip('-').replace('_', '-')}"
+        raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
     found = open_tiled(source)
     if "surface" not in found.manifest:
         raise InputError(
