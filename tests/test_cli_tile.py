@@ -127,12 +127,31 @@ def test_progress_on_a_terminal(folder: Path) -> None:
         (["a.npy", "out", "--memory", "1MB"], 2, "1 MB of memory do not hold a process"),
         (["a.npy", "out", "--workers", "1", "--memory", "50M"], 2, "50 MB of memory do not hold"),
         (["missing.npy", "out"], 3, "missing.npy"),
-        (["a.npy", "b.npy"], 3, "b.npy"),
+        (["a.npy", "b.npy"], 3, "b.npy: cannot write tiles here: this is a file, not a folder"),
+        (["a.npy", "b.npy", "a.npy", "out"], 2, "a.npy is given twice"),
+        (["one.csv", "out"], 3, "one.csv: 1 row holds 1 distinct planar point: a triangle needs"),
+        (["line.csv", "one.csv", "out"], 3, "line.csv, one.csv: all 3 distinct points lie on"),
         (["-", "out"], 3, "-"),
     ],
 )
 def test_what_is_refused(words: list[str], code: int, said: str, folder: Path) -> None:
+    (folder / "one.csv").write_text("x,y,z\n1,1,3\n")
+    (folder / "line.csv").write_text("x,y,z\n1,1,3\n2,2,3\n3,3,3\n")
+    before = sorted(folder.iterdir())
     done = command("tile", *words, cwd=folder)
     assert (done.returncode, done.stdout) == (code, "")
     assert said in done.stderr
     assert len(done.stderr.splitlines()) <= 3
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base 0",
+     "triangulate out o.ply", "profile out o.csv --along 0,0 --along 1,1"],
+)  # fmt: skip
+def test_commands_say_which_take_a_folder_of_tiles(words: str, folder: Path) -> None:
+    assert command("tile", "a.npy", "out", cwd=folder).returncode == 0
+    done = command(*words.split(), cwd=folder)
+    assert done.returncode == 3
+    assert "this is a folder of tiles, not a file: of the commands, raster, contour" in done.stderr

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates, ShardFormat
-from liftmesh.cli import options, standard_streams, terminal
+from liftmesh.cli import files, inputs, options, standard_streams, terminal
 from liftmesh.cli.python_options import of_reading
 from liftmesh.cli.rows import with_options as with_rows
 from liftmesh.cli.tables import with_options as with_table
 from liftmesh.cli.values import checked
+from liftmesh.errors import DegenerateInputError
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -124,6 +125,7 @@ def run(
         Print JSON.
     """
     standard_streams.check_stdout()
+    inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
     reading = {**table, **selection}
     if not surface and (duplicates or reading):
@@ -148,7 +150,7 @@ def run(
     if surface:
         common |= {"duplicates": duplicates or "first", **reading}
     paths = [str(path) for path in sources]
-    with terminal.bar(1.0) as advance:
+    with _named(paths), terminal.bar(1.0) as advance:
         progress = _Shown(advance, f"triangulating into {out}")
         if workers is None and scheduler is None:
             count = options.parse_threads(threads)
@@ -158,6 +160,16 @@ def run(
                 make = _by_dask(surface=surface)
                 found = make(paths, out, client=client, progress=progress, **common)
     _say(found, json=json)
+
+
+@contextmanager
+def _named(paths: list[str]) -> Iterator[None]:
+    """Add the names of the files to an error about all of their points."""
+    try:
+        yield
+    except DegenerateInputError as error:
+        error.args = (f"{files.listed(paths)}: {error}",)
+        raise
 
 
 class _Shown:

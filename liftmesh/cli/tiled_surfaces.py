@@ -8,11 +8,35 @@ from typing import TYPE_CHECKING
 import typer
 
 from liftmesh.cli.python_options import of_reading
-from liftmesh.errors import InputError
+from liftmesh.errors import FormatError, InputError
 
 if TYPE_CHECKING:
     from liftmesh.cli.reading import Reading
     from liftmesh.tiles.tiled_surface import TiledSurface
+
+
+def check_file(path: Path) -> None:
+    """Raise if a file is expected and a folder of triangles in tiles is given.
+
+    Parameters
+    ----------
+    path : Path
+        What a command reads.
+
+    Raises
+    ------
+    FormatError
+        It is such a folder; the message says which commands take it.
+    """
+    if not path.is_dir():
+        return
+    from liftmesh.tiles.manifest import MANIFEST  # noqa: PLC0415 - as below
+
+    if (path / MANIFEST).is_file():
+        raise FormatError(
+            f"{path}: this is a folder of tiles, not a file: of the commands, raster, contour and "
+            "verify take it"
+        )
 
 
 def opened(source: Path, reading: Reading, **others: object) -> TiledSurface:
