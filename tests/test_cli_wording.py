@@ -162,6 +162,11 @@ def test_help_shows_no_type_for_flags(command: list[str]) -> None:
     assert "bool" not in done.stdout.lower()
 
 
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_but_paper_prints_json(command: str) -> None:
+    assert ("--json" in liftmesh(command, "--help").stdout) == (command != "paper")
+
+
 def test_without_words_comes_the_help_alone() -> None:
     bare, asked = liftmesh(), liftmesh("--help")
     assert bare.stdout == asked.stdout
