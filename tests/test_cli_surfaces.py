@@ -132,6 +132,19 @@ def test_points_get_heights_and_keep_their_values(tin, tmp_path) -> None:
     assert " nan " in (tmp_path / "heights.xyz").read_text()
 
 
+def test_contours_outside_of_the_heights_are_said(tmp_path) -> None:
+    points = np.array([[0.0, 0, 2], [9, 0, 3], [0, 9, 4], [9, 9, 5.5]])
+    liftmesh.write(tmp_path / "tin.ply", liftmesh.triangulate(points))
+    liftmesh.tile_surface(points, tmp_path / "tiles")
+    for source in ("tin.ply", "tiles"):
+        words = ("contour", source, "o.geojson")
+        done = run(*words, "--levels", "99", cwd=tmp_path)
+        assert "o.geojson: 0 lines at 0 levels" in done.stdout
+        assert f"{source}: no line: its heights are from 2 to 5.5\n" in done.stderr
+        done = run(*words, "--levels", "3", "--min-length", "99", "--json", cwd=tmp_path)
+        assert (json.loads(done.stdout)["lines"], done.stderr) == (0, "")
+
+
 @pytest.mark.parametrize("kind", ["csv", "tsv"])
 def test_stdout_has_the_bytes_of_a_file(kind: str, tin, tmp_path) -> None:
     (tmp_path / "at.csv").write_text("x,y,nan,id\n20,20,1,7\n99,50,,8\n50,50,nan,9\n")

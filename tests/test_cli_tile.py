@@ -73,6 +73,36 @@ def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
     assert liftmesh.open_tiled(folder / "out").npoints == 900
 
 
+TABLE = ("--skip-rows", 1, "--delimiter", ";", "--decimal", ",", "--columns", "x=A,y=B,z=H")
+
+
+def test_a_surface_of_a_table_is_read_as_its_options_say(folder: Path) -> None:
+    rows = "".join(f"{x:.0f},5;{y:.0f};{x + y:.0f},0\n" for x, y in POINTS[:200])
+    (folder / "survey.csv").write_text(f"Survey 7\nA;B;H\n{rows}")
+    done = command("tile", "survey.csv", "out", "--surface", *TABLE, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    found = liftmesh.open_tiled(folder / "out")
+    assert command("verify", "out", cwd=folder).returncode == 0
+    cloud = np.column_stack((POINTS[:200, 0] + 0.5, POINTS[:200, 1], POINTS[:200].sum(axis=1)))
+    expected = liftmesh.tile_surface(cloud, folder / "expected")
+    assert found.compute().tolist() == expected.compute().tolist()
+    for name, value in (("--skip-rows", "1"), ("--from-crs", "EPSG:25832")):
+        done = command("tile", "survey.csv", "other", name, value, cwd=folder)
+        assert (done.returncode, f"error: {name} is for surfaces" in done.stderr) == (2, True)
+        done = command("contour", "out", "o.gpkg", "--interval", 9, name, value, cwd=folder)
+        assert (done.returncode, f"error: {name} is for files" in done.stderr) == (2, True)
+    assert not (folder / "other").exists()
+
+
+@pytest.mark.parametrize("source", ["a.npy", "survey.ply"])
+def test_options_of_tables_for_what_is_none(source: str, folder: Path) -> None:
+    liftmesh.write(folder / "survey.ply", liftmesh.Cloud(np.eye(3)))
+    done = command("tile", source, "out", "--surface", "--skip-rows", 1, cwd=folder)
+    assert done.returncode == 3
+    assert "--skip-rows cannot be given" in done.stderr
+    assert not (folder / "out").exists()
+
+
 def test_progress_on_a_terminal(folder: Path) -> None:
     shown, code = on_terminal("tile", "a.npy", "out", "--tile-rows", "500", cwd=folder)
     assert code == 0
@@ -97,12 +127,31 @@ def test_progress_on_a_terminal(folder: Path) -> None:
         (["a.npy", "out", "--memory", "1MB"], 2, "1 MB of memory do not hold a process"),
         (["a.npy", "out", "--workers", "1", "--memory", "50M"], 2, "50 MB of memory do not hold"),
         (["missing.npy", "out"], 3, "missing.npy"),
-        (["a.npy", "b.npy"], 3, "b.npy"),
+        (["a.npy", "b.npy"], 3, "b.npy: cannot write tiles here: this is a file, not a folder"),
+        (["a.npy", "b.npy", "a.npy", "out"], 2, "a.npy is given twice"),
+        (["one.csv", "out"], 3, "one.csv: 1 row holds 1 distinct planar point: a triangle needs"),
+        (["line.csv", "one.csv", "out"], 3, "line.csv, one.csv: all 3 distinct points lie on"),
         (["-", "out"], 3, "-"),
     ],
 )
 def test_what_is_refused(words: list[str], code: int, said: str, folder: Path) -> None:
+    (folder / "one.csv").write_text("x,y,z\n1,1,3\n")
+    (folder / "line.csv").write_text("x,y,z\n1,1,3\n2,2,3\n3,3,3\n")
+    before = sorted(folder.iterdir())
     done = command("tile", *words, cwd=folder)
     assert (done.returncode, done.stdout) == (code, "")
     assert said in done.stderr
     assert len(done.stderr.splitlines()) <= 3
+    assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base 0",
+     "triangulate out o.ply", "profile out o.csv --along 0,0 --along 1,1"],
+)  # fmt: skip
+def test_commands_say_which_take_a_folder_of_tiles(words: str, folder: Path) -> None:
+    assert command("tile", "a.npy", "out", cwd=folder).returncode == 0
+    done = command(*words.split(), cwd=folder)
+    assert done.returncode == 3
+    assert "this is a folder of tiles, not a file: of the commands, raster, contour" in done.stderr

@@ -31,6 +31,13 @@ TRIANGULATE = ["triangulate", "a.ply", "b.ply"]
 WRONG = [
     (["triangulate"], "IN or OUT is missing: give liftmesh triangulate IN... OUT (see liftmesh"),
     (["triangulate", "a.ply"], "IN or OUT is missing: give liftmesh triangulate IN... OUT"),
+    (["tile"], "IN or OUT is missing: give liftmesh tile IN... OUT (see liftmesh tile"),
+    (["sample", "a", "b"], "--at is missing: give liftmesh sample IN OUT --at FILE (see liftmesh"),
+    (
+        ["raster", "a", "b"],
+        "--resolution is missing: give liftmesh raster IN OUT --resolution SIZE",
+    ),
+    (["profile"], "IN is missing: give liftmesh profile IN OUT --along FILE|X,Y (see liftmesh"),
     (["info", "a.ply", "b.ply"], "unexpected 'b.ply': give liftmesh info FILE"),
     ([*TRIANGULATE, "--threads", "two"], "--threads is 'two': give a whole number from 1 to 1024"),
     ([*TRIANGULATE, "--threads", "1.5"], "--threads is '1.5': give a whole number from 1"),
@@ -153,6 +160,11 @@ def test_help_shows_no_type_for_flags(command: list[str]) -> None:
     assert done.returncode == 0
     assert "--help" in done.stdout
     assert "bool" not in done.stdout.lower()
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_but_paper_prints_json(command: str) -> None:
+    assert ("--json" in liftmesh(command, "--help").stdout) == (command != "paper")
 
 
 def test_without_words_comes_the_help_alone() -> None:

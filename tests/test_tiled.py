@@ -184,7 +184,8 @@ def test_dask_reads_the_shards(tmp_path: Path) -> None:
     ("source", "error", "message"),
     [
         (np.zeros((0, 2)), DegenerateInputError, "the source has no rows"),
-        (np.zeros((9, 2)), DegenerateInputError, "9 rows hold 1 distinct planar points"),
+        (np.zeros((1, 2)), DegenerateInputError, "1 row holds 1 distinct planar point: a tri"),
+        (np.zeros((9, 2)), DegenerateInputError, "9 rows hold 1 distinct planar point:"),
         (
             np.arange(400.0).repeat(2).reshape(-1, 2),
             DegenerateInputError,

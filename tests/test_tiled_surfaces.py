@@ -258,7 +258,7 @@ def test_options_that_are_refused(options: Any, message: str, tmp_path: Path) ->
             iter([Cloud(POINTS, colors=np.full((1_200, 3), k, np.int64)) for k in (9, 900)]),
             "colours of 16 bits, what came before of 8: give color_depth=",
         ),
-        (np.zeros((9, 3)), "9 rows hold 1 distinct planar points"),
+        (np.zeros((9, 3)), "9 rows hold 1 distinct planar point:"),
     ],
 )
 def test_clouds_that_are_refused(cloud: object, message: str, tmp_path: Path) -> None:

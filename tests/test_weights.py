@@ -122,7 +122,7 @@ def test_points_on_a_line_have_no_triangle() -> None:
     line = np.c_[FINE, FINE]
     with pytest.raises(liftmesh.DegenerateInputError, match="lie on one line, from row 0 to row 5"):
         liftmesh.regular(line, weights=FINE)
-    with pytest.raises(liftmesh.DegenerateInputError, match="hold 1 distinct planar points"):
+    with pytest.raises(liftmesh.DegenerateInputError, match="hold 1 distinct planar point:"):
         liftmesh.regular(np.zeros((6, 2)), weights=FINE)
     with pytest.raises(liftmesh.UnsupportedTypeError, match="not 2 columns"):
         liftmesh.regular(FINE, FINE, weights=FINE)  # type: ignore[call-arg, misc]

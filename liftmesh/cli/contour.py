@@ -71,15 +71,20 @@ def run(
     files.check_place(target)
     files.check_apart(reading.polygon, source, target)
     if source.is_dir():
-        tiled = opened(source, reading)
+        surface: Any = opened(source, reading)
         with terminal.stage("finding contours"):
-            lines = tiled.contours(**wanted, index_every=every).longer_than(least)
+            lines = surface.contours(**wanted, index_every=every)
     else:
         surface = reading.surface(source)
         with terminal.stage("finding contours"):
-            lines = surface.contours(
-                **wanted, index_every=every, threads=reading.threads
-            ).longer_than(least)
+            lines = surface.contours(**wanted, index_every=every, threads=reading.threads)
+    if not len(lines):
+        terminal.note(
+            "{}: no line: its heights are from {:.10g} to {:.10g}".format(
+                source, *_heights(surface)
+            )
+        )
+    lines = lines.longer_than(least)
     with terminal.stage(f"writing {target.name}"):
         path = lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
@@ -92,6 +97,14 @@ def run(
             f"level{'' if heights == 1 else 's'}, {length:,.2f} long",
             "good",
         )
+
+
+def _heights(surface: Any) -> tuple[float, float]:
+    """Return the least and the greatest height of a surface, or of one in tiles."""
+    if hasattr(surface, "extent"):
+        return surface.extent[2], surface.extent[5]
+    heights = surface.frame.heights(surface.vertices)[surface.faces]
+    return float(heights.min()), float(heights.max())
 
 
 def _wanted(interval: str | None, levels: str | None, base: str) -> dict[str, Any]:

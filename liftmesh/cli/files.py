@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from liftmesh.cli import systems
+from liftmesh.cli import systems, tiled_surfaces
 from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import note, reading, stage
 from liftmesh.errors import (
@@ -78,6 +78,7 @@ def read(
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
+    tiled_surfaces.check_file(path)
     from liftmesh.io.places import progress  # noqa: PLC0415 - help and --version do without
 
     shown = f"reading {name if is_stream(path) else path.name}"

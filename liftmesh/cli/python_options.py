@@ -39,12 +39,34 @@ _SUBJECTS = (
     "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
     "point_format", "resolution",
 )  # fmt: skip
+_OF_READING = {"crs": "from_crs", "header": "no_header"}
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
 _NAME = rf"(?P<name>{'|'.join(_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_NAME}'(?P<value>[^']*)'")
 _NUMBER = re.compile(rf"(?<=[\s(]){_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
 _BARE = re.compile(rf"(?<![^\s(]){_NAME}(?=[\s,;:)]|$)")
 _SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are) ")
+
+
+def of_reading(name: str) -> str:
+    """Return the option of the command line for one of `liftmesh.read`.
+
+    Parameters
+    ----------
+    name : str
+        The option of `liftmesh.read`.
+
+    Returns
+    -------
+    str
+        With its dashes.
+
+    Examples
+    --------
+    >>> of_reading("skip_rows"), of_reading("crs"), of_reading("header")
+    ('--skip-rows', '--from-crs', '--no-header')
+    """
+    return _option(_OF_READING.get(name, name))
 
 
 def as_on_command_line(message: str) -> str:

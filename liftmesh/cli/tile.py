@@ -12,9 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates, ShardFormat
-from liftmesh.cli import options, standard_streams, terminal
+from liftmesh.cli import files, inputs, options, standard_streams, terminal
+from liftmesh.cli.python_options import of_reading
 from liftmesh.cli.rows import with_options as with_rows
+from liftmesh.cli.tables import with_options as with_table
 from liftmesh.cli.values import checked
+from liftmesh.errors import DegenerateInputError
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -35,6 +38,7 @@ _NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracke
 SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
+@with_table
 @with_rows
 def run(
     sources: Annotated[
@@ -87,6 +91,7 @@ def run(
     ] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
+    table: Any = None,
     selection: Any = None,
     json: options.Json = False,
 ) -> None:
@@ -114,15 +119,17 @@ def run(
         Whether neighbours are written.
     nonfinite, threads : str
         As in `liftmesh.tile`.
-    selection : dict
-        Which rows a surface has, as in `liftmesh.read_chunks`.
+    table, selection : dict
+        How tables are read, and which rows a surface has, as in `liftmesh.read_chunks`.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
+    inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    if not surface and (duplicates or selection):
-        given = "--duplicates" if duplicates else f"--{next(iter(selection)).replace('_', '-')}"
+    reading = {**table, **selection}
+    if not surface and (duplicates or reading):
+        given = "--duplicates" if duplicates else of_reading(next(iter(reading)))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -141,9 +148,9 @@ def run(
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
     common |= {"shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **selection}
+        common |= {"duplicates": duplicates or "first", **reading}
     paths = [str(path) for path in sources]
-    with terminal.bar(1.0) as advance:
+    with _named(paths), terminal.bar(1.0) as advance:
         progress = _Shown(advance, f"triangulating into {out}")
         if workers is None and scheduler is None:
             count = options.parse_threads(threads)
@@ -153,6 +160,16 @@ def run(
                 make = _by_dask(surface=surface)
                 found = make(paths, out, client=client, progress=progress, **common)
     _say(found, json=json)
+
+
+@contextmanager
+def _named(paths: list[str]) -> Iterator[None]:
+    """Add the names of the files to an error about all of their points."""
+    try:
+        yield
+    except DegenerateInputError as error:
+        error.args = (f"{files.listed(paths)}: {error}",)
+        raise
 
 
 class _Shown:

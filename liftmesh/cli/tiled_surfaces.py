@@ -7,11 +7,36 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from liftmesh.errors import InputError
+from liftmesh.cli.python_options import of_reading
+from liftmesh.errors import FormatError, InputError
 
 if TYPE_CHECKING:
     from liftmesh.cli.reading import Reading
     from liftmesh.tiles.tiled_surface import TiledSurface
+
+
+def check_file(path: Path) -> None:
+    """Raise if a file is expected and a folder of triangles in tiles is given.
+
+    Parameters
+    ----------
+    path : Path
+        What a command reads.
+
+    Raises
+    ------
+    FormatError
+        It is such a folder; the message says which commands take it.
+    """
+    if not path.is_dir():
+        return
+    from liftmesh.tiles.manifest import MANIFEST  # noqa: PLC0415 - as below
+
+    if (path / MANIFEST).is_file():
+        raise FormatError(
+            f"{path}: this is a folder of tiles, not a file: of the commands, raster, contour and "
+            "verify take it"
+        )
 
 
 def opened(source: Path, reading: Reading, **others: object) -> TiledSurface:
@@ -43,14 +68,14 @@ def opened(source: Path, reading: Reading, **others: object) -> TiledSurface:
     """
     from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
 
-    given = [*reading.trimming, *reading.table, *reading.selection]
+    given = [*reading.trimming, *map(of_reading, [*reading.table, *reading.selection])]
     given += [name for name, value in others.items() if value not in (None, False)]
     given += ["format"] if reading.file_format is not None else []
     given += ["nonfinite"] if reading.nonfinite != "error" else []
     given += ["plane"] if reading.plane != "xy" else []
     if given:
-        name = given[0].replace("_", "-")
-        raise typer.BadParameter(f"--{name} is for files: {source} is a surface in tiles as it is")
+        name = f"--{given[0].lstrip('-').replace('_', '-')}"
+        raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
     found = open_tiled(source)
     if "surface" not in found.manifest:
         raise InputError(

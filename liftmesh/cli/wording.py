@@ -131,13 +131,17 @@ def _choices(param: Any) -> Sequence[str]:
 def _name(param: Any) -> str:
     """Name an option by its longest form, an argument by its placeholder."""
     longest: str = max(param.opts, key=len)
-    return longest if longest.startswith("-") else str(param.metavar or longest.upper())
+    if longest.startswith("-"):
+        return longest
+    return str(param.metavar or longest.upper()).removesuffix("...")
 
 
 def _usage(context: Any) -> str:
-    """Show the command with its arguments."""
+    """Show the command with its arguments, and the options that it needs."""
     names = [_name(each) + "..." * (each.nargs < 0) for each in _arguments(context)]
-    return " ".join(["give", context.command_path, *names])
+    others = [each for each in context.command.params if each not in _arguments(context)]
+    needed = [f"{_name(each)} {each.metavar}" for each in others if each.required]
+    return " ".join(["give", context.command_path, *names, *needed])
 
 
 def _arguments(context: Any) -> list[Any]:

@@ -11,8 +11,17 @@ from liftmesh.errors import FormatError
 from liftmesh.io.ragged import Ragged, places, runs
 
 
+def outside(vertex: int, vertices: int) -> str:
+    """Say that a face refers to a vertex that does not exist, counted from 0."""
+    return f"refers to vertex {vertex} (counted from 0), but there are {vertices} vertices"
+
+
 def triangulated(
-    faces: Ragged, vertices: int, name: str, where: Callable[[int], str] = "face {}".format
+    faces: Ragged,
+    vertices: int,
+    name: str,
+    where: Callable[[int], str] = "face {}".format,
+    wrong_of: Callable[[int, int], str] = outside,
 ) -> Rows:
     """Split polygons into triangle fans around their first vertex, in order.
 
@@ -24,6 +33,8 @@ def triangulated(
         Number of vertices.
     where : callable, optional
         Describes face number i in messages.
+    wrong_of : callable, optional
+        Describes a vertex that does not exist, of so many.
 
     Raises
     ------
@@ -33,7 +44,7 @@ def triangulated(
     if not _within(faces.values, vertices):
         wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
         face, vertex = faces.row_of(int(wrong)), int(faces.values[wrong])
-        raise FormatError(f"{name}: {where(face)} {_outside(vertex, vertices)}")
+        raise FormatError(f"{name}: {where(face)} {wrong_of(vertex, vertices)}")
     size = int(faces.sizes[0]) if len(faces.sizes) else 0
     if size >= 3 and np.all(faces.sizes == size):
         return _fans_of_one_size(faces.values.reshape(-1, size))
@@ -97,7 +108,7 @@ def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
     if not _within(faces, vertices):
         wrong = (faces < 0) | (faces >= vertices)
         row, corner = (int(each) for each in np.argwhere(wrong)[0])
-        raise FormatError(f"{name}: face {row} {_outside(int(faces[row, corner]), vertices)}")
+        raise FormatError(f"{name}: face {row} {outside(int(faces[row, corner]), vertices)}")
     return faces.astype(np.int32, copy=False)
 
 
@@ -111,7 +122,3 @@ def narrowed(faces: Array) -> Array:
 def _within(indices: Array, vertices: int) -> bool:
     """Whether every index is that of a vertex, computed without a mask as large as the mesh."""
     return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)
-
-
-def _outside(vertex: int, vertices: int) -> str:
-    return f"refers to vertex {vertex} (counted from 0), but there are {vertices} vertices"

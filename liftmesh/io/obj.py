@@ -29,7 +29,7 @@ from liftmesh.io.format import OWN, crs_comment, others, stated_crs
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
 from liftmesh.io.metadata import stated, statements, storable
 from liftmesh.io.obj_colors import MARK, color_columns, commented_colors, write_comments
-from liftmesh.io.obj_faces import Corners, parse_corners
+from liftmesh.io.obj_faces import Corners, outside, parse_corners
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
 if TYPE_CHECKING:
@@ -178,7 +178,11 @@ class _Reading:
             return None
         lines = corners.lines
         return triangulated(
-            corners.vertices, vertices, self.name, lambda face: f"line {lines[face]}: face"
+            corners.vertices,
+            vertices,
+            self.name,
+            lambda face: f"line {lines[face]}: face",
+            outside,
         )
 
     def _metadata(self, corners: Corners | None) -> dict[str, Any]:
@@ -249,10 +253,8 @@ def _check(vertices: Ragged, named: Integers, lines: Integers, count: int, name:
     wrong = np.flatnonzero((named < -1) | (named >= count))
     if len(wrong):
         line = lines[vertices.row_of(int(wrong[0]))]
-        raise FormatError(
-            f"{name}: line {line}: a corner refers to normal {named[wrong[0]]} "
-            f"(counted from 0), but there are {count} normals"
-        )
+        text = outside(int(named[wrong[0]]), count, "normal")
+        raise FormatError(f"{name}: line {line}: a corner {text}")
 
 
 def write_obj(

@@ -100,6 +100,18 @@ def _from_zero(
     return found
 
 
+def outside(index: int, count: int, kind: str = "vertex") -> str:
+    """Say that a corner refers to a vertex or normal that does not exist, in numbers of the file.
+
+    >>> outside(8, 3), outside(-2, 3, "normal")
+    ('refers to vertex 9, but there are 3 vertices', 'refers back to before the first of 3 normals')
+    """
+    kinds = "vertices" if kind == "vertex" else f"{kind}s"
+    if index < 0:
+        return f"refers back to before the first of {count} {kinds}"
+    return f"refers to {kind} {index + 1}, but there are {count} {kinds}"
+
+
 def _corner_error(faces: Block, name: str) -> FormatError:
     bad = (
         (corner[0], number)

@@ -328,7 +328,8 @@ def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> Degener
     if distinct < 3:
         columns = "; if these are columns, give points.T" if rows.shape == (2, 3) else ""
         return DegenerateInputError(
-            f"{held} hold {distinct} distinct planar points: a triangle needs three{columns}"
+            f"{held} hold{'s' * (len(rows) == 1)} {counted(distinct, 'distinct planar point')}: a "
+            f"triangle needs three{columns}"
         )
     first, last = int(hull[0]), int(hull[len(hull) // 2])
     return DegenerateInputError(

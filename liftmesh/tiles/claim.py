@@ -86,6 +86,9 @@ def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
     OSError
         The folders cannot be used.
     """
+    if folders.out.exists() and not folders.out.is_dir():
+        reason = "cannot write tiles here: this is a file, not a folder"
+        raise NotADirectoryError(errno.ENOTDIR, reason, str(folders.out))
     missing = [*_missing(folders.scratch), *_missing(folders.out)]
     try:
         folders.out.mkdir(parents=True, exist_ok=True)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Integers
+from liftmesh.choices import counted
 from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
@@ -118,7 +119,8 @@ def _check(counts: Mapping[str, int], *, is_flat: bool) -> None:
     left_out = f", {skipped} of them skipped as not finite," if skipped else ""
     if vertices < 3:
         raise DegenerateInputError(
-            f"{rows} rows{left_out} hold {vertices} distinct planar points: a triangle needs three"
+            f"{counted(rows, 'row')}{left_out} hold{'s' * (rows == 1)} "
+            f"{counted(vertices, 'distinct planar point')}: a triangle needs three"
         )
     if is_flat:
         raise DegenerateInputError(

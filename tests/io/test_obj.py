@@ -175,10 +175,17 @@ def test_more_lines_than_a_block() -> None:
         (SQUARE + "f 1 2/9999999999 2147483648/1\n", "line 5: '2147483648/1' is not a corner"),
         (SQUARE + "f 1 2 3//2147483648\n", "line 5: '3//2147483648' is not a corner"),
         (SQUARE + "f 1 2 inf\n", "line 5: 'inf' is not a corner"),
-        (SQUARE + "f 1 2 5\n", "line 5: face refers to vertex 4 .* there are 4 vertices"),
-        (SQUARE + "f 1 2 3\nf -5 2 3\n", "line 6: face refers to vertex -2"),
-        (SQUARE + "vn 0 0 1\nf 1//1 2//1 3//2\n", "line 6: a corner refers to normal 1"),
-        (SQUARE + "vn 0 0 1\nf 1//1 2//1 3//-2\n", "line 6: a corner refers to normal -2"),
+        (SQUARE + "f 1 2 5\n", "line 5: face refers to vertex 5, but there are 4 vertices"),
+        (SQUARE + "f 1 2 9\n", "line 5: face refers to vertex 9, but there are 4 vertices"),
+        (
+            SQUARE + "f 1 2 3\nf -5 2 3\n",
+            "line 6: face refers back to before the first of 4 vertices",
+        ),
+        (SQUARE + "vn 0 0 1\nf 1//1 2//1 3//2\n", "line 6: a corner refers to normal 2, but"),
+        (
+            SQUARE + "vn 0 0 1\nf 1//1 2//1 3//-2\n",
+            "line 6: a corner refers back to before the first of 1 normals",
+        ),
     ],
 )
 def test_broken_files_name_the_line(text: str, cause: str) -> None:

@@ -92,7 +92,9 @@ def test_the_face_that_is_wrong_is_named_wherever_it_is(form: str) -> None:
         broken[at] = [0, 1, 7]
         kind, data = written(form, broken)
         where = f"line {5 + at}: face" if form == "obj" else f"face {at} "
-        with pytest.raises(FormatError, match=f"{where}.*refers to vertex 7"):
+        with pytest.raises(
+            FormatError, match=f"{where}.*refers to vertex {8 if form == 'obj' else 7}"
+        ):
             loaded(data, kind)
 
 
