@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -208,6 +209,24 @@ def test_a_run_that_can_go_on_keeps_the_folders_that_it_made(tmp_path: Path) -> 
     assert any(scratch.iterdir())
     liftmesh.tile(POINTS, out, tile_rows=ROWS, scratch=scratch)
     assert list(scratch.iterdir()) == []
+
+
+def test_files_that_a_kill_left_without_names_are_removed(tmp_path: Path) -> None:
+    points = np.random.default_rng(4).random((400, 2))
+    stopped(points, tmp_path)
+    left, foreign = tmp_path / ".liftmesh-0123456789abcdef", tmp_path / ".liftmesh-notes"
+    for path in (left, foreign):
+        path.write_text("a")
+        os.utime(path, (1e9, 1e9))
+    written_now = tmp_path / ".liftmesh-fedcba9876543210"
+
+    def also_write(share: float) -> None:
+        written_now.touch()
+
+    liftmesh.tile(points, tmp_path, tile_rows=100, progress=also_write)
+    assert not left.exists()
+    assert foreign.exists()
+    assert written_now.exists()  # perhaps by another process
 
 
 def test_a_plan_of_another_program_is_not_mixed_with_this_one(

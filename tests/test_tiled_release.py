@@ -289,7 +289,11 @@ def test_tiles_that_were_cut_again_and_are_done(
     out = tmp_path / "out"
     stopped("triangles", source, out, 0.8)
     assert len(rows_in(out)) < 4
+    kept = {path: path.stat().st_mtime_ns for path in out.rglob("run-*.npy")}
     stopped("triangles", source, out, 0.9)
+    assert kept
+    left = {path: path.stat().st_mtime_ns for path in out.rglob("run-*.npy")}
+    assert left.items() <= kept.items()  # nothing was sorted by the plan before it was cut again
     made("triangles", source, out)
     assert contents(out) == contents(tmp_path / "expected")
 

@@ -205,6 +205,23 @@ def test_no_triangle_is_settled_whose_circle_leaves_the_cell(data: st.DataObject
         assert exactly_within(corners, cell)
 
 
+@settings(max_examples=250, deadline=None)
+@given(data=st.data())
+def test_a_cell_that_ends_a_diameter_away_from_a_corner(data: st.DataObject) -> None:
+    """There disks are found near without their centre, or not: with half of it they would be."""
+    ring = np.array([(-5, 0), (0, 5), (5, 0), (0, -5), (-4, 3), (3, -4), (4, 3)], float)
+    corners = ring[data.draw(st.permutations(range(7)))[:3]]
+    sides = np.array([float(data.draw(NUDGES)) for _ in range(4)])
+    sides *= 2.0 ** -data.draw(st.integers(8, 52))
+    around = np.tile(corners[data.draw(st.integers(0, 2))], 2)
+    power = data.draw(st.integers(-600, 400))
+    cell = np.ldexp(around + np.array([-10.0, -10.0, 10.0, 10.0]) * (1 + sides), power)
+    corners = np.ldexp(corners, power)
+    everywhere = np.array([[-1.0, -1.0, 1.0, 1.0]]) * np.finfo(float).max
+    if is_settled(corners, tuple(cell), everywhere):
+        assert exactly_within(corners, cell)
+
+
 @pytest.mark.parametrize("power", [-1040, -600, -150, 0, 150, 300, 1000])
 def test_triangles_far_from_all_others_are_settled_at_every_scale(power: int) -> None:
     corners = np.ldexp(np.array([(5.0, 0.0), (-4.0, 3.0), (0.0, -5.0)]), power)

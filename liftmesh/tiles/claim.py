@@ -102,7 +102,7 @@ def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
                 if isinstance(error, DegenerateInputError) or not (folders.scratch / JOB).is_file():
                     _leave(folders)  # nothing could be resumed
                 raise
-            _remove_unnamed(folders.out)
+            _remove_unnamed(folders.out, os.fstat(lock).st_mtime_ns)
             _leave(folders)
     except BaseException:
         for folder in missing:
@@ -194,10 +194,16 @@ def _named(out: Path) -> set[str]:
     return {MANIFEST, *manifest["files"], *(shard["file"] for shard in manifest["shards"])}
 
 
-def _remove_unnamed(out: Path) -> None:
-    """Remove shards of another plan, which a run has left that was stopped."""
+def _remove_unnamed(out: Path, began: int) -> None:
+    """Remove what a run has left that was stopped before this one began, in nanoseconds.
+
+    That is shards of another plan, and files that were about to get their names.
+    """
     for name in set(_shards(out)) - _named(out):
         (out / name).unlink()
+    for path in out.iterdir():
+        if re.fullmatch(_TEMPORARY, path.name) and path.lstat().st_mtime_ns < began:
+            path.unlink()
 
 
 @contextmanager

@@ -191,6 +191,26 @@ class Plan:
             children=np.concatenate((children, below)).astype(np.int32),
         )
 
+    def extends(self, coarser: Plan) -> bool:
+        """Whether this plan is another one, perhaps with tiles that were cut again.
+
+        Parameters
+        ----------
+        coarser : Plan
+            The other plan.
+
+        Returns
+        -------
+        bool
+            Whether it has its cuts, and then perhaps more.
+        """
+        cuts = len(coarser.axes)
+        return (
+            np.array_equal(self.axes[:cuts], coarser.axes)
+            and np.array_equal(self.at[:cuts], coarser.at)
+            and np.array_equal(self.repeated, coarser.repeated)
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """Return lists of numbers, for JSON.
 

@@ -34,10 +34,10 @@ from liftmesh.tiles.plan import Plan, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.release import released
 from liftmesh.tiles.repeated import frequent
-from liftmesh.tiles.runs import save_boxes, save_plan, tile_sample
+from liftmesh.tiles.runs import earlier_plan, save_boxes, save_plan, tile_sample
 from liftmesh.tiles.shards import check_format
 from liftmesh.tiles.sources import Part, parts_of
-from liftmesh.tiles.stages import JOB, Folders
+from liftmesh.tiles.stages import JOB, Folders, is_recorded
 from liftmesh.tiles.store import load_record, save_record, seal
 from liftmesh.tiles.surfacing import Surfacing, schema_of_parts
 from liftmesh.tiles.tiled import Tiled, open_tiled
@@ -190,7 +190,9 @@ class Run:
         if self._is_finished(identity):
             return
         plan = self._planned(np.concatenate([each.sample for each in scanned]))
-        for _ in range(_ROUNDS):
+        begun = self._begun(plan, identity)
+        plan = begun or plan
+        for _ in range(0 if begun else _ROUNDS):
             folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
             finer = self._cut_again(plan, folders, sizes)
             if finer.tiles == plan.tiles:
@@ -206,17 +208,7 @@ class Run:
         self, runner: Runner, plan: Plan, identity: Mapping[str, Any], scanned: Sequence[Scanned]
     ) -> tuple[Folders, list[int], Integers]:
         """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
-        groups = Groups.of_plan(plan.tiles, max(part.rows for part in self.parts))
-        name = seal(_program(), identity, plan.as_dict(), groups.count)
-        policy = "" if self.surface is None else self.surface.duplicates
-        folders = replace(
-            self.folders,
-            plan=name,
-            held=2 * self.tile_rows,
-            runs=len(self.parts),
-            groups=groups,
-            policy=policy,
-        )
+        folders = self._folders(plan, identity)
         save_plan(folders, plan)
         folders = replace(folders, released=released(runner, folders))
         numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
@@ -224,10 +216,29 @@ class Run:
         runner.each("partition", partition, calls)
         return folders, *save_boxes(folders, plan)
 
+    def _folders(self, plan: Plan, identity: Mapping[str, Any]) -> Folders:
+        """Say what the files of a plan depend on."""
+        groups = Groups.of_plan(plan.tiles, max(part.rows for part in self.parts))
+        return replace(
+            self.folders,
+            plan=seal(_program(), identity, plan.as_dict(), groups.count),
+            held=2 * self.tile_rows,
+            runs=len(self.parts),
+            groups=groups,
+            policy="" if self.surface is None else self.surface.duplicates,
+        )
+
+    def _begun(self, first: Plan, identity: Mapping[str, Any]) -> Plan | None:
+        """Return the plan of an earlier run that has done a tile: it was not to be cut again."""
+        plan = earlier_plan(self.folders)
+        if plan is None or not plan.extends(first):
+            return None
+        folders = self._folders(plan, identity)
+        has_begun = any(is_recorded(folders, ~tile) for tile in range(plan.tiles))
+        return plan if has_begun else None
+
     def _cut_again(self, plan: Plan, folders: Folders, sizes: Sequence[int]) -> Plan:
         """Cut the tiles that came out too large, by a sample of their own rows."""
-        if folders.released:
-            return plan  # its tiles are done: there was nothing to cut
         for tile, size in enumerate(sizes):
             if size > _LARGE * self.tile_rows:
                 wanted = -(-size // self.tile_rows)

@@ -18,7 +18,7 @@ from liftmesh.tiles.groups import suffix
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.ranges import fill, kind_of, values_of
-from liftmesh.tiles.store import load_record, save_array, save_record
+from liftmesh.tiles.store import load_json, load_record, save_array, save_record
 
 if TYPE_CHECKING:
     from liftmesh.tiles.stages import Folders
@@ -162,6 +162,27 @@ def save_plan(folders: Folders, plan: Plan) -> None:
         The plan.
     """
     save_record(folders.scratch / PLAN, folders.plan, plan.as_dict())
+
+
+def earlier_plan(folders: Folders) -> Plan | None:
+    """Read where the tiles of an earlier run are.
+
+    Parameters
+    ----------
+    folders : Folders
+        Where `save_plan` may have written.
+
+    Returns
+    -------
+    Plan or None
+        The last plan; None if there is none, or it is damaged.
+    """
+    try:
+        name = load_json(folders.scratch / PLAN).get("plan")
+    except (FileNotFoundError, FormatError):
+        return None
+    lists = load_record(folders.scratch / PLAN, name) if isinstance(name, str) else None
+    return None if lists is None else Plan.from_dict(lists)
 
 
 def load_plan(folders: Folders) -> Plan:

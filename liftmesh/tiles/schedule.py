@@ -53,10 +53,10 @@ class Meter:
             tell(rows)
 
     def show(self, stage: str, share: float) -> None:
-        """Report which share of a stage is done."""
+        """Report which share of a stage is done; what opens a source comes before `begin`."""
         if stage == "spool":
             self._shares = SHARES
-        if self._progress is not None:
+        if self._progress is not None and stage != "open":
             shares = [*self._shares.values()]
             passed = [*self._shares].index(stage)
             units = sum(shares[:passed]) + shares[passed] * share

@@ -198,6 +198,11 @@ def earlier(folders: Folders, name: int) -> Done | None:
     return done if is_whole else None
 
 
+def is_recorded(folders: Folders, name: int) -> bool:
+    """Whether a node was done in an earlier run; its files may be damaged."""
+    return load_record(_record(folders, name), folders.plan) is not None
+
+
 def _record(folders: Folders, name: int) -> Path:
     return folders.scratch / f"{label(name)}.json"
 
