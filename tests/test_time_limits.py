@@ -3,6 +3,7 @@ strikes, even an OSError that the code it strikes expects."""
 
 from __future__ import annotations
 
+import gc
 import io
 import signal
 import sys
@@ -115,6 +116,7 @@ def test_ctrl_c_is_heard_while_an_archive_is_thrown_away(
 ) -> None:
     job = JOBS[name]()
     printed: list[object] = []
+    gc.collect()  # archives of other tests
     monkeypatch.setattr(sys, "unraisablehook", printed.append)  # what Python does about it
     monkeypatch.setattr(
         zipfile.ZipFile, "__del__", lambda _: signal.raise_signal(signal.SIGINT), raising=False
