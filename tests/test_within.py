@@ -206,3 +206,12 @@ def hills(size: int, seed: int, exponent: int = 0, rise: float = 1.0) -> liftmes
     grid = np.stack(np.meshgrid(np.arange(size), np.arange(size)), -1).reshape(-1, 2) + seed / 4
     heights = np.random.default_rng(seed).integers(1, 9, len(grid)) * rise
     return liftmesh.triangulate(np.column_stack([np.ldexp(grid, exponent), heights]))
+
+
+@pytest.mark.parametrize("features", [[3], [None], 5, "ab", [{"type": "Feature", "geometry": 3}]])
+def test_collections_that_are_no_geojson_are_one_line(features: object) -> None:
+    surface = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1]])
+    with pytest.raises(liftmesh.InputError, match="the polygon is no GeoJSON: give"):
+        surface.volume(0, polygon={"type": "FeatureCollection", "features": features})
+    with pytest.raises(liftmesh.InputError, match="the polygon is no GeoJSON: give"):
+        surface.volume_by_polygon({"type": "FeatureCollection", "features": features}, 0)

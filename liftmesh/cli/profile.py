@@ -140,7 +140,8 @@ def _check_shapes(target: Path) -> None:
 
 def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.draping import lines_of, system_of_plane  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.draping import system_of_plane  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.line_files import lines_of  # noqa: PLC0415 - help and --version do without
 
     if not shapes.is_cloud(path):
         return list(lines_of(path, system_of_plane(surface)))

@@ -1,33 +1,24 @@
-"""Lines from files, draped over a surface: profiles of several lines as one.
-
-GeoJSON and whatever geopandas reads hold lines; of GeoJSON the heights of corners, which it allows,
-are left out.
-"""
+"""Lines draped over a surface: profiles of several lines as one, and their files."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.arrays import as_pairs, as_reals
-from liftmesh.choices import shown
 from liftmesh.cloud import Cloud
 from liftmesh.crs import looked_up
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import InputError
 from liftmesh.io import geojson_writer, geopackage_writer
 from liftmesh.io.atomic import replacing
 from liftmesh.optional import load
-from liftmesh.terrain.shape_files import read_shapes
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
-
-_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,77 +173,3 @@ def system_of_plane(surface: Surface) -> str | None:
     True
     """
     return surface.crs if surface.frame.name == "xy" else None
-
-
-def lines_of(path: Path, crs: str | None) -> list[Floats]:
-    """Read the lines of a file, which has to be in the system of a surface.
-
-    Parameters
-    ----------
-    path : Path
-        GeoJSON, or anything that geopandas reads.
-    crs : str, optional
-        The system of the surface.
-
-    Returns
-    -------
-    list of (k, 2) ndarray of float64
-        The lines in the order of the file; those of a MultiLineString are several.
-
-    Raises
-    ------
-    InputError
-        The systems are known to differ.
-    FormatError
-        The file cannot be read, or holds no line.
-    MissingDependencyError
-        Files other than GeoJSON need geopandas.
-    OSError
-        The file cannot be opened.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp(), "road.geojson")
-    >>> _ = path.write_text('{"type": "LineString", "coordinates": [[0, 1, 5], [2, 3, 5]]}')
-    >>> [line.tolist() for line in lines_of(path, None)]
-    [[[0.0, 1.0], [2.0, 3.0]]]
-    """
-    shapes = read_shapes(path, "lines", crs)
-    tree = getattr(shapes, "__geo_interface__", shapes)
-    try:
-        found = [_line(each) for each in _lines(tree)]
-    except (TypeError, AttributeError, RecursionError) as error:
-        raise FormatError(f"{path}: no GeoJSON: a line has type and coordinates") from error
-    except InputError as error:
-        raise FormatError(f"{path}: {error}") from error
-    if not found:
-        raise FormatError(f"{path}: there is no LineString or MultiLineString in it")
-    return found
-
-
-def _lines(tree: Mapping[str, Any]) -> list[Any]:
-    """Collect the lines of a tree of GeoJSON; points and polygons count for nothing."""
-    kind = tree.get("type")
-    if kind in _PARTS:
-        parts = tree.get(_PARTS[kind]) or ()
-        return [line for part in parts if isinstance(part, Mapping) for line in _lines(part)]
-    if kind == "Feature":
-        geometry = tree.get("geometry")
-        return _lines(geometry) if isinstance(geometry, Mapping) else []
-    coordinates = tree.get("coordinates") or ()
-    if kind == "LineString":
-        return [coordinates] if coordinates else []
-    return [part for part in coordinates if part] if kind == "MultiLineString" else []
-
-
-def _line(corners: Any) -> Floats:
-    try:
-        array = as_reals(corners)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"a line cannot be read: {shown(corners)}") from error
-    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < 2:
-        raise InputError(f"a line needs two corners x, y or more, not the shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError("a corner of a line is not finite")
-    return as_pairs(array[:, :2])

@@ -20,9 +20,9 @@ from liftmesh.arrays import as_reals
 from liftmesh.choices import counted, shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
+from liftmesh.terrain.geojson_tree import geometries
 from liftmesh.terrain.shape_files import read_shapes, stated_system
 
-_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 _COORDINATES = {"x", "y", "z"}
 
 
@@ -68,7 +68,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     shapes = read_shapes(path, "points", crs, columns=True)
     found = _Found()
     try:
-        found.take(getattr(shapes, "__geo_interface__", shapes), {})
+        found.take(getattr(shapes, "__geo_interface__", shapes))
     except (TypeError, AttributeError, RecursionError) as error:
         raise FormatError(f"{path}: no GeoJSON: a point has type and coordinates") from error
     if not found.places:
@@ -93,22 +93,16 @@ class _Found:
     properties: list[Mapping[str, Any]] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
-    def take(self, tree: Mapping[str, Any], properties: Mapping[str, Any]) -> None:
-        """Collect the points of a geometry, a feature or a collection."""
-        kind = tree.get("type")
-        if kind in _PARTS:
-            for part in tree.get(_PARTS[kind]) or ():
-                self.take(part, properties)
-        elif kind == "Feature":
-            held = tree.get("properties")
-            self.take(tree.get("geometry") or {}, held if isinstance(held, Mapping) else {})
-        elif kind in {"Point", "MultiPoint"}:
-            coordinates = tree.get("coordinates") or ()
-            parts = coordinates if kind == "MultiPoint" else [coordinates] if coordinates else []
+    def take(self, tree: object) -> None:
+        """Collect the points of a tree."""
+        for kind, coordinates, properties in geometries(tree):
+            if kind not in {"Point", "MultiPoint"}:
+                self.others[kind] += 1
+                continue
+            is_one = kind == "Point" and coordinates
+            parts = [coordinates] if is_one else coordinates
             self.places += parts
             self.properties += [properties] * len(parts)
-        elif isinstance(kind, str):
-            self.others[kind] += 1
 
     def names(self) -> list[str]:
         """Return the names of the properties, in the order of the file."""

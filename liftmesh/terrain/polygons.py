@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from liftmesh.arrays import as_pairs, as_reals
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.predicates import orient2d
+from liftmesh.terrain.geojson_tree import coordinates_of
 
 Polygon: TypeAlias = list[Floats]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,9 +40,6 @@ class Region:
 
     name: str | int
     polygons: list[Polygon]
-
-
-_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
 def as_polygons(polygon: object) -> list[Polygon]:
@@ -67,14 +66,7 @@ def as_polygons(polygon: object) -> list[Polygon]:
     >>> [[ring.shape for ring in each] for each in as_polygons(triangle)]
     [[(3, 2)]]
     """
-    described = getattr(polygon, "__geo_interface__", polygon)
-    try:
-        found = _rings(described) if isinstance(described, Mapping) else [[polygon]]
-    except (TypeError, AttributeError, RecursionError) as error:
-        raise InputError("the polygon is no GeoJSON: give type and coordinates") from error
-    if not found:
-        raise InputError("there is no polygon in what is given: give Polygon or MultiPolygon")
-    return [[_ring(ring) for ring in each] for each in found]
+    return _found(_polygons(getattr(polygon, "__geo_interface__", polygon)))
 
 
 def as_regions(polygon: object) -> list[Region]:
@@ -109,13 +101,16 @@ def as_regions(polygon: object) -> list[Region]:
     if not is_collection:
         return [Region(0, as_polygons(polygon))]
     features = described.get("features") or ()
-    if not _rings(described):
-        return [Region(0, as_polygons(polygon))]  # which says what is missing
-    return [
-        Region(_name_of(each, number), as_polygons(each))
-        for number, each in enumerate(features)
-        if isinstance(each, Mapping) and _rings(each)
-    ]
+    is_list = isinstance(features, list | tuple)
+    if not (is_list and all(isinstance(each, Mapping) for each in features)):
+        raise InputError("the polygon is no GeoJSON: give features as a list of objects")
+    return _found(
+        [
+            Region(_name_of(each, number), polygons)
+            for number, each in enumerate(features)
+            if (polygons := _polygons(each))
+        ]
+    )
 
 
 def _name_of(feature: Mapping[str, Any], number: int) -> str | int:
@@ -169,19 +164,21 @@ def _is_in(rings: Polygon, lined: Floats) -> Array:
     return is_inside
 
 
-def _rings(tree: Mapping[str, Any]) -> list[list[Any]]:
-    """Collect the polygons of a tree of GeoJSON; what has no area counts for nothing."""
-    kind = tree.get("type")
-    if kind in _PARTS:
-        parts = tree.get(_PARTS[kind]) or ()
-        return [rings for part in parts if isinstance(part, Mapping) for rings in _rings(part)]
-    if kind == "Feature":
-        geometry = tree.get("geometry")
-        return _rings(geometry) if isinstance(geometry, Mapping) else []
-    coordinates = tree.get("coordinates") or ()
-    if kind == "Polygon":
-        return [list(coordinates)] if coordinates else []
-    return [list(part) for part in coordinates if part] if kind == "MultiPolygon" else []
+def _polygons(described: object) -> list[Polygon]:
+    """Convert the polygons of a tree of GeoJSON, in which nothing else counts; or one ring."""
+    if not isinstance(described, Mapping):
+        return [[_ring(described)]]
+    try:
+        found = [list(rings) for rings in coordinates_of(described, "Polygon")]
+    except (TypeError, RecursionError) as error:
+        raise InputError("the polygon is no GeoJSON: give type and coordinates") from error
+    return [[_ring(ring) for ring in rings] for rings in found]
+
+
+def _found(polygons: list[T]) -> list[T]:
+    if not polygons:
+        raise InputError("there is no polygon in what is given: give Polygon or MultiPolygon")
+    return polygons
 
 
 def _ring(corners: Any) -> Floats:

@@ -1,4 +1,4 @@
-"""Files of polygons and lines, and the coordinate systems that files and objects say of them.
+"""Files of polygons, lines and points, and the coordinate systems that shapes say they are in.
 
 GeoJSON is read here; any other kind of file is left to geopandas. Old GeoJSON names its system in
 the member ``crs``; without it, coordinates are taken to be those of the surface.

@@ -1,0 +1,77 @@
+"""Lines of files of shapes: GeoJSON, and whatever geopandas reads.
+
+They are lines in the plane: heights of corners, which GeoJSON allows, are left out.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.arrays import as_pairs, as_reals
+from liftmesh.choices import shown
+from liftmesh.errors import FormatError, InputError
+from liftmesh.terrain.geojson_tree import coordinates_of
+from liftmesh.terrain.shape_files import read_shapes
+
+
+def lines_of(path: Path, crs: str | None) -> list[Floats]:
+    """Read the lines of a file, which has to be in the system of a surface.
+
+    Parameters
+    ----------
+    path : Path
+        GeoJSON, or anything that geopandas reads.
+    crs : str, optional
+        The system of the surface.
+
+    Returns
+    -------
+    list of (k, 2) ndarray of float64
+        The lines in the order of the file; those of a MultiLineString are several.
+
+    Raises
+    ------
+    InputError
+        The systems are known to differ.
+    FormatError
+        The file cannot be read, or holds no line.
+    MissingDependencyError
+        Files other than GeoJSON need geopandas.
+    OSError
+        The file cannot be opened.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "road.geojson")
+    >>> _ = path.write_text('{"type": "LineString", "coordinates": [[0, 1, 5], [2, 3, 5]]}')
+    >>> [line.tolist() for line in lines_of(path, None)]
+    [[[0.0, 1.0], [2.0, 3.0]]]
+    """
+    shapes = read_shapes(path, "lines", crs)
+    tree = getattr(shapes, "__geo_interface__", shapes)
+    try:
+        found = [_line(each) for each in coordinates_of(tree, "LineString")]
+    except (TypeError, AttributeError, RecursionError) as error:
+        raise FormatError(f"{path}: no GeoJSON: a line has type and coordinates") from error
+    except InputError as error:
+        raise FormatError(f"{path}: {error}") from error
+    if not found:
+        raise FormatError(f"{path}: there is no LineString or MultiLineString in it")
+    return found
+
+
+def _line(corners: Any) -> Floats:
+    try:
+        array = as_reals(corners)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"a line cannot be read: {shown(corners)}") from error
+    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < 2:
+        raise InputError(f"a line needs two corners x, y or more, not the shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError("a corner of a line is not finite")
+    return as_pairs(array[:, :2])
