@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ import typer
 from liftmesh.cli import (
     exit_codes,
     files,
+    inputs,
     options,
     outputs,
     rows,
@@ -92,7 +94,8 @@ def run(
     files.check_target(lower)
     files.check_target(hull)
     files.check_apart(source, lower, hull)
-    cloud = files.read_ground(source, source_format, limit, table, selection=selection)
+    read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
+    cloud = inputs.merged([source], read, selection)
     with files.about(source):
         result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)
     if lower is not None:
@@ -101,7 +104,7 @@ def run(
         outputs.write(hull, result.trimesh_hull())
     with standard_streams.after_writing(lower, None if result.error else hull):
         if json:
-            terminal.as_json(_values(result))
+            terminal.as_json(_values(result) | {"classes": _classes(cloud)})
         else:
             _print_result(result, hull)
     if not result.agrees:
@@ -125,6 +128,12 @@ def _print_result(result: Comparison, hull: Path | None) -> None:
         terminal.sentence(f"{hull} was not written.", style)
     for proof in result.proofs:
         terminal.item(str(proof))
+
+
+def _classes(cloud: Cloud) -> dict[int, int]:
+    from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - help and --version do without
+
+    return classes_of(cloud.attributes)
 
 
 def _values(result: Comparison) -> dict[str, Any]:

@@ -89,7 +89,8 @@ def run(
         path = lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
     if json:
-        values = {"lines": len(lines), "levels": heights, "length": length}
+        values: dict[str, Any] = {"lines": len(lines), "levels": heights, "length": length}
+        values |= {} if source.is_dir() else {"classes": dict(surface.report.classes)}
         terminal.as_json({"path": str(path), **values})
     else:
         terminal.sentence(

@@ -122,29 +122,22 @@ def read_ground(
 
     Raises
     ------
-    InputError
-        The conditions leave no row.
     FormatError, typer.BadParameter
         As for `read`.
     """
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.surface_rows import for_surface  # noqa: PLC0415 - help does without
 
-    kind = file_format or suffix_of(path.name)
-    if kind and find_format(kind, str(path)).name == "las":
-        selection = {"classes": "ground", "withheld": False, **selection}
-    cloud = read(path, file_format, max_bytes, table, color_depth, selection)
-    counts = found_selection(cloud)
-    if counts and counts["rows"] and not counts["selected"]:
-        raise InputError(f"{path}: none of {counts['rows']:,} rows meets the conditions")
-    return cloud
+    selection = for_surface(path, selection, file_format)
+    return read(path, file_format, max_bytes, table, color_depth, selection)
 
 
-def found_selection(cloud: Cloud) -> dict[str, int]:
-    """Return the counts of rows that were selected and left out; empty if all were read."""
-    counts = cloud.metadata.get("selection")
-    if not isinstance(counts, dict) or not {"rows", "selected"} <= counts.keys():
-        return {}
-    return counts
+def counts_of(cloud: Cloud) -> dict[str, int] | None:
+    """Return the counts of rows that were selected and left out; None if all were read."""
+    if "selection" not in cloud.metadata:
+        return None
+    from liftmesh.io.selection import found_selection  # noqa: PLC0415 - most files are read whole
+
+    return found_selection(cloud.metadata) or None
 
 
 def _read_quietly(source: Any, **choices: Any) -> Cloud:
@@ -199,8 +192,8 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
 
 def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     """Say which rows were selected, and which of lidar are among them."""
-    counts = found_selection(cloud)
-    if not counts:
+    counts = counts_of(cloud)
+    if counts is None:
         return ()
     from liftmesh.cli.lidar import flagged  # noqa: PLC0415 - most files are read whole
     from liftmesh.io.selection import described  # noqa: PLC0415 - as above

@@ -47,16 +47,12 @@ def counted(cloud: Cloud) -> dict[str, Any]:
     """
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
-    from liftmesh.io.selection import class_column  # noqa: PLC0415 - as above
+    from liftmesh.io.surface_rows import bytes_of, classes_of  # noqa: PLC0415 - as above
 
-    found: dict[str, Any] = {}
-    names = (("classes", class_column(cloud.attributes)), ("returns", "return_number"))
-    for key, name in names:
-        values = cloud.attributes.get(name) if name else None
-        values = None if values is None else _as_bytes(values)
-        if values is not None:
-            numbers, counts = np.unique(values, return_counts=True)
-            found[key] = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+    returns = cloud.attributes.get("return_number")
+    counts = {"classes": classes_of(cloud.attributes)}
+    counts |= {} if returns is None else {"returns": bytes_of(returns)}
+    found: dict[str, Any] = {key: each for key, each in counts.items() if each}
     found |= _about_file(cloud)
     layout = cloud.metadata.get("las")
     if isinstance(layout, dict):
@@ -98,15 +94,6 @@ def _as_date(seconds: float) -> str | float:
     except OverflowError:
         return seconds
     return found.isoformat(" ", "seconds")
-
-
-def _as_bytes(values: Any) -> Any:
-    """Return whole numbers as bytes, whatever their type, or None if they are no such."""
-    if values.ndim != 1 or values.dtype.kind not in "iuf" or not len(values):
-        return None
-    if not ((values >= 0) & (values < 256)).all() or (values % 1 != 0).any():
-        return None
-    return values.astype("u1")
 
 
 def lines(found: dict[str, Any]) -> list[tuple[str, str]]:

@@ -186,6 +186,7 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
                 "highest": float(heights.max()),
                 "unit": plane,
                 "height_unit": upright,
+                "classes": dict(surface.report.classes),
             }
         )
         return

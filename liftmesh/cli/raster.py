@@ -126,7 +126,7 @@ def run(
         )
     with terminal.stage(f"writing {target.name}"):
         path = found.save(target, cog=cog, compress=packing)
-    _say(path, found, as_json=json)
+    _say(path, found, dict(surface.report.classes), as_json=json)
 
 
 def _check(
@@ -190,14 +190,14 @@ def _numbers(option: str, text: str) -> list[float]:
     return [number for number in found if number is not None]
 
 
-def _say(path: Path, found: Any, *, as_json: bool) -> None:
+def _say(path: Path, found: Any, classes: dict[int, int], *, as_json: bool) -> None:
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
     rows_, columns = found.values.shape
     known = int(np.count_nonzero(~np.isnan(found.values)))
     if as_json:
         place = {"transform": list(found.transform), "crs": found.crs}
-        counts = {"rows": rows_, "columns": columns, "known": known}
+        counts = {"rows": rows_, "columns": columns, "known": known, "classes": classes}
         terminal.as_json({"path": str(path), "quantity": found.quantity, **counts, **place})
         return
     terminal.sentence(

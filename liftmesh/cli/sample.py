@@ -116,7 +116,8 @@ def run(
     place = redirect_stdout(sys.stderr) if path is None else standard_streams.dispensable_stdout()
     with place, standard_streams.after_writing(path):
         if json:
-            counts = {"points": len(asked), "known": known}
+            counts: dict[str, Any] = {"points": len(asked), "known": known}
+            counts |= {"classes": dict(surface.report.classes)}
             terminal.as_json({"path": str(path or "-"), "method": method, **counts})
         else:
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")

@@ -168,7 +168,8 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
                 "triangles": len(surface.faces),
                 **told,
                 "notes": list(files.notes(cloud)),
-                "selection": files.found_selection(cloud) or None,
+                "selection": files.counts_of(cloud),
+                "classes": dict(surface.report.classes),
                 "seconds": seconds,
             }
         )

@@ -97,7 +97,8 @@ def run(
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         found = surface.solid(**wanted, pinched=pinched)
     written = outputs.write(target, found, target_format, writing)
-    _say(written, found, _left_out(surface, found), as_json=json)
+    classes = dict(surface.report.classes)
+    _say(written, found, _left_out(surface, found), classes, as_json=json)
 
 
 def _left_out(surface: Surface, found: Cloud) -> list[str]:
@@ -108,11 +109,19 @@ def _left_out(surface: Surface, found: Cloud) -> list[str]:
     return [*(name for name in values if values[name] is not None), *sorted(surface.attributes)]
 
 
-def _say(written: Written, found: Cloud, left_out: list[str], *, as_json: bool) -> None:
+def _say(
+    written: Written,
+    found: Cloud,
+    left_out: list[str],
+    classes: dict[int, int],
+    *,
+    as_json: bool,
+) -> None:
     faces = 0 if found.faces is None else len(found.faces)
     size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
     if as_json:
         volume = {"triangles": faces, "volume": _volume(found), "size": size}
+        volume |= {"classes": classes}
         dropped = {"dropped": [*left_out, *written.dropped]}
         terminal.as_json({**outputs.values(written), **dropped, **volume})
         return

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.choices import NonFinite
-from liftmesh.cli import files, terminal
+from liftmesh.cli import files, inputs, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -62,7 +63,8 @@ def read(
     """
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
-    cloud = files.read_ground(source, file_format, max_bytes, table, selection=selection)
+    read = partial(files.read_ground, file_format=file_format, max_bytes=max_bytes, table=table)
+    cloud = inputs.merged([source], read, selection)
     with files.about(source), files.without_warnings():  # the notes say it
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):

@@ -76,6 +76,7 @@ def run(
         raise typer.BadParameter("--level goes with one surface, not with two")
 
     surface = reading.surface(source)
+    classes = {"classes": dict(surface.report.classes)}
     if other is None:
         with terminal.stage(f"measuring {len(surface.faces):,} faces"):
             values = _values(surface.volume(height or 0.0, polygon=within))
@@ -86,12 +87,13 @@ def run(
                 values["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = reading.surface(other)
+        classes |= {"classes_after": dict(after.report.classes)}
         with terminal.stage("laying the surfaces over each other"):
             values = _changes(surface.cut_and_fill(after, polygon=within))
             if within is not None:
                 works = surface.cut_and_fill_by_polygon(after, within)
                 values["polygons"] = _by_name({key: _changes(work) for key, work in works.items()})
-    _print(values, as_json=json)
+    _print(values, classes, as_json=json)
 
 
 def _values(found: Volume) -> dict[str, Any]:
@@ -124,10 +126,10 @@ def _by_name(parts: dict[str | int, dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def _print(values: dict[str, Any], *, as_json: bool) -> None:
+def _print(values: dict[str, Any], classes: dict[str, Any], *, as_json: bool) -> None:
     """Print numbers, those of volumes with their unit."""
     if as_json:
-        terminal.as_json(values)
+        terminal.as_json(values | classes)
         return
     unit, polygons = values.pop("cubic_metres"), values.pop("polygons", [])
     terminal.table(

@@ -23,6 +23,8 @@ from liftmesh.height_units import band_unit
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import said
+from liftmesh.io.selection import found_selection
+from liftmesh.io.surface_rows import check_grounds
 from liftmesh.same_crs import are_different, is_same
 from liftmesh.terrain.overlap import distances_of, overlap_of
 
@@ -71,7 +73,8 @@ def merge(clouds: Iterable[object]) -> Cloud:
     Raises
     ------
     InputError
-        There is no cloud, or two have different coordinate systems.
+        There is no cloud, two have different coordinate systems, or ``classes="ground"`` was asked
+        of files, and only some have any: the others would be merged with all their rows.
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
 
@@ -86,6 +89,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
         raise InputError("there is no cloud to merge: give one or more")
     names = [_name(each, k) for k, each in enumerate(parts)]
     sizes = [len(each) for each in parts]
+    check_grounds(zip(names, map(_selection, parts), strict=True))
     crs = _common_system(parts, names)
     left_out: list[str] = []
     colors = _colors(parts, names, left_out)
@@ -297,8 +301,7 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     layouts = [each.metadata.get(_LAYOUT) for each in parts]
     if all(isinstance(each, Mapping) for each in layouts):
         entries[_LAYOUT] = _common_layout(layouts)  # type: ignore[arg-type]
-    selections = [each.metadata.get("selection") for each in parts]
-    if any(isinstance(each, Mapping) for each in selections):
+    if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)
     skipped = [each.metadata.get("skipped") for each in parts]
     before = [word for each in skipped if isinstance(each, tuple) for word in each]
@@ -348,18 +351,17 @@ def _common_layout(layouts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
+def _selection(cloud: Cloud) -> dict[str, int]:
+    return found_selection(cloud.metadata)
+
+
 def _counts(parts: Sequence[Cloud]) -> dict[str, int]:
-    """Add the counts of the rows that were selected; "ground" holds if it does for all."""
-    total: dict[str, int] = {}
-    grounds = []
-    for each in parts:
-        found = each.metadata.get("selection")
-        counts = dict(found) if isinstance(found, Mapping) else {"rows": len(each)}
-        counts.setdefault("selected", len(each))
-        grounds.append(counts.pop("ground", None))
-        for key, count in counts.items():
-            total[key] = total.get(key, 0) + count
-    return total | ({} if None in grounds or len({*grounds}) > 1 else {"ground": grounds[0]})
+    """Add the counts of the rows that were selected; "ground" holds if it does for all rows."""
+    counts = [_selection(each) or {"rows": len(each), "selected": len(each)} for each in parts]
+    keys = dict.fromkeys(key for each in counts for key in each if key != "ground")
+    total = {key: sum(each.get(key, 0) for each in counts) for key in keys}
+    grounds = {each.get("ground", -1) for each in counts if each["selected"]}
+    return total | ({"ground": grounds.pop()} if len(grounds) == 1 and -1 not in grounds else {})
 
 
 def _account(

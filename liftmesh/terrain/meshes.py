@@ -20,6 +20,7 @@ from liftmesh.io.faces import checked_faces
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import lifted_by
 from liftmesh.io.registry import known_formats
+from liftmesh.io.surface_rows import classes_of
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 from liftmesh.planar.weights import named_values
@@ -180,4 +181,5 @@ def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
         representatives=np.full(rows - used, -1, dtype=np.int32),
         color_depth=cloud.color_depth,
         unused=rows - used,
+        classes=classes_of(cloud.attributes),
     )
