@@ -12,6 +12,7 @@ from liftmesh.cli import (
     exit_codes,
     files,
     inputs,
+    lidar,
     options,
     outputs,
     rows,
@@ -104,7 +105,7 @@ def run(
         outputs.write(hull, result.trimesh_hull())
     with standard_streams.after_writing(lower, None if result.error else hull):
         if json:
-            terminal.as_json(_values(result) | {"classes": _classes(cloud)})
+            terminal.as_json(_values(result) | lidar.provenance(cloud))
         else:
             _print_result(result, hull)
     if not result.agrees:
@@ -128,12 +129,6 @@ def _print_result(result: Comparison, hull: Path | None) -> None:
         terminal.sentence(f"{hull} was not written.", style)
     for proof in result.proofs:
         terminal.item(str(proof))
-
-
-def _classes(cloud: Cloud) -> dict[int, int]:
-    from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - help and --version do without
-
-    return classes_of(cloud.attributes)
 
 
 def _values(result: Comparison) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
+    from liftmesh.terrain.surface import Surface
 
 # ASPRS, LAS Specification 1.4-R15, tables 9 and 17.
 CLASSES = {
@@ -94,6 +95,33 @@ def _as_date(seconds: float) -> str | float:
     except OverflowError:
         return seconds
     return found.isoformat(" ", "seconds")
+
+
+def provenance(held: Cloud | Surface) -> dict[str, Any]:
+    """Return for JSON which classes the rows of a cloud or a surface are of, and their way here.
+
+    Parameters
+    ----------
+    held : Cloud or Surface
+        The rows.
+
+    Returns
+    -------
+    dict
+        "classes", rows by number, and "transformation", None if there was none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from liftmesh.cloud import Cloud
+    >>> provenance(Cloud(np.eye(3)))
+    {'classes': {}, 'transformation': None}
+    """
+    from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.transformation import told_of  # noqa: PLC0415 - as above
+
+    told = told_of(held.metadata) or None
+    return {"classes": classes_of(held.attributes), "transformation": told}
 
 
 def lines(found: dict[str, Any]) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ import typer
 from liftmesh.choices import SampleMethod, shown
 from liftmesh.cli import (
     files,
+    lidar,
     options,
     outputs,
     rows,
@@ -117,7 +118,7 @@ def run(
     with place, standard_streams.after_writing(path):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
-            counts |= {"classes": dict(surface.report.classes)}
+            counts |= lidar.provenance(surface)
             terminal.as_json({"path": str(path or "-"), "method": method, **counts})
         else:
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")

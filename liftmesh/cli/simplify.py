@@ -12,7 +12,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates
-from liftmesh.cli import files, inputs, options, outputs, rows, standard_streams, tables, terminal
+from liftmesh.cli import (
+    files,
+    inputs,
+    lidar,
+    options,
+    outputs,
+    rows,
+    standard_streams,
+    tables,
+    terminal,
+)
 from liftmesh.cli.triangulate import bar_steps
 
 if TYPE_CHECKING:
@@ -169,7 +179,7 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
                 **told,
                 "notes": list(files.notes(cloud)),
                 "selection": files.counts_of(cloud),
-                "classes": dict(surface.report.classes),
+                **lidar.provenance(surface),
                 "seconds": seconds,
             }
         )

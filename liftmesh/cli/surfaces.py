@@ -14,6 +14,7 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
+    from liftmesh.tiles.tiled_surface import TiledSurface
 
 Source: TypeAlias = Annotated[
     Path,
@@ -77,6 +78,27 @@ def read(
             except InputError as error:
                 error.args = (f"{source}: {error}", *error.args[1:])
                 raise
+
+
+def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
+    """Say on stderr that heights are taken to be in the unit of x and y where nothing says so.
+
+    Parameters
+    ----------
+    source : Path
+        The file of the surface.
+    surface : Surface or TiledSurface
+        The surface.
+    factor : float, optional
+        What the caller says that heights are to be multiplied by.
+    """
+    from liftmesh.terrain.units import metres_of  # noqa: PLC0415 - help and --version do without
+
+    if factor is None and metres_of(surface) is None:  # type: ignore[arg-type]
+        terminal.note(
+            f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "
+            "and y (--z-factor says another)"
+        )
 
 
 def parse_number(option: str, text: str | None, *, positive: bool = False) -> float | None:

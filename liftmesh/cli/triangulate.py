@@ -233,6 +233,7 @@ def _print_report(
             "merged": cloud.metadata.get("merged"),
             "ground": cloud.metadata.get("ground"),
             "thinning": cloud.metadata.get("thinning"),
+            **lidar.provenance(cloud),
             "trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }
         terminal.as_json(_values(written, report, seconds) | notes)
@@ -275,7 +276,6 @@ def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict
         "policy": report.policy,
         "left_out": report.left_out.tolist(),
         "columns": dict(report.columns),
-        "classes": dict(report.classes),
         "color_depth": report.color_depth,
         "seconds": seconds,
     }

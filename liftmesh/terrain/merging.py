@@ -22,11 +22,12 @@ from liftmesh.errors import DataWarning, InputError
 from liftmesh.height_units import band_unit
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
-from liftmesh.io.metadata import said
+from liftmesh.io.metadata import TRANSFORMATION, said
 from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.same_crs import are_different, is_same
 from liftmesh.terrain.overlap import distances_of, overlap_of
+from liftmesh.transformation import common, told_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
 _LINE = "point_source_id"  # the flight line
@@ -189,8 +190,8 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         ):
             raise InputError(
                 f"{first} and {name} have coordinate systems that are the same in the plane, but "
-                f"only {first if _states_heights(crs) else name} states what heights are: give "
-                "to_crs= with heights, such as EPSG:7415"
+                f"only {first if _states_heights(crs) else name} states what heights are: say it "
+                "of the other with crs=, such as EPSG:7415"
             )
         raise InputError(
             f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
@@ -301,6 +302,8 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     layouts = [each.metadata.get(_LAYOUT) for each in parts]
     if all(isinstance(each, Mapping) for each in layouts):
         entries[_LAYOUT] = _common_layout(layouts)  # type: ignore[arg-type]
+    told = common([told_of(each.metadata) for each in parts])
+    entries |= {TRANSFORMATION: told} if told else {}
     if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)
     skipped = [each.metadata.get("skipped") for each in parts]

@@ -27,6 +27,7 @@ from liftmesh.planar.weights import named_values
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
+from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -182,4 +183,5 @@ def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
         color_depth=cloud.color_depth,
         unused=rows - used,
         classes=classes_of(cloud.attributes),
+        transformation=told_of(cloud.metadata),
     )

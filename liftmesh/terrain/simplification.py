@@ -28,6 +28,7 @@ from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.triangulate import triangulate
+from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -234,6 +235,7 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
         columns=whole.report.columns,
         color_depth=whole.report.color_depth,
         classes=classes_of(cloud.attributes),
+        transformation=told_of(cloud.metadata),
     )
     return Surface(
         vertices=cloud.points,

@@ -30,6 +30,7 @@ from liftmesh.terrain.parts import with_parts
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
+from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -404,4 +405,5 @@ def _report(
         color_depth=cloud.color_depth,
         hidden=len(hidden),
         classes=classes_of(cloud.attributes),
+        transformation=told_of(cloud.metadata),
     )
