@@ -18,7 +18,7 @@ from liftmesh.height_units import height_factors, steps_in
 from liftmesh.interruption import kept
 from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.format import configured
-from liftmesh.io.metadata import TRANSFORMATION
+from liftmesh.io.metadata import TRANSFORMATION, Label
 from liftmesh.io.places import PathOrStream, at_home, format_of, name_of, opened
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
@@ -416,7 +416,8 @@ def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
-    return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
+    labels = {"source": Label(name), "format": Label(found.name)}
+    return replace(cloud, metadata={**cloud.metadata, **labels})
 
 
 def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:

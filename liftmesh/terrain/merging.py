@@ -22,7 +22,7 @@ from liftmesh.errors import DataWarning, InputError
 from liftmesh.height_units import band_unit
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
-from liftmesh.io.metadata import TRANSFORMATION, said
+from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, said, unread
 from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.same_crs import are_different, is_same
@@ -30,6 +30,7 @@ from liftmesh.terrain.overlap import distances_of, overlap_of
 from liftmesh.transformation import common, told_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
+_FLOWN = "flight_lines"
 _LINE = "point_source_id"  # the flight line
 _POINTS, _NORMALS = 0, 1  # keys beside the names of attributes
 _OF_A_FILE = (
@@ -38,10 +39,9 @@ _OF_A_FILE = (
     "skipped",
     "selection",
     "merged",
-    "flight_lines",
     "las_records",
     "stated_crs",
-    _LAYOUT,
+    TRANSFORMATION,
 )
 
 
@@ -108,7 +108,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
     values = {key: _stacked(_taken(columns, key), names, key, left_out) for key in keys}
     left_out += ["faces"] if has_faces else []
     if new := left_out[notes:]:
-        entries["skipped"] = tuple(dict.fromkeys([*entries.get("skipped", ()), *new]))
+        entries |= _skipped([*entries.get("skipped", ()), *new])
     entries |= _account(points, sizes, names, values.get(_LINE))
     if crs is None:
         _note_distances(entries["merged"], distances_of(points, sizes))
@@ -289,7 +289,7 @@ def _is_exact(kind: np.dtype, common: np.dtype) -> bool:
 def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     """Merge metadata: what all say alike, the counts of selections, the scales of lidar."""
     first = parts[0].metadata
-    keys = dict.fromkeys(key for each in parts for key in each.metadata if key not in _OF_A_FILE)
+    keys = dict.fromkeys(key for each in parts for key in _lasting(each.metadata))
     entries: dict[str, Any] = {}
     for key in keys:
         if all(key in each.metadata and _alike(each.metadata[key], first[key]) for each in parts):
@@ -297,8 +297,8 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
         elif any(key in said(each.metadata) for each in parts):
             left_out.append(f"metadata {key}")
     for key in ("source", "format"):
-        labels = dict.fromkeys(str(each.metadata[key]) for each in parts if key in each.metadata)
-        entries |= {key: ", ".join(labels)} if labels else {}
+        labels = [each.metadata[key] for each in parts if is_read(each.metadata)]
+        entries |= {key: Label(", ".join(dict.fromkeys(labels)))} if labels else {}
     layouts = [each.metadata.get(_LAYOUT) for each in parts]
     if all(isinstance(each, Mapping) for each in layouts):
         entries[_LAYOUT] = _common_layout(layouts)  # type: ignore[arg-type]
@@ -306,11 +306,18 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     entries |= {TRANSFORMATION: told} if told else {}
     if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)
-    skipped = [each.metadata.get("skipped") for each in parts]
-    before = [word for each in skipped if isinstance(each, tuple) for word in each]
-    if before or left_out:
-        entries["skipped"] = tuple(dict.fromkeys([*before, *left_out]))
-    return entries
+    return entries | _skipped([word for each in parts for word in unread(each.metadata)] + left_out)
+
+
+def _skipped(names: Sequence[str]) -> dict[str, Any]:
+    return {"skipped": Unread(dict.fromkeys(names))} if names else {}
+
+
+def _lasting(metadata: Mapping[str, Any]) -> list[str]:
+    """Return the keys of entries that are no notes about a file, nor about a former merge."""
+    own = said(metadata)
+    notes = [key for key in (_LAYOUT, _FLOWN) if isinstance(metadata.get(key), Mapping)]
+    return [key for key in metadata if key not in notes and (key not in _OF_A_FILE or key in own)]
 
 
 def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
@@ -378,4 +385,4 @@ def _account(
     if not is_number:
         return {"merged": merged}
     flown = {"lines": found.lines, "overlap": found.between, "cell": found.cell}
-    return {"merged": merged, "flight_lines": flown}
+    return {"merged": merged, _FLOWN: flown}
