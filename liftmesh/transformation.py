@@ -6,6 +6,8 @@ their system, are converted, or are named in the target.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from liftmesh.choices import shown
 from liftmesh.crs import looked_up
 from liftmesh.errors import InputError
 from liftmesh.optional import load
+from liftmesh.wkt import has_grids
 
 
 def transformed(points: Floats, crs: str | None, target: str) -> Floats:
@@ -57,9 +60,12 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
     is_shared = None not in heights and heights[0].equals(heights[1], ignore_axis_order=True)
     if is_shared:  # then a change of the plane's datum asks for no grid of heights
         systems = [each.sub_crs_list[0] for each in systems]
+    else:
+        _check_grids(crs, target)
     try:
-        change = pyproj.Transformer.from_crs(*systems, always_xy=True, allow_ballpark=False)
-        found = np.stack(change.transform(*points.astype(np.float64).T), axis=1)
+        with _offline(pyproj):
+            change = pyproj.Transformer.from_crs(*systems, always_xy=True, allow_ballpark=False)
+            found = np.stack(change.transform(*points.astype(np.float64).T), axis=1)
         found[:, 2] = points[:, 2] if is_shared else found[:, 2]
     except pyproj.exceptions.ProjError as error:
         raise InputError(
@@ -74,6 +80,26 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
             "another to_crs="
         )
     return found
+
+
+@contextmanager
+def _offline(pyproj: Any) -> Iterator[None]:
+    """Keep PROJ from fetching grids, even if PROJ_NETWORK allows it; the setting is restored."""
+    was = pyproj.network.is_network_enabled()
+    pyproj.network.set_network_enabled(active=False)
+    try:
+        yield
+    finally:
+        pyproj.network.set_network_enabled(active=was)
+
+
+def _check_grids(*systems: str) -> None:
+    """Raise for a system whose heights are defined by the file of a grid."""
+    for each in filter(has_grids, systems):
+        raise InputError(
+            f"the heights of {shown(each)} are those of a grid (PROJ4_GRIDS), and no file that a "
+            "text names is opened: name their system with crs=, such as EPSG:26910+5703"
+        )
 
 
 def with_heights(crs: str | None, target: str) -> str:
