@@ -25,7 +25,7 @@ def without_wkt(data: bytes) -> bytes:
     Examples
     --------
     >>> without_wkt(b"II*\0 ESRI PE String = ")
-    b'II*\\x00 esri pe string = '
+    b'II*\x00 esri pe string = '
     """
     data = data.replace(_MARK, _OTHER) if _MARK in data else data
     place, size = _citations(data)
