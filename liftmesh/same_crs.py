@@ -69,7 +69,7 @@ def given_system(crs: Any) -> str:
     Parameters
     ----------
     crs : object
-        A number, text or system of pyproj.
+        A number, text, pair of authority and code, or system of pyproj.
 
     Returns
     -------
@@ -86,10 +86,14 @@ def given_system(crs: Any) -> str:
     >>> given_system(25832)
     'EPSG:25832'
     """
-    pyproj = load("pyproj", extra="shapes")
+    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
+    if isinstance(crs, int):
+        text = f"EPSG:{crs}"
+    elif isinstance(crs, tuple):
+        text = ":".join(map(str, crs))
     try:
-        return text_of(pyproj.CRS.from_user_input(crs))
-    except pyproj.exceptions.CRSError as error:
+        return text_of(looked_up(load("pyproj", extra="shapes"), text))
+    except InputError as error:
         raise InputError(
             f"crs is {shown(crs)}, which pyproj does not know: give one such as 'EPSG:25832'"
         ) from error

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,7 @@ from liftmesh.choices import shown
 from liftmesh.crs import looked_up
 from liftmesh.errors import InputError
 from liftmesh.optional import load
+from liftmesh.wkt import has_grids
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +84,14 @@ def transformed(
         )
     pyproj = load("pyproj", extra="terrain")
     kept = {} if chosen is None else chosen
-    operation = kept.get(crs) or _operation(pyproj, points, crs, target)
+    with _offline(pyproj):
+        operation = kept.get(crs) or _operation(pyproj, points, crs, target)
     if len(points):  # no rows have no place
         kept[crs] = operation
     try:
-        found = np.stack(operation.change.transform(*points.astype(np.float64).T), axis=1)
+        with _offline(pyproj):
+            moved = operation.change.transform(*points.astype(np.float64).T)
+        found = np.stack(moved, axis=1)
     except pyproj.exceptions.ProjError as error:
         raise _impossible(target, ()) from error
     found[:, 2] = points[:, 2] if operation.keeps_heights else found[:, 2]
@@ -188,6 +193,8 @@ def _operation(pyproj: Any, points: Floats, crs: str, target: str) -> Operation:
     area = _place(pyproj, points, systems[0])
     if is_shared:  # then a change of the plane's datum asks for no grid of heights
         systems = [each.sub_crs_list[0] for each in systems]
+    else:
+        _check_grids(crs, target)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what is not installed is said below
         group = pyproj.transformer.TransformerGroup(
@@ -244,6 +251,26 @@ def _impossible(target: str, lacking: Sequence[Any]) -> InputError:
         f"not installed{needed}: give the system without heights, or another one of the file with "
         "crs="
     )
+
+
+@contextmanager
+def _offline(pyproj: Any) -> Iterator[None]:
+    """Keep PROJ from fetching grids, even if PROJ_NETWORK allows it; the setting is restored."""
+    was = pyproj.network.is_network_enabled()
+    pyproj.network.set_network_enabled(active=False)
+    try:
+        yield
+    finally:
+        pyproj.network.set_network_enabled(active=was)
+
+
+def _check_grids(*systems: str) -> None:
+    """Raise for a system whose heights are defined by the file of a grid."""
+    for each in filter(has_grids, systems):
+        raise InputError(
+            f"the heights of {shown(each)} are those of a grid (PROJ4_GRIDS), and no file that a "
+            "text names is opened: name their system with crs=, such as EPSG:26910+5703"
+        )
 
 
 def with_heights(crs: str | None, target: str) -> str:

@@ -184,7 +184,8 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     first = (*_about_rows(cloud), *systems.notes(cloud, is_transformed=is_transformed))
     names = found_columns(cloud.metadata)
     if not names:
-        said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
+        is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
+        said = cloud.metadata.get("notes") if is_told else ()
         return (*first, *said) if isinstance(said, tuple) else first
     from liftmesh.io.tables.columns import described  # noqa: PLC0415 - few files are tables
 

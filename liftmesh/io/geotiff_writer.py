@@ -20,7 +20,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.choices import shown
-from liftmesh.crs import is_system
+from liftmesh.crs import without_files
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import check_writable, replacing
 from liftmesh.io.working_folder import working_folder
@@ -224,11 +224,12 @@ def checked(crs: str | None, compress: str | None) -> Any:
     rasterio = load("rasterio", extra="terrain")
     errors = load("rasterio.errors", extra="terrain")
     unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
-    if not is_system(crs):  # a text of PROJ can name files
+    text = without_files(crs)
+    if text is None:
         raise unknown
     try:
         with rasterio.Env(**_ALONE):  # or GDAL prints what it raises
-            return rasterio.crs.CRS.from_user_input(crs)
+            return rasterio.crs.CRS.from_user_input(text)
     except (errors.CRSError, UnicodeError) as error:
         raise unknown from error
 
