@@ -75,7 +75,7 @@ def saving(path: Path) -> Iterator[Hashed]:
     OSError
         The file cannot be written.
     """
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         yield Hashed(stream)
         _to_disk(stream)
 
@@ -141,7 +141,7 @@ def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) 
         The file cannot be written.
     """
     header = {"descr": "<i8", "fortran_order": False, "shape": shape}
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         np.lib.format.write_array_header_1_0(stream, header)
         for block in blocks:
             stream.write(np.ascontiguousarray(block, dtype="<i8").data)
@@ -211,7 +211,7 @@ def save_json(path: Path, content: Mapping[str, Any]) -> None:
     OSError
         The file cannot be written.
     """
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         stream.write(json.dumps(content, indent=1, sort_keys=True).encode() + b"\n")
         _to_disk(stream)
 
