@@ -228,8 +228,8 @@ def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
 
 @contextmanager
 def _client(workers: str | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
-    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.tiles.cluster import local_cluster  # noqa: PLC0415 - as above
 
     if scheduler is not None:
         distributed = load("dask.distributed", extra="dask")
