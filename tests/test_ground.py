@@ -70,6 +70,16 @@ def test_feet_are_converted() -> None:
     assert two.metadata["ground"]["unit_known"]
 
 
+def test_heights_in_feet_over_metres_are_converted() -> None:
+    metres, truth = scene()
+    high = replace(metres, points=metres.points / (1, 1, 0.3048), crs="EPSG:25832+8228")
+    one, two = (liftmesh.classify_ground(each) for each in (metres, high))
+    classes = [each.attributes["classification"] for each in (one, two)]
+    assert (classes[0] == classes[1]).mean() > 0.999
+    assert kappa(classes[1] == 2, truth) > 0.9
+    assert two.metadata["ground"]["z_unit_known"]
+
+
 def test_degrees_are_refused() -> None:
     cloud, _ = scene(crs="EPSG:4326")
     with pytest.raises(InputError, match=r"geographic .*, but the ground is found in metres: tra"):

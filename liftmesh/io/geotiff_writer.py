@@ -38,6 +38,7 @@ def write(
     transform: Sequence[float],
     crs: str | None,
     *,
+    unit: str | None = None,
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
@@ -52,7 +53,9 @@ def write(
     transform : sequence of float
         a, b, c, d, e and f of the corners of pixels.
     crs : str, optional
-        WKT or ``EPSG:n``.
+        WKT or ``EPSG:n``; GDAL takes the unit of its heights for that of the band.
+    unit : str, optional
+        What the band states instead.
     cog : bool
         Whether the file is a cloud optimised GeoTIFF.
     compress : str, optional
@@ -80,11 +83,12 @@ def write(
     with rasterio.Env(**_ALONE), rasterio.MemoryFile() as memory:
         with memory.open(**profile) as file:
             file.write(values, 1)
+            _state_unit(file, unit)
         data = memoryview(memory.getbuffer())
         stream.writelines(data[start : start + _PIECE] for start in range(0, len(data), _PIECE))
 
 
-def write_windows(
+def write_windows(  # noqa: PLR0913 - options are keywords
     path: Path,
     shape: tuple[int, int],
     kind: np.dtype[Any],
@@ -92,6 +96,7 @@ def write_windows(
     transform: Sequence[float],
     crs: str | None,
     *,
+    unit: str | None = None,
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
@@ -111,7 +116,7 @@ def write_windows(
         Of the values.
     windows : iterable
         Rows and columns of each window, and its values; together all pixels, each once.
-    transform, crs, cog, compress
+    transform, crs, unit, cog, compress
         As for `write`.
 
     Raises
@@ -143,6 +148,7 @@ def write_windows(
         with rasterio.Env(**_ALONE), _told(path):
             sums = []
             with rasterio.open(written, "w", **profile) as file:
+                _state_unit(file, unit)
                 for (down, across), values in windows:
                     window = (down.start, down.stop), (across.start, across.stop)
                     file.write(values, 1, window=window)
@@ -152,6 +158,11 @@ def write_windows(
             _check(written, sums)
         with written.open("rb") as source, replacing(path) as stream:
             shutil.copyfileobj(source, stream, _PIECE)
+
+
+def _state_unit(file: Any, unit: str | None) -> None:
+    if unit is not None:
+        file.set_band_unit(1, unit)
 
 
 @contextmanager

@@ -23,7 +23,11 @@ _OF_TABLES = ("columns", "notes")  # also of tables in memory, which have no lab
 _NOTES = (
     *_OF_TABLES, "skipped", "polygons", "degenerate_faces", "repeated_vertices", "ignored",
     "origin", "selection", "las_records", "merged", "thinning", "ground", "stated_crs",
+    "transformation",
 )  # fmt: skip
+
+TRANSFORMATION = "transformation"
+"""The entry that says how coordinates were transformed as they were read."""
 
 LIFTED = "triangulated_by"
 """The entry that says by what the points of a mesh were lifted, if not to the paraboloid."""

@@ -22,9 +22,12 @@ from liftmesh.errors import DataWarning, InputError
 from liftmesh.height_units import band_unit
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
-from liftmesh.io.metadata import said
+from liftmesh.io.metadata import TRANSFORMATION, said
+from liftmesh.io.selection import found_selection
+from liftmesh.io.surface_rows import check_grounds
 from liftmesh.same_crs import are_different, is_same
 from liftmesh.terrain.overlap import distances_of, overlap_of
+from liftmesh.transformation import common, told_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
 _LINE = "point_source_id"  # the flight line
@@ -71,7 +74,8 @@ def merge(clouds: Iterable[object]) -> Cloud:
     Raises
     ------
     InputError
-        There is no cloud, or two have different coordinate systems.
+        There is no cloud, two have different coordinate systems, or ``classes="ground"`` was asked
+        of files, and only some have any: the others would be merged with all their rows.
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
 
@@ -86,6 +90,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
         raise InputError("there is no cloud to merge: give one or more")
     names = [_name(each, k) for k, each in enumerate(parts)]
     sizes = [len(each) for each in parts]
+    check_grounds(zip(names, map(_selection, parts), strict=True))
     crs = _common_system(parts, names)
     left_out: list[str] = []
     colors = _colors(parts, names, left_out)
@@ -185,8 +190,8 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         ):
             raise InputError(
                 f"{first} and {name} have coordinate systems that are the same in the plane, but "
-                f"only {first if _states_heights(crs) else name} states what heights are: give "
-                "to_crs= with heights, such as EPSG:7415"
+                f"only {first if _states_heights(crs) else name} states what heights are: say it "
+                "of the other with crs=, such as EPSG:7415"
             )
         raise InputError(
             f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
@@ -297,8 +302,9 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     layouts = [each.metadata.get(_LAYOUT) for each in parts]
     if all(isinstance(each, Mapping) for each in layouts):
         entries[_LAYOUT] = _common_layout(layouts)  # type: ignore[arg-type]
-    selections = [each.metadata.get("selection") for each in parts]
-    if any(isinstance(each, Mapping) for each in selections):
+    told = common([told_of(each.metadata) for each in parts])
+    entries |= {TRANSFORMATION: told} if told else {}
+    if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)
     skipped = [each.metadata.get("skipped") for each in parts]
     before = [word for each in skipped if isinstance(each, tuple) for word in each]
@@ -348,18 +354,17 @@ def _common_layout(layouts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
+def _selection(cloud: Cloud) -> dict[str, int]:
+    return found_selection(cloud.metadata)
+
+
 def _counts(parts: Sequence[Cloud]) -> dict[str, int]:
-    """Add the counts of the rows that were selected; "ground" holds if it does for all."""
-    total: dict[str, int] = {}
-    grounds = []
-    for each in parts:
-        found = each.metadata.get("selection")
-        counts = dict(found) if isinstance(found, Mapping) else {"rows": len(each)}
-        counts.setdefault("selected", len(each))
-        grounds.append(counts.pop("ground", None))
-        for key, count in counts.items():
-            total[key] = total.get(key, 0) + count
-    return total | ({} if None in grounds or len({*grounds}) > 1 else {"ground": grounds[0]})
+    """Add the counts of the rows that were selected; "ground" holds if it does for all rows."""
+    counts = [_selection(each) or {"rows": len(each), "selected": len(each)} for each in parts]
+    keys = dict.fromkeys(key for each in counts for key in each if key != "ground")
+    total = {key: sum(each.get(key, 0) for each in counts) for key in keys}
+    grounds = {each.get("ground", -1) for each in counts if each["selected"]}
+    return total | ({"ground": grounds.pop()} if len(grounds) == 1 and -1 not in grounds else {})
 
 
 def _account(
