@@ -36,6 +36,7 @@ from liftmesh.tiles.clouds import (
 )
 from liftmesh.tiles.cluster import client_of, local_cluster
 from liftmesh.tiles.copies import in_files, numbered, stage_of
+from liftmesh.tiles.las import readings
 from liftmesh.tiles.parquet import planar_columns
 from liftmesh.tiles.release import release
 from liftmesh.tiles.run import (
@@ -261,7 +262,11 @@ class _Workers:
         """Cut the source of a surface into parts that all workers can read."""
         files = files_of(source)
         if files is not None:
-            calls = [(each, os.path.abspath(each.source), rows, scratch, reading) for each in files]  # noqa: PTH100 - links stay
+            names = [os.path.abspath(each.source) for each in files]  # noqa: PTH100 - links stay
+            (given,) = self.each("open", readings, [(names, reading)])
+            calls = [
+                (*each, rows, scratch, how) for *each, how in zip(files, names, given, strict=True)
+            ]
             found = self.each(stage_of(files, (".npy",)), valued_parts_of_file, calls)
             return alike([part for parts in found for part in parts])
         blocks = _blocks(source, rows, every_column=True)

@@ -102,6 +102,12 @@ def _is_entry(required: Mapping[str, Check], optional: Mapping[str, Check] | Non
     return check
 
 
+def _is_classes(value: Any) -> bool:
+    """Whether these are the rows of each class of lidar."""
+    known = isinstance(value, dict) and all(re.fullmatch("[0-9]{1,3}", key) for key in value)
+    return known and all(map(_is_count, value.values()))
+
+
 def _is_box(value: Any) -> bool:
     if not isinstance(value, list) or len(value) != 6 or not all(map(_is_number, value)):
         return False
@@ -148,7 +154,11 @@ _PARTS: dict[str, Check] = {
     "nonfinite": _is_one_of(NonFinite),
     "shard_format": _is_one_of(ShardFormat),
     "neighbors": lambda value: isinstance(value, bool),
-    "chunks": _is_list(_is_entry({"rows": _is_count, "sha256": _is_hash}, {"values": _is_hash})),
+    "chunks": _is_list(
+        _is_entry(
+            {"rows": _is_count, "sha256": _is_hash}, {"values": _is_hash, "classes": _is_classes}
+        )
+    ),
     "files": lambda value: isinstance(value, dict) and all(map(_is_entry(_FILE), value.values())),
     "merges": _is_entry(dict.fromkeys(_MERGES, _is_count)),
     "shards": _is_list(

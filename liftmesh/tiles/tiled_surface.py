@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -95,7 +96,16 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
             policy=said["duplicates"],
             columns=self.schema.columns,
             color_depth=self.schema.color_depth,
+            classes=self.classes,
         )
+
+    @property
+    def classes(self) -> dict[int, int]:
+        """The rows of each class of lidar that were taken; empty if the source has no classes."""
+        found: Counter[int] = Counter()
+        for chunk in self.manifest["chunks"]:
+            found.update({int(each): rows for each, rows in chunk.get("classes", {}).items()})
+        return dict(sorted(found.items()))
 
     def vertices(self) -> Iterator[Array]:
         """Yield the vertices of one shard after the other.
