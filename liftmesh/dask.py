@@ -129,7 +129,8 @@ def delaunay(  # noqa: PLR0913 - options are keywords
 
     Examples
     --------
-    >>>     >>> import numpy as np
+    >>> import tempfile
+    >>> import numpy as np
     >>> from dask.distributed import Client
     >>> points = np.random.default_rng(0).random((1000, 2))
     >>> with Client(n_workers=1, processes=False, dashboard_address="127.0.0.1:0") as client:
@@ -206,7 +207,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
 
     Examples
     --------
-    >>>     >>> import numpy as np
+    >>> import tempfile
+    >>> import numpy as np
     >>> from dask.distributed import Client
     >>> points = np.random.default_rng(0).random((1000, 3))
     >>> with Client(n_workers=1, processes=False, dashboard_address="127.0.0.1:0") as client:
