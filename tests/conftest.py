@@ -2,7 +2,8 @@
 
 Whoever starts the tests may ignore SIGINT (nohup does, and some services that run tests). Programs
 inherit that, so that they would never hear the Ctrl-C that a test sends. So it gets its default
-back here, before any test starts a program. And no program outlives the time that a test has.
+back here, before any test starts a program; and so do streams without a buffer, which hide what is
+left in one at the end. And no program outlives the time that a test has.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from hypothesis import settings
 from process_state import descendants, hear_ctrl_c
 
 hear_ctrl_c()
+os.environ.pop("PYTHONUNBUFFERED", None)
 
 settings.register_profile("liftmesh", derandomize=True, deadline=None, database=None)
 settings.load_profile("liftmesh")

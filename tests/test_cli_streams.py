@@ -159,5 +159,15 @@ def test_a_command_runs_where_few_files_may_be_open(most: int, folder: Path) -> 
     assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
 
 
-def test_a_full_stderr_leaves_the_exit_code(folder: Path) -> None:
-    assert run("info nowhere.csv", "2>/dev/full", folder).returncode == exit_codes.BAD_INPUT
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        ("info nowhere.csv", exit_codes.BAD_INPUT),
+        ("info nowhere.csv --debug", exit_codes.BAD_INPUT),
+        ("info --nothing", exit_codes.USAGE),
+        ("info cloud.ply", exit_codes.DONE),
+        ("verify mesh.ply --certificate -", exit_codes.BAD_INPUT),  # its report cannot be told
+    ],
+)
+def test_a_full_stderr_leaves_the_exit_code(words: str, code: int, folder: Path) -> None:
+    assert run(words, "2>/dev/full", folder).returncode == code
