@@ -358,11 +358,8 @@ def test_ctrl_c_stops_a_long_run_within_a_second(method: str, points: str, q: An
 
 
 def test_ctrl_c_stops_the_command_and_leaves_no_file(tmp_path) -> None:
-    code, _, _, seconds = interrupted(
-        "triangulate", TERRAIN, tmp_path / "m.ply", "--method", "lfres"
-    )
+    code, _, _ = interrupted("triangulate", TERRAIN, tmp_path / "m.ply", "--method", "lfres")
     assert code == exit_codes.INTERRUPTED
-    assert seconds < 2
     assert list(tmp_path.iterdir()) == []
 
 
