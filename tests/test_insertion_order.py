@@ -72,7 +72,7 @@ def test_every_secret_gives_the_same_bytes(family: str) -> None:
 def test_every_process_has_a_secret_of_its_own_and_gives_the_same_bytes() -> None:
     lines = [
         subprocess.run(
-            [sys.executable, "-c", PROCESS], capture_output=True, text=True, check=True, timeout=60
+            [sys.executable, "-c", PROCESS], capture_output=True, text=True, check=True, timeout=300
         ).stdout.split()
         for _ in range(3)
     ]

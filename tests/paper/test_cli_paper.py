@@ -141,7 +141,7 @@ def killed(folder, number):
         assert run.poll() is None, run.communicate()
         time.sleep(0.005)
     run.send_signal(number)
-    out, err = run.communicate(timeout=60)
+    out, err = run.communicate(timeout=300)
     return run.returncode, out, err
 
 
