@@ -36,6 +36,16 @@ def test_lloyd_lowers_the_energy_to_centroidal_cells(domain) -> None:
     assert found.cells.areas.std() < 0.3 * found.cells.areas.mean()
 
 
+@pytest.mark.parametrize("tolerance", [0.1, 0.01])
+def test_lloyd_ends_at_the_first_move_within_a_share_of_a_cell(tolerance: float) -> None:
+    points = RNG.random((100, 2))
+    found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tolerance=tolerance)
+    steps = len(found.energies) - 2  # one less
+    before = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tolerance=tolerance, steps=steps)
+    assert (found.converged, before.converged) == (True, False)
+    assert found.largest_move <= 0.1 * tolerance < before.largest_move  # the side of a cell is 0.1
+
+
 def test_lloyd_tells_what_it_has_not_done() -> None:
     points = RNG.random((40, 2))
     found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), steps=2)
