@@ -139,7 +139,7 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
     assert f"thinned to {kept} of 500 rows: cell 10.0, keep highest" in done.stderr
     assert f'"kept": {kept}' in done.stdout
     assert len(liftmesh.read(tmp_path / "b.ply")) == kept
-    assert "cell 10.0, keep lowest" in command(*words[:5], cwd=tmp_path).stderr
+    assert "cell 10.0, keep lowest" in command(*words[:5], "--overwrite", cwd=tmp_path).stderr
 
 
 @pytest.mark.parametrize(

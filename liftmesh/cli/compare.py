@@ -12,6 +12,7 @@ from liftmesh.cli import (
     files,
     options,
     outputs,
+    overwriting,
     rows,
     standard_streams,
     tables,
@@ -35,6 +36,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("lower", "hull")
 @tables.with_options
 @rows.with_options
 def run(
@@ -91,7 +93,6 @@ def run(
     limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)
     files.check_target(lower)
     files.check_target(hull)
-    files.check_apart(source, lower, hull)
     cloud = files.read_ground(source, source_format, limit, table, selection=selection)
     with files.about(source):
         result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)

@@ -15,6 +15,7 @@ from liftmesh.cli import (
     files,
     options,
     outputs,
+    overwriting,
     shapes,
     standard_streams,
     surfaces,
@@ -41,6 +42,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @with_reading
 def run(
     source: surfaces.Source,
@@ -89,8 +91,6 @@ def run(
         _check_shapes(target)
     else:
         files.check_target(target, target_format)
-    for each in (source, reading.polygon, path):
-        files.check_apart(each, target)
     surface = reading.surface(source)
     lines = [corners] if path is None else _lines(path, source, surface, reading)
     with terminal.stage(f"draping {len(lines):,} line{'' if len(lines) == 1 else 's'}"):

@@ -12,7 +12,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates
-from liftmesh.cli import files, inputs, options, outputs, rows, standard_streams, tables, terminal
+from liftmesh.cli import (
+    files,
+    inputs,
+    options,
+    outputs,
+    overwriting,
+    rows,
+    standard_streams,
+    tables,
+    terminal,
+)
 from liftmesh.cli.triangulate import bar_steps
 
 if TYPE_CHECKING:
@@ -33,6 +43,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @tables.with_options
 @rows.with_options
 @outputs.with_options
@@ -107,8 +118,6 @@ def run(
     inputs.check_once(sources)
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    for each in sources:
-        files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
     cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)

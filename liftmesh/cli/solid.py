@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Pinched
-from liftmesh.cli import files, options, outputs, standard_streams, surfaces, terminal
+from liftmesh.cli import files, options, outputs, overwriting, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @with_reading
 @outputs.with_options
 def run(
@@ -92,7 +93,6 @@ def run(
     } | {"base": surfaces.parse_number("--base", base)}
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    files.check_apart(reading.polygon, source, target)
     surface = reading.surface(source)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         found = surface.solid(**wanted, pinched=pinched)

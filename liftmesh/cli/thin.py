@@ -16,6 +16,7 @@ from liftmesh.cli import (
     inputs,
     options,
     outputs,
+    overwriting,
     rows,
     standard_streams,
     tables,
@@ -31,6 +32,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @tables.with_options
 @rows.with_options
 @thinning.with_options
@@ -80,8 +82,6 @@ def run(
     inputs.check_once(sources)
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    for each in sources:
-        files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read, file_format=source_format, max_bytes=limit, table=table)
     cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)

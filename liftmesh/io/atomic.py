@@ -41,13 +41,15 @@ _ATTEMPTS = 3  # at removing a folder in which another thread may still make fil
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+def replacing(path: str | os.PathLike[str], *, overwrite: bool = True) -> Iterator[BinaryIO]:
     """Open a binary stream whose bytes become the file at ``path`` if the block succeeds.
 
     Parameters
     ----------
     path : str or path
         The file to create or to replace.
+    overwrite : bool, default True
+        Whether to replace a file that is not empty.
 
     Yields
     ------
@@ -59,6 +61,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     OSError
         The folder does not exist, is not writable or disappears during writing, ``path`` is a
         folder or a read-only file, or the disk is full; the error names the path.
+    FileExistsError
+        There is a file that is not to be replaced, when writing begins or when it ends.
     FormatError
         The symbolic links of ``path`` lead in a circle.
 
@@ -74,8 +78,31 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     check_writable(path)
     target = Path(os.path.realpath(path))
     is_special = target.exists() and not target.is_file()
+    _check_free(target, overwrite=overwrite)
     with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
         yield stream
+        _check_free(target, overwrite=overwrite)
+
+
+def holds_data(path: str | os.PathLike[str]) -> bool:
+    """Whether a regular file with content is here, which would be lost.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to write, or a link to it.
+
+    Returns
+    -------
+    bool
+        False for what is missing or empty, and for pipes and devices.
+
+    Examples
+    --------
+    >>> holds_data("/dev/null")
+    False
+    """
+    return os.path.isfile(path) and os.path.getsize(path) > 0  # noqa: PTH113, PTH202
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -119,6 +146,12 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     if not target.exists() and not os.access(target.parent, os.W_OK):
         reason = "cannot write here: the folder is read-only"
         raise PermissionError(errno.EACCES, reason, str(target.parent))
+
+
+def _check_free(target: Path, *, overwrite: bool) -> None:
+    if not overwrite and holds_data(target):
+        reason = "this file exists, and is replaced with overwrite=True only"
+        raise FileExistsError(errno.EEXIST, reason, str(target))
 
 
 @contextmanager
