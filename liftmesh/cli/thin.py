@@ -74,8 +74,9 @@ def run(
     json : bool
         Print JSON.
     """
-    if not thin:
-        raise typer.BadParameter("give one of --random, --cell, --min-distance and --adaptive")
+    if not thin and "every" not in selection:
+        ways = "give one of --random, --cell, --min-distance and --adaptive"
+        raise typer.BadParameter(f"{ways}, or --every")
     if json:
         standard_streams.check_stdout()
     depth, limit = options.parse_color_depth(color_depth), options.parse_size(max_bytes)
@@ -91,7 +92,8 @@ def run(
     written = outputs.write(target, kept, target_format, writing)
     told = {
         **outputs.values(written),
-        "thinning": kept.metadata["thinning"],
+        "thinning": kept.metadata.get("thinning"),
+        "selection": files.found_selection(cloud) or None,
         "seconds": perf_counter() - start,
     }
     is_stdout = files.is_stream(target)

@@ -5,12 +5,13 @@ leaves the old file as it was and no other file. On systems that support it, the
 no name, so that not even a killed process leaves a part behind; elsewhere it is a hidden file in
 the same folder until it is complete. The new file has the permissions of any new file, or those of
 the file it replaces; if the target is a symbolic link, the file it points to is replaced. A target
-that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and is written directly.
+that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and is written at the end.
 """
 
 from __future__ import annotations
 
 import errno
+import io
 import os
 import shutil
 import stat
@@ -79,7 +80,7 @@ def replacing(path: str | os.PathLike[str], *, overwrite: bool = True) -> Iterat
     target = Path(os.path.realpath(path))
     is_special = target.exists() and not target.is_file()
     _check_free(target, overwrite=overwrite)
-    with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
+    with _named(target), _held(target) if is_special else _new_file(target) as stream:
         yield stream
         _check_free(target, overwrite=overwrite)
 
@@ -146,6 +147,15 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     if not target.exists() and not os.access(target.parent, os.W_OK):
         reason = "cannot write here: the folder is read-only"
         raise PermissionError(errno.EACCES, reason, str(target.parent))
+
+
+@contextmanager
+def _held(target: Path) -> Iterator[BinaryIO]:
+    """Hold what is written to a pipe or a device, in which formats cannot go back."""
+    with target.open("wb") as stream:
+        held = io.BytesIO()
+        yield held
+        stream.write(held.getbuffer())
 
 
 def _check_free(target: Path, *, overwrite: bool) -> None:
