@@ -86,7 +86,10 @@ def test_the_command_writes_the_rows_that_stay(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["thinning"] == {"rows": 90, "kept": 30, "adaptive": 30}
     assert len(liftmesh.read(tmp_path / "b.ply")) == 30
-    assert "b.ply: 12 rows" in run("thin", "a.ply", "b.ply", "--random", "12", cwd=tmp_path).stdout
+    assert (
+        "b.ply: 12 rows"
+        in run("thin", "a.ply", "b.ply", "--overwrite", "--random", "12", cwd=tmp_path).stdout
+    )
     for words in ((), ("--adaptive", "2"), ("--adaptive", "30", "--cell", "1")):
         done = run("thin", "a.ply", "c.ply", *words, cwd=tmp_path)
         assert done.returncode != 0

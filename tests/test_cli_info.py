@@ -206,7 +206,7 @@ def peak(name, folder):
         "subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)\n"
         "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
     )
-    words = [*COMMAND, "triangulate", name, "mesh.ply"]
+    words = [*COMMAND, "triangulate", name, "mesh.ply", "--overwrite"]
     done = subprocess.run(
         [sys.executable, "-c", script, *words],
         cwd=folder,

@@ -62,7 +62,7 @@ def test_options_choose_other_rows(folder: Path) -> None:
     done = liftmesh(*words, cwd=folder)
     assert json.loads(done.stdout)["rows"] == COUNT
     words = ("--classes", "2,9", "--returns", "last", "--bbox", "500000,5400000,500900,5400900")
-    words += ("--z-range", "5,45", "--every", "2", "--json")
+    words += ("--z-range", "5,45", "--every", "2", "--json", "--overwrite")
     done = liftmesh("triangulate", "tile.laz", "tin.ply", *words, cwd=folder)
     report = json.loads(done.stdout)
     chosen = lm.read(
@@ -275,6 +275,6 @@ def test_options_of_the_written_format(folder: Path) -> None:
     done = liftmesh("triangulate", "tile.laz", "out.ply", "--point-format", "7", cwd=folder)
     assert done.returncode == 2
     assert "--point-format: ply files have none" in done.stderr
-    done = liftmesh("triangulate", "tile.laz", "out.las", "--point-format", "11", cwd=folder)
+    done = liftmesh("triangulate", "tile.laz", "new.las", "--point-format", "11", cwd=folder)
     assert done.returncode == 3
     assert "--point-format is 11: give a whole number from 0 to 10" in done.stderr

@@ -97,8 +97,8 @@ def assert_nothing_was_written(folder: Path) -> None:
 TRIED = [
     ("info mesh.glb", "networkx"),
     ("compare mesh.stl", "trimesh.path.exchange.load"),
-    ("triangulate mesh.glb out.ply", "trimesh.exchange.gltf"),
-    ("triangulate mesh.ply out.glb", "networkx"),
+    ("triangulate mesh.glb out.ply --overwrite", "trimesh.exchange.gltf"),
+    ("triangulate mesh.ply out.glb --overwrite", "networkx"),
     ("triangulate mesh.glb - --format ply", "networkx"),
 ]
 AMID_AN_IMPORT = """
@@ -163,7 +163,9 @@ writing._write = lambda *a: (Dying(), real(*a))[1]
 def test_nothing_is_put_in_place_after_a_signal_that_was_caught(where: str, folder: Path) -> None:
     number = signal.SIGINT if "writ" in where else signal.SIGTERM
     change = SWALLOWED[where].replace("NUMBER", str(int(number)))
-    child = started(change, "triangulate", "mesh.ply", "out.ply", cwd=folder, number=number)
+    child = started(
+        change, "triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder, number=number
+    )
     assert ended(child) == (ENDS[number][0], "", ENDS[number][1])
     assert_nothing_was_written(folder)
 
@@ -184,7 +186,7 @@ liftmesh.io.files.read = deaf
 def test_a_signal_is_heard_within_a_second_while_compiled_code_runs(
     number: int, folder: Path
 ) -> None:
-    child = started(DEAF, "triangulate", "mesh.ply", "out.ply", cwd=folder)
+    child = started(DEAF, "triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
     wait_until_deaf(child)
     child.send_signal(number)
     assert ended(child) == (ENDS[number][0], "", ENDS[number][1])
@@ -245,7 +247,7 @@ from liftmesh.io import atomic, writing
 atomic._NAMELESS = 0
 writing._write = deaf
 """
-    child = started(change, "triangulate", "mesh.ply", "out.ply", cwd=folder)
+    child = started(change, "triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
     wait_until_deaf(child)
     assert any(path.name.startswith(".liftmesh-") for path in folder.iterdir())
     child.send_signal(signal.SIGTERM)
@@ -337,7 +339,7 @@ def test_compare_ends_in_order_although_qhull_runs_on(number: int, folder: Path)
 @pytest.mark.parametrize("ignored", ["INT", "TERM"])
 def test_a_signal_that_is_ignored_stays_ignored(ignored: str, folder: Path) -> None:
     number = signal.Signals[f"SIG{ignored}"]
-    words = [*COMMAND, "triangulate", "mesh.glb", "out.ply"]
+    words = [*COMMAND, "triangulate", "mesh.glb", "out.ply", "--overwrite"]
     child = subprocess.Popen(
         ["sh", "-c", f'trap "" {ignored}; echo ready; exec "$@"', "sh", *words],
         cwd=folder,

@@ -171,3 +171,22 @@ def test_a_command_runs_where_few_files_may_be_open(most: int, folder: Path) -> 
 )
 def test_a_full_stderr_leaves_the_exit_code(words: str, code: int, folder: Path) -> None:
     assert run(words, "2>/dev/full", folder).returncode == code
+
+
+@pytest.mark.parametrize("words", ["triangulate cloud.ply höhe.ply", "info \udcff.ply"])
+def test_a_name_that_the_terminal_cannot_show(words: str, folder: Path) -> None:
+    os.link(folder / "cloud.ply", folder / "\udcff.ply")
+    done = subprocess.run(
+        [*COMMAND, *words.split()],
+        cwd=folder,
+        capture_output=True,
+        env={**PLAIN, "PYTHONIOENCODING": "ascii"},
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("kind", ["npz", "3mf", "las", "glb"])
+def test_a_device_takes_every_format(kind: str, folder: Path) -> None:
+    done = run(f"triangulate cloud.ply /dev/null --format {kind}", "", folder)
+    assert done.returncode == 0, done.stderr

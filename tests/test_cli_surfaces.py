@@ -37,7 +37,9 @@ def surface() -> liftmesh.Surface:
 def test_a_mesh_is_trimmed_before_it_is_written(tin, tmp_path) -> None:
     whole = liftmesh.triangulate(meadow())
     assert len(liftmesh.read(tin).faces) == len(surface().faces) < len(whole.faces)
-    done = run("triangulate", tmp_path / "meadow.csv", tin, "--max-edge", "12", "--json")
+    done = run(
+        "triangulate", tmp_path / "meadow.csv", tin, "--max-edge", "12", "--json", "--overwrite"
+    )
     found = json.loads(done.stdout)
     assert found["trimmed"] == whole.trim(max_edge=12).mask.sum()
     assert found["triangles"] == len(whole.faces)
@@ -137,7 +139,7 @@ def test_contours_outside_of_the_heights_are_said(tmp_path) -> None:
     liftmesh.write(tmp_path / "tin.ply", liftmesh.triangulate(points))
     liftmesh.tile_surface(points, tmp_path / "tiles")
     for source in ("tin.ply", "tiles"):
-        words = ("contour", source, "o.geojson")
+        words = ("contour", source, "o.geojson", "--overwrite")
         done = run(*words, "--levels", "99", cwd=tmp_path)
         assert "o.geojson: 0 lines at 0 levels" in done.stdout
         assert f"{source}: no line: its heights are from 2 to 5.5\n" in done.stderr
@@ -190,7 +192,7 @@ def test_what_the_format_of_a_solid_does_not_keep_is_said(tin, tmp_path) -> None
     done = run("solid", tin, tmp_path / "s.xyz", *words)
     assert done.returncode == 0, done.stderr
     assert done.stdout.endswith("; text does not keep faces\n")
-    told = json.loads(run("solid", tin, tmp_path / "s.xyz", *words, "--json").stdout)
+    told = json.loads(run("solid", tin, tmp_path / "t.xyz", *words, "--json").stdout)
     assert told["dropped"] == ["faces"]
 
 
@@ -205,7 +207,7 @@ def test_what_a_solid_does_not_keep_of_its_surface_is_said(tmp_path) -> None:
         assert done.returncode == 0, done.stderr
         assert done.stdout.endswith(lost)
         assert own in done.stdout
-    words = ("full.ply", "s.3mf", "--base", "0", "--longest", "90", "--json")
+    words = ("full.ply", "t.3mf", "--base", "0", "--longest", "90", "--json")
     told = json.loads(run("solid", *words, cwd=tmp_path).stdout)
     assert told["dropped"][:4] == ["colors", "normals", "crs", "id"]
 
@@ -232,7 +234,7 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("raster", "tin.ply", "out.tif", "--resolution", "1", "--crs", "EPSG:1"), 2, "EPSG:1"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1", "--compress", "x"), 2, "'x'"),
         (("raster", "tin.ply", "no/out.tif", "--resolution", "1"), 3, "does not exist"),
-        (("raster", "tin.ply", "tin.ply", "--resolution", "1"), 3, "tin.ply: rasters are written"),
+        (("raster", "tin.ply", "tin.ply", "--resolution", "1"), 2, "same file"),
         (("raster", "a.tif", "a.tif", "--resolution", "1"), 2, "same file"),
         (("raster", "tin.ply", "-", "--resolution", "1"), 3, "-: rasters are written as GeoTIFF"),
         (("raster", "none.ply", "o.png", "--resolution", "1"), 3, "o.png: rasters are written"),

@@ -151,7 +151,8 @@ def test_a_target_that_cannot_be_written_fails_before_the_work(target, code, par
 def test_a_broken_file_is_told_in_one_line(name, content, parts, tmp_path):
     (tmp_path / name).write_bytes(content)
     (tmp_path / "mesh.ply").write_text("precious")
-    failed(liftmesh("triangulate", name, "mesh.ply", cwd=tmp_path), exit_codes.BAD_INPUT, *parts)
+    words = ("triangulate", name, "mesh.ply", "--overwrite")
+    failed(liftmesh(*words, cwd=tmp_path), exit_codes.BAD_INPUT, *parts)
     assert (tmp_path / "mesh.ply").read_text() == "precious"
     assert {path.name for path in tmp_path.iterdir()} == {name, "mesh.ply"}
 

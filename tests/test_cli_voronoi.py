@@ -113,7 +113,7 @@ def test_heights_are_values_too(tmp_path: Path) -> None:
     told(tmp_path, "out.geojson")
     assert geopandas.read_file(tmp_path / "out.geojson")["Depth"].tolist() == [5, 6, 7]
     (tmp_path / "trees.csv").write_text("x,y,height\n0,0,5\n1,0,6\n0,1,7\n")
-    told(tmp_path, "out.geojson")
+    told(tmp_path, "out.geojson", "--overwrite")
     assert geopandas.read_file(tmp_path / "out.geojson")["z"].tolist() == [5, 6, 7]
 
 
@@ -133,11 +133,11 @@ def test_the_system_of_a_domain(tmp_path: Path) -> None:
     utm.to_file(tmp_path / "utm.gpkg")
     told(tmp_path, "out.gpkg", "--domain", "utm.gpkg")
     assert geopandas.read_file(tmp_path / "out.gpkg").crs == "EPSG:32633"
-    _, said = told(tmp_path, "out.gpkg", "--domain", "500000,0,500010,10")
+    _, said = told(tmp_path, "out.gpkg", "--overwrite", "--domain", "500000,0,500010,10")
     assert "no row lies in the box of the domain" in said
     far = shapely.affinity.translate(COAST, 500_000, 0)  # no degrees, whatever GeoJSON says
     (tmp_path / "far.geojson").write_text(shapely.to_geojson(far))
-    told(tmp_path, "out.gpkg", "--domain", "far.geojson")
+    told(tmp_path, "out.gpkg", "--overwrite", "--domain", "far.geojson")
     assert geopandas.read_file(tmp_path / "out.gpkg").crs is None
     cloud = Cloud(POINTS, crs="EPSG:25832")
     liftmesh.write(tmp_path / "cloud.ply", cloud)

@@ -34,9 +34,8 @@ def test_the_command_takes_columns(table: Path) -> None:
     mesh = liftmesh.read(table.parent / "mesh.ply")
     np.testing.assert_array_equal(mesh.faces, expected.faces)
     np.testing.assert_array_equal(mesh.attributes["hidden"], expected.attributes["hidden"])
-    done = command(
-        "triangulate", table, "mesh.ply", "--weights", "size", "--json", cwd=table.parent
-    )
+    words = ("triangulate", table, "mesh.ply", "--weights", "size", "--json", "--overwrite")
+    done = command(*words, cwd=table.parent)
     told = json.loads(done.stdout)
     assert told["triangulated_by"] == {"weights": "size"}
     assert told["hidden"] == len(told["left_out"]) > 20
@@ -126,6 +125,6 @@ def test_a_table_that_a_run_wrote_is_taken_again(table: Path) -> None:
     made = (table.parent / "made.csv").read_bytes()
     assert (table.parent / "again.csv").read_bytes() == made
     (table.parent / "made.csv").write_bytes(made.replace(b",1\n", b",7\n"))
-    done = command("triangulate", "made.csv", "again.csv", "--radii", "size", cwd=table.parent)
+    done = command("triangulate", "made.csv", "last.csv", "--radii", "size", cwd=table.parent)
     assert done.returncode == 3
     assert "made.csv: the points have values named 'hidden'" in done.stderr

@@ -57,6 +57,8 @@ WRONG = [
     (["info", "a.ply", "--js"], "there is no option --js: did you mean --json?"),
     (["info", "a.ply", "--colour"], "there is no option --colour"),
     (["info", "a.ply", "--max-bytes", "big"], "--max-bytes 'big' is not a size: give one as 500M"),
+    (["raster", "--step", "1"], "there is no option --step (see"),
+    (["raster", "--hel"], "there is no option --hel: did you mean --help?"),
     (["verify"], "FILE is missing: give liftmesh verify FILE"),
     (["compare", "a.ply", "--proofs", "x"], "--proofs is 'x': give a whole number from 0"),
     (["compare", "a.ply", "--proofs", "-1"], "--proofs is -1: give a whole number from 0"),

@@ -189,7 +189,7 @@ class TestCommand:
         assert found["cut"] == pytest.approx(200)
         assert found["net"] == pytest.approx(200)
         assert found["planar_area"] == pytest.approx(10_000)
-        assert found["cubic_metres"] == 1
+        assert found["cubic_metres_per_unit"] == 1
         shown = run("volume", "before.ply", "after.ply", cwd=folder).stdout
         assert [line.split()[0] for line in shown.splitlines()] == ["cut", "fill", "net", "planar"]
         assert shown.splitlines()[1].endswith("m3")

@@ -178,7 +178,7 @@ def test_the_command_takes_the_ground_that_it_found(tmp_path: Path) -> None:
     cloud, truth = scene()
     las = records(np.round(cloud.points, 2), classification=np.ones(6000, np.uint8))
     (tmp_path / "raw.las").write_bytes(encoded(las))
-    words = ("triangulate", "raw.las", "tin.ply", "--ground", "csf")
+    words = ("triangulate", "raw.las", "tin.ply", "--overwrite", "--ground", "csf")
     done = command(*words, "--json", cwd=tmp_path)
     assert done.returncode == 0
     mesh, report = liftmesh.read(tmp_path / "tin.ply"), json.loads(done.stdout)
@@ -240,13 +240,13 @@ def test_options_of_the_cloth(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["ground"] == expected.metadata["ground"]
     for wrong in (("resolution", "0"), ("rigidness", "4"), ("threshold", "no")):
         option = f"--cloth-{wrong[0]}"
-        done = command("triangulate", "a.las", "a.ply", *words[:2], option, wrong[1], cwd=tmp_path)
+        done = command("triangulate", "a.las", "b.ply", *words[:2], option, wrong[1], cwd=tmp_path)
         assert done.returncode == 2
         assert f"{option} '{wrong[1]}' is not" in done.stderr
-    done = command("triangulate", "a.las", "a.ply", *words[2:4], cwd=tmp_path)
+    done = command("triangulate", "a.las", "b.ply", *words[2:4], cwd=tmp_path)
     assert "--cloth-resolution is an option of --ground csf" in done.stderr
     done = command(
-        "triangulate", "a.las", "a.ply", *words[:2], "--cloth-resolution", "0.001", cwd=tmp_path
+        "triangulate", "a.las", "b.ply", *words[:2], "--cloth-resolution", "0.001", cwd=tmp_path
     )
     assert "remove rows that are far away, or give a larger --cloth-resolution" in done.stderr
 

@@ -177,7 +177,7 @@ class TestCommand:
         found = json.loads(run("volume", heap, "--level", "1.5", "--json").stdout)
         assert found["above"] == pytest.approx(50)
         assert found["net"] == found["above"] - found["below"]
-        assert (found["planar_area"], found["cubic_metres"]) == (400, 1)
+        assert (found["planar_area"], found["cubic_metres_per_unit"]) == (400, 1)
 
     @pytest.mark.parametrize(
         ("words", "code", "said"),

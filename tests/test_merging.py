@@ -189,7 +189,7 @@ def test_the_command_merges_tiles(folder: Path) -> None:
     assert "flight lines" not in done.stderr  # one
     for k, each in enumerate(strips()):
         liftmesh.write(folder / f"strip{k}.las", each)
-    flown = command("triangulate", "strip0.las", "strip1.las", "tin.ply", cwd=folder)
+    flown = command("triangulate", "strip0.las", "strip1.las", "new.ply", cwd=folder)
     assert re.search(r": 2 flight lines; [\d,]+ rows are in cells of size ", flown.stderr)
     assert "tile1.las: 100 rows, " in done.stderr
     assert report["rows"] == 300
@@ -205,17 +205,17 @@ def test_the_command_refuses_mixed_systems_and_files_twice(folder: Path) -> None
     assert done.stderr.splitlines()[-1].endswith("give --to-crs, which transforms both")
     words = ("triangulate", "tile0.las", "moved.laz", "tin.ply", "--to-crs", "EPSG:25832")
     assert command(*words, cwd=folder).returncode == 0
-    done = command("triangulate", "tile0.las", "tile0.las", "tin.ply", cwd=folder)
+    done = command("triangulate", "tile0.las", "tile0.las", "new.ply", cwd=folder)
     assert (done.returncode, "tile0.las is given twice" in done.stderr) == (2, True)
     other = f"../{folder.name}/tile0.las"
-    done = command("triangulate", "tile0.las", other, "tin.ply", cwd=folder)
+    done = command("triangulate", "tile0.las", other, "new.ply", cwd=folder)
     assert (done.returncode, f"{other} is given twice, as tile0.las" in done.stderr) == (2, True)
 
 
 def test_the_system_of_files_that_state_none(folder: Path) -> None:
     plain = replace(liftmesh.read(folder / "tile0.las"), crs=None)
     liftmesh.write(folder / "plain.las", plain)
-    words = ("triangulate", "tile1.las", "plain.las", "tin.ply", "--from-crs")
+    words = ("triangulate", "tile1.las", "plain.las", "tin.ply", "--overwrite", "--from-crs")
     assert command(*words, "EPSG:25832", cwd=folder).returncode == 0
     done = command(*words, "EPSG:25833", cwd=folder)
     assert done.returncode == 3

@@ -148,7 +148,7 @@ def test_a_cartographer_simplifies_an_elevation_model(tmp_path: Path) -> None:
     done("liftmesh simplify dem_01.tif tin.xml --tolerance 1", tmp_path)
     said = done("liftmesh simplify dem_01.tif tin.glb --tolerance 1", tmp_path)
     assert "float32, so the origin (299228, 5258566, 0) was subtracted" in said
-    words = "liftmesh simplify dem_01.tif tin.glb --tolerance 1 --json"
+    words = "liftmesh simplify dem_01.tif tin.glb --tolerance 1 --json --overwrite"
     assert json.loads(done(words, tmp_path))["origin"] == [299228, 5258566, 0]
     y, x = np.mgrid[:40, :50]
     places = pixel * np.column_stack([x.ravel() + 0.5, 39.5 - y.ravel()]) + corner
@@ -217,7 +217,7 @@ def test_a_unit_that_is_given_is_not_looked_for(tmp_path: Path) -> None:
     elevation_model(tmp_path / "a.tif", hills(4, 5), 1.0)
     liftmesh.write(tmp_path / "odd.ply", liftmesh.Cloud(np.eye(3), crs="EPSG:999999"))
     for source in ("a.tif", "odd.ply"):
-        found = run("triangulate", source, "o.3mf", "--unit", "inch", cwd=tmp_path)
+        found = run("triangulate", source, "o.3mf", "--overwrite", "--unit", "inch", cwd=tmp_path)
         assert found.returncode == 0
         assert "says the unit" not in found.stderr
 

@@ -367,3 +367,12 @@ def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
     np.testing.assert_array_equal(found.values, surface.sample(found.centres(), method))
     with pytest.raises(liftmesh.InputError, match="leave out method"):
         surface.raster(0.05, method=method, quantity="slope")
+
+
+def test_a_transform_of_rasterio_is_taken() -> None:
+    surface = liftmesh.triangulate([[0.0, 0, 1], [8, 0, 2], [0, 8, 3], [8, 8, 5]])
+    affine = rasterio.Affine(1, 0, 0, 0, -1, 8)
+    found = surface.raster(transform=affine, shape=(8, 8))
+    expected = surface.raster(transform=(1, 0, 0, 0, -1, 8), shape=(8, 8))
+    assert found.transform == expected.transform
+    assert np.array_equal(found.values, expected.values)

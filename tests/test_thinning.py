@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -139,7 +140,7 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
     assert f"thinned to {kept} of 500 rows: cell 10.0, keep highest" in done.stderr
     assert f'"kept": {kept}' in done.stdout
     assert len(liftmesh.read(tmp_path / "b.ply")) == kept
-    assert "cell 10.0, keep lowest" in command(*words[:5], cwd=tmp_path).stderr
+    assert "cell 10.0, keep lowest" in command(*words[:5], "--overwrite", cwd=tmp_path).stderr
 
 
 @pytest.mark.parametrize(
@@ -162,3 +163,11 @@ def test_the_command_checks_its_options(words: tuple[str, ...], cause: str, tmp_
     done = command("triangulate", "a.ply", "b.ply", *words, cwd=tmp_path)
     assert done.returncode == 2
     assert cause in done.stderr
+
+
+def test_every_kth_row_alone(tmp_path: Any) -> None:
+    liftmesh.write(tmp_path / "a.ply", rows(500))
+    done = command("thin", "a.ply", "b.ply", "--every", "5", "--json", cwd=tmp_path)
+    assert json.loads(done.stdout)["selection"] == {"rows": 500, "selected": 100, "every": 400}
+    expected = liftmesh.read(tmp_path / "a.ply", every=5)
+    assert np.array_equal(liftmesh.read(tmp_path / "b.ply").points, expected.points)

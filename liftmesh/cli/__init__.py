@@ -24,7 +24,7 @@ from liftmesh.cli.standard_streams import (
     open_closed,
 )
 from liftmesh.cli.watchdog import Watchdog
-from liftmesh.errors import LiftmeshError
+from liftmesh.errors import LiftmeshError, MissingDependencyError
 
 __all__ = ["main", "program"]
 
@@ -167,7 +167,8 @@ def _explain(error: BaseException) -> tuple[int, str]:
         return exit_codes.INTERRUPTED, "interrupted"
     if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
         return exit_codes.USAGE, import_module("liftmesh.cli.wording").usage_message(error)
-    if isinstance(error, LiftmeshError):
+    is_lack = isinstance(error, MissingDependencyError) and out_of_memory(error)
+    if isinstance(error, LiftmeshError) and not is_lack:
         return exit_codes.BAD_INPUT, as_on_command_line(str(error))
     if out_of_memory(error):  # before OSError, which some of these are
         return exit_codes.BAD_INPUT, "not enough memory"

@@ -15,6 +15,7 @@ from liftmesh.cli import (
     lidar,
     options,
     outputs,
+    overwriting,
     rows,
     standard_streams,
     tables,
@@ -38,6 +39,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("lower", "hull")
 @tables.with_options
 @rows.with_options
 def run(
@@ -94,7 +96,6 @@ def run(
     limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)
     files.check_target(lower)
     files.check_target(hull)
-    files.check_apart(source, lower, hull)
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
     cloud = inputs.merged([source], read, selection)
     with files.about(source):

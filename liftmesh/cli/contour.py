@@ -7,7 +7,15 @@ from typing import Annotated, Any
 
 import typer
 
-from liftmesh.cli import files, lidar, options, standard_streams, surfaces, terminal
+from liftmesh.cli import (
+    files,
+    lidar,
+    options,
+    overwriting,
+    standard_streams,
+    surfaces,
+    terminal,
+)
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.values import checked
@@ -25,6 +33,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @with_reading
 def run(
     source: surfaces.Source,
@@ -69,7 +78,6 @@ def run(
         least = length_of(surfaces.parse_number("--min-length", min_length))
     every = options.parse_count("--index-every", index_every, 1)
     files.check_place(target)
-    files.check_apart(reading.polygon, source, target)
     if source.is_dir():
         surface: Any = opened(source, reading)
         with terminal.stage("finding contours"):

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -317,33 +315,6 @@ def is_stream(path: Path) -> bool:
     True
     """
     return str(path) == "-"
-
-
-def check_apart(*paths: Path | None) -> None:
-    """Raise if two paths are the same file: the second would overwrite the first.
-
-    Parameters
-    ----------
-    *paths : Path, optional
-        The input file, if any, and the output files.
-
-    Raises
-    ------
-    typer.BadParameter
-        Two of them are the same file.
-    """
-    for one, other in combinations([path for path in paths if path is not None], 2):
-        if not (is_stream(one) or is_stream(other)) and _same(one, other):
-            raise typer.BadParameter(
-                f"{one} and {other} are the same file, and one would overwrite the other: "
-                "give another name"
-            )
-
-
-def _same(one: Path, other: Path) -> bool:
-    if one.is_file() and other.is_file():
-        return one.samefile(other)  # also through links
-    return not one.exists() and os.path.realpath(one) == os.path.realpath(other)
 
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:

@@ -20,6 +20,8 @@ def out_of_memory(error: BaseException | None) -> bool:
     --------
     >>> out_of_memory(ImportError("a.so: failed to map segment from shared object"))
     True
+    >>> out_of_memory(RuntimeError("std::bad_alloc"))
+    True
     """
     if error is None:
         return False
@@ -32,4 +34,5 @@ def out_of_memory(error: BaseException | None) -> bool:
     )
     kinds = (ImportError, OSError, SystemError)
     unable = isinstance(error, kinds) and any(word in str(error) for word in words)
+    unable |= "std::bad_alloc" in str(error)  # of GEOS, under the name of its own error
     return unable or isinstance(error, MemoryError) or out_of_memory(error.__cause__)

@@ -125,7 +125,8 @@ def write(
 
     if not is_stream(path):
         with terminal.writing(f"writing {path.name}", places.written):
-            return writing.write(path, mesh, format=file_format, **options)
+            # The command's guard has looked before the work started.
+            return writing.write(path, mesh, format=file_format, overwrite=True, **options)
     with stdout_of_bytes() as stream:
         return writing.write(stream, mesh, format=file_format, **options)
 

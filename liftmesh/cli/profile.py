@@ -16,6 +16,7 @@ from liftmesh.cli import (
     lidar,
     options,
     outputs,
+    overwriting,
     shapes,
     standard_streams,
     surfaces,
@@ -42,6 +43,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @with_reading
 def run(
     source: surfaces.Source,
@@ -90,8 +92,6 @@ def run(
         _check_shapes(target)
     else:
         files.check_target(target, target_format)
-    for each in (source, reading.polygon, path):
-        files.check_apart(each, target)
     surface = reading.surface(source)
     lines = [corners] if path is None else _lines(path, source, surface, reading)
     with terminal.stage(f"draping {len(lines):,} line{'' if len(lines) == 1 else 's'}"):

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import RasterQuantity, SampleMethod, shown
-from liftmesh.cli import files, lidar, options, standard_streams, surfaces, terminal
+from liftmesh.cli import (
+    files,
+    lidar,
+    options,
+    overwriting,
+    standard_streams,
+    surfaces,
+    terminal,
+)
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.trimming import trimmed
@@ -33,6 +41,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @with_reading
 def run(
     source: surfaces.Source,
@@ -104,7 +113,6 @@ def run(
     packing = None if compress == "none" else compress
     _check(steps, covered, quantity, method, crs, packing)
     files.check_place(target)
-    files.check_apart(reading.polygon, source, target)
     if source.is_dir():
         tiled = opened(source, reading, crs=crs)
         if quantity in _ANGLES:

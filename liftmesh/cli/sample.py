@@ -16,6 +16,7 @@ from liftmesh.cli import (
     lidar,
     options,
     outputs,
+    overwriting,
     rows,
     shapes,
     standard_streams,
@@ -44,6 +45,7 @@ _CSV = frozenset({"csv", "tsv"})
 _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 
 
+@overwriting.guards("target")
 @tables.with_options
 @rows.with_options
 @with_trimming
@@ -97,8 +99,6 @@ def run(
         standard_streams.check_stdout()
     count, limit = options.parse_threads(threads), options.parse_size(max_bytes)
     files.check_target(target, target_format)
-    files.check_apart(trimming.get("polygon"), source, target)
-    files.check_apart(at, target)
     surface = surfaces.read(
         source,
         source_format,

@@ -18,6 +18,7 @@ from liftmesh.cli import (
     lidar,
     options,
     outputs,
+    overwriting,
     rows,
     standard_streams,
     tables,
@@ -43,6 +44,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @tables.with_options
 @rows.with_options
 @outputs.with_options
@@ -117,8 +119,6 @@ def run(
     inputs.check_once(sources)
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    for each in sources:
-        files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
     cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Pinched
-from liftmesh.cli import files, lidar, options, outputs, standard_streams, surfaces, terminal
+from liftmesh.cli import (
+    files,
+    lidar,
+    options,
+    outputs,
+    overwriting,
+    standard_streams,
+    surfaces,
+    terminal,
+)
 from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
@@ -28,6 +37,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @with_reading
 @outputs.with_options
 def run(
@@ -92,7 +102,6 @@ def run(
     } | {"base": surfaces.parse_number("--base", base)}
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    files.check_apart(reading.polygon, source, target)
     surface = reading.surface(source)
     if wanted["longest"] is not None:
         surfaces.note_units(source, surface, wanted["z_factor"])

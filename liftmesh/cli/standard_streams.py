@@ -52,7 +52,7 @@ class Closed(io.TextIOBase):
 
 
 def open_closed() -> None:
-    """Open the null device for each closed stream."""
+    """Open the null device for each closed stream; let the others print whatever there is."""
     for number, name in enumerate(_NAMES):
         try:
             os.fstat(number)
@@ -60,6 +60,9 @@ def open_closed() -> None:
             os.open(os.devnull, os.O_RDWR)  # gets the lowest free number, which is this one
         if getattr(sys, name) is None:
             setattr(sys, name, Closed(name) if number < 2 else os.fdopen(2, "w", closefd=False))
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # names of files are any bytes, in any encoding
+            stream.reconfigure(errors="backslashreplace")
 
 
 def check_stdout() -> None:

@@ -16,6 +16,7 @@ from liftmesh.cli import (
     inputs,
     options,
     outputs,
+    overwriting,
     rows,
     standard_streams,
     tables,
@@ -31,6 +32,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @tables.with_options
 @rows.with_options
 @thinning.with_options
@@ -72,16 +74,15 @@ def run(
     json : bool
         Print JSON.
     """
-    if not thin:
-        raise typer.BadParameter("give one of --random, --cell, --min-distance and --adaptive")
+    if not thin and "every" not in selection:
+        ways = "give one of --random, --cell, --min-distance and --adaptive"
+        raise typer.BadParameter(f"{ways}, or --every")
     if json:
         standard_streams.check_stdout()
     depth, limit = options.parse_color_depth(color_depth), options.parse_size(max_bytes)
     inputs.check_once(sources)
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    for each in sources:
-        files.check_apart(each, target)
     start = perf_counter()
     read = partial(files.read, file_format=source_format, max_bytes=limit, table=table)
     cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)
@@ -91,7 +92,8 @@ def run(
     written = outputs.write(target, kept, target_format, writing)
     told = {
         **outputs.values(written),
-        "thinning": kept.metadata["thinning"],
+        "thinning": kept.metadata.get("thinning"),
+        "selection": files.found_selection(cloud) or None,
         "seconds": perf_counter() - start,
     }
     is_stdout = files.is_stream(target)

@@ -20,6 +20,7 @@ from liftmesh.cli import (
     lidar,
     options,
     outputs,
+    overwriting,
     rows,
     standard_streams,
     tables,
@@ -48,6 +49,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @tables.with_options
 @rows.with_options
 @classifying.with_options
@@ -137,9 +139,6 @@ def run(
     inputs.check_once(sources)
     files.check_target(target, target_format)
     outputs.check_options(target, target_format, writing)
-    # Although IN is read before it is replaced: the mesh may hold less than the cloud.
-    for each in sources:
-        files.check_apart(trimming.get("polygon"), each, target)
     start = perf_counter()
     first, later = (selection, {}) if not ground else classifying.parted(selection)
     read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import NonFinite
-from liftmesh.cli import exit_codes, files, options, standard_streams, terminal
+from liftmesh.cli import exit_codes, files, options, overwriting, standard_streams, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ EXAMPLES = [
 SHOWN = 3  # offenders of a flaw
 
 
+@overwriting.guards("certificate")
 def run(
     source: Annotated[
         Path,
@@ -103,11 +104,10 @@ def run(
     count = options.parse_threads(threads)
     limit = options.parse_size(max_bytes)
     files.check_place(certificate)
-    files.check_apart(source, certificate)
     if points is not None and not source.is_dir():
         raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
-        found = _verify_tiles(source, points, count)
+        found = _verify_tiles(source, points, count, certificate)
     else:
         found = _verify_file(source, source_format, limit, frame, nonfinite, count, lifting)
     if certificate is not None:
@@ -124,10 +124,14 @@ def run(
         raise typer.Exit(exit_codes.DIFFERENT)
 
 
-def _verify_tiles(source: Path, points: list[Path] | None, threads: int | None) -> Certificate:
+def _verify_tiles(
+    source: Path, points: list[Path] | None, threads: int | None, certificate: Path | None
+) -> Certificate:
     from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
 
     tiled = open_tiled(source)
+    tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
+    overwriting.check([] if certificate is None else [certificate], tiled_files)
     with terminal.bar(1.0) as advance:
         shown = [0.0]
 

@@ -103,7 +103,7 @@ def _values(found: Volume) -> dict[str, Any]:
         "below": found.below,
         "net": found.net,
         "planar_area": found.area,
-        "cubic_metres": found.cubic_metres,
+        "cubic_metres_per_unit": found.cubic_metres,
     }
 
 
@@ -113,13 +113,13 @@ def _changes(found: Earthwork) -> dict[str, Any]:
         "fill": found.fill,
         "net": found.net,
         "planar_area": found.area,
-        "cubic_metres": found.cubic_metres,
+        "cubic_metres_per_unit": found.cubic_metres,
     }
 
 
 def _by_name(parts: dict[str | int, dict[str, Any]]) -> list[dict[str, Any]]:
     """Name the polygons of measures, without what all share."""
-    shared = {"level", "cubic_metres"}
+    shared = {"level", "cubic_metres_per_unit"}
     return [
         {"polygon": name} | {key: value for key, value in part.items() if key not in shared}
         for name, part in parts.items()
@@ -131,7 +131,7 @@ def _print(values: dict[str, Any], rows_of: dict[str, Any], *, as_json: bool) ->
     if as_json:
         terminal.as_json(values | rows_of)
         return
-    unit, polygons = values.pop("cubic_metres"), values.pop("polygons", [])
+    unit, polygons = values.pop("cubic_metres_per_unit"), values.pop("polygons", [])
     terminal.table(
         [(name.replace("_", " "), _shown(name, value, unit)) for name, value in values.items()]
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 
 import typer
 
-from liftmesh.cli import files, options, standard_streams, tables, terminal
+from liftmesh.cli import files, options, overwriting, standard_streams, tables, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cells.clipped import ClippedCells
@@ -30,6 +30,7 @@ EXAMPLES = [
 ]
 
 
+@overwriting.guards("target")
 @tables.with_options
 def run(
     source: options.Source,
@@ -106,7 +107,6 @@ def run(
     _check_one(weights, radii, disks, tolerance)
     kind = _kind(target, target_format)
     files.check_place(target)
-    files.check_apart(source, target)
     cloud = files.read(source, source_format, limit, _planar(source, source_format, table))
     area, crs = _domain(domain, cloud)
     with files.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):

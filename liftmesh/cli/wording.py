@@ -72,7 +72,9 @@ def _described(error: Any, kinds: set[str], context: Any) -> str:
 
 
 def _about_option(error: Any) -> str:
-    return f"there is no option {error.option_name}{_similar(error.possibilities or ())}"
+    typed, known = error.option_name.strip("-"), error.possibilities or ()  # all begin alike
+    near = [each for each in known if get_close_matches(typed, [each.strip("-")])]
+    return f"there is no option {error.option_name}{_similar(near)}"
 
 
 def _about_missing(error: Any) -> str:

@@ -6,12 +6,13 @@ no name, so that not even a killed process leaves a part behind; elsewhere it is
 the same folder until it is complete. The new file has the permissions of any new file, or those of
 the file it replaces. If the target is a symbolic link that the user has named, the file it points
 to is replaced; a target that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and
-is written directly. What has a name that liftmesh chose is replaced itself, be it a link or a pipe.
+is written at the end. What has a name that liftmesh chose is replaced itself, be it a link or a pipe.
 """
 
 from __future__ import annotations
 
 import errno
+import io
 import os
 import shutil
 import stat
@@ -42,13 +43,17 @@ _ATTEMPTS = 3  # at removing a folder in which another thread may still make fil
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str], *, follow_links: bool = True) -> Iterator[BinaryIO]:
+def replacing(
+    path: str | os.PathLike[str], *, overwrite: bool = True, follow_links: bool = True
+) -> Iterator[BinaryIO]:
     """Open a binary stream whose bytes become the file at ``path`` if the block succeeds.
 
     Parameters
     ----------
     path : str or path
         The file to create or to replace.
+    overwrite : bool, default True
+        Whether to replace a file that is not empty.
     follow_links : bool
         False for a name that the user has not chosen: links and devices of that name are replaced.
 
@@ -62,6 +67,8 @@ def replacing(path: str | os.PathLike[str], *, follow_links: bool = True) -> Ite
     OSError
         The folder does not exist, is not writable or disappears during writing, ``path`` is a
         folder or a read-only file, or the disk is full; the error names the path.
+    FileExistsError
+        There is a file that is not to be replaced, when writing begins or when it ends.
     FormatError
         The symbolic links of ``path`` lead in a circle.
 
@@ -79,8 +86,31 @@ def replacing(path: str | os.PathLike[str], *, follow_links: bool = True) -> Ite
     folder, name = os.path.split(os.path.realpath(path) if follow_links else path)
     target = Path(os.path.realpath(folder)) / name
     is_special = follow_links and target.exists() and not target.is_file()
-    with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
+    _check_free(target, overwrite=overwrite)
+    with _named(target), _held(target) if is_special else _new_file(target) as stream:
         yield stream
+        _check_free(target, overwrite=overwrite)
+
+
+def holds_data(path: str | os.PathLike[str]) -> bool:
+    """Whether a regular file with content is here, which would be lost.
+
+    Parameters
+    ----------
+    path : str or path
+        The file to write, or a link to it.
+
+    Returns
+    -------
+    bool
+        False for what is missing or empty, and for pipes and devices.
+
+    Examples
+    --------
+    >>> holds_data("/dev/null")
+    False
+    """
+    return os.path.isfile(path) and os.path.getsize(path) > 0  # noqa: PTH113, PTH202
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -124,6 +154,21 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     if not target.exists() and not os.access(target.parent, os.W_OK):
         reason = "cannot write here: the folder is read-only"
         raise PermissionError(errno.EACCES, reason, str(target.parent))
+
+
+@contextmanager
+def _held(target: Path) -> Iterator[BinaryIO]:
+    """Hold what is written to a pipe or a device, in which formats cannot go back."""
+    with target.open("wb") as stream:
+        held = io.BytesIO()
+        yield held
+        stream.write(held.getbuffer())
+
+
+def _check_free(target: Path, *, overwrite: bool) -> None:
+    if not overwrite and holds_data(target):
+        reason = "this file exists, and is replaced with overwrite=True only"
+        raise FileExistsError(errno.EEXIST, reason, str(target))
 
 
 @contextmanager

@@ -404,7 +404,7 @@ def _loaded(entry: EntryPoint, kind: type[Entry]) -> Entry:
     with deferred():  # around the clause: a time limit is no fault of the plugin
         try:
             loaded = entry.load()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise _NotLoadedError(f"cannot be loaded ({type(error).__name__}: {error})") from error
     if not isinstance(loaded, kind):
         raise _NotLoadedError(f"is a {qualified_name(loaded)}, not a liftmesh.{kind.__name__}")

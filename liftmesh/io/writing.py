@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from liftmesh.io.format import Format, Origin
 
 
+_KEPT = frozenset({"las"})  # formats of what was measured: such files are replaced if asked only
+
+
 @dataclass(frozen=True, slots=True)
 class Written:
     """The result of :func:`write`.
@@ -69,6 +72,7 @@ def write(
     mesh: object,
     *,
     format: str | None = None,  # noqa: A002
+    overwrite: bool | None = None,
     **options: Any,
 ) -> Written:
     r"""Write a point cloud or a mesh; a file is written completely or not at all.
@@ -84,6 +88,9 @@ def write(
         coordinate system are written if the format supports them.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
+    overwrite : bool, optional
+        Whether a file that exists, and is not empty, is replaced; by default not by LAS and LAZ,
+        which may be what was measured, and by all other formats.
     **options
         Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
         ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text; ``compressed``,
@@ -101,6 +108,8 @@ def write(
         The format or an option is unknown, or the format cannot hold this mesh.
     InputError
         An option has an unknown value, or colours or other arrays are invalid.
+    FileExistsError
+        The file exists, and is not to be replaced.
     UnsupportedTypeError
         ``mesh`` cannot be converted to a cloud, or is a path: `read` it first.
     OSError
@@ -132,7 +141,8 @@ def write(
         origin, size = _write(target, cloud, writer, options)
         lost = dropped(found, cloud, options, origin)
         return Written(None, found.name, size, origin, lost, renamed(found, cloud))
-    with replacing(target) as stream:  # an error up to its end leaves the old file
+    is_replaced = found.name not in _KEPT if overwrite is None else overwrite
+    with replacing(target, overwrite=is_replaced) as stream:  # an error leaves the old file
         with watched(stream):
             origin, size = _write(stream, cloud, writer, options)
         lost, names = dropped(found, cloud, options, origin), renamed(found, cloud)

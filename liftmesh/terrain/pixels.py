@@ -67,7 +67,7 @@ def layout_of(
             "bounds go with a resolution: transform and shape say where the pixels are"
         )
     if resolution is None:
-        return _checked(_numbers("transform", transform, 6), *_whole(shape))
+        return _checked(_numbers("transform", _without_last_row(transform), 6), *_whole(shape))
     steps = steps_of(resolution)
     if bounds is None:
         solved = surface.triangulation
@@ -171,6 +171,12 @@ def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
     if found.shape != (count,) or not np.isfinite(found).all():
         raise InputError(f"{name} is {shown(values)}: give {count} finite numbers")
     return tuple(found.tolist())
+
+
+def _without_last_row(transform: Any) -> Any:
+    """Leave out 0, 0, 1 at the end of the nine numbers of an Affine, of any version."""
+    is_affine = hasattr(transform, "is_rectilinear") and tuple(transform)[6:] == (0, 0, 1)
+    return tuple(transform)[:6] if is_affine else transform
 
 
 def _whole(shape: Any) -> tuple[int, int]:

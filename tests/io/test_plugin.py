@@ -24,6 +24,7 @@ BROKEN = """
 [liftmesh.formats]
 brk = liftmesh_no_such_module:FORMAT
 odd = os.path:join
+end = leaving:FORMAT
 
 [liftmesh.adapters]
 broken = liftmesh_no_such_module:ADAPTER
@@ -63,6 +64,7 @@ for call in (
     lambda: liftmesh.read("x.brk"),
     lambda: liftmesh.read("x.odd"),
     lambda: liftmesh.read("x.none"),
+    lambda: liftmesh.read("x.end"),
 ):
     try:
         call()
@@ -84,6 +86,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ]
     describe(site, project["name"], project["version"], "\n\n".join(groups))
     describe(site, "broken", "1.0", BROKEN)
+    (site / "leaving.py").write_text("raise SystemExit(0)\n")
     return site
 
 
@@ -163,7 +166,7 @@ def test_the_example_works_and_broken_plugins_harm_nobody(site: Path, tmp_path: 
     assert first == "tri1"
     assert rest[:3] == ["v 0.1 0.0 5.0", "v 1.0 0.0 6.0", "v 0.0 1.0 7.0"]
     assert sorted(rest[3].split()) == ["0", "1", "2", "t"]
-    not_tri1, no_option, unloadable, no_format, unknown, listed = messages.splitlines()
+    not_tri1, no_option, unloadable, no_format, unknown, leaving, listed = messages.splitlines()
     assert not_tri1 == "<stream>: line 1: not a tri1 file"
     assert "'digits'" in no_option
     assert no_option.endswith("tri1 takes title")
@@ -172,6 +175,7 @@ def test_the_example_works_and_broken_plugins_harm_nobody(site: Path, tmp_path: 
     assert (
         "'os.path:join' for 'odd' files is a builtins.function, not a liftmesh.Format" in no_format
     )
+    assert "'leaving:FORMAT' for 'end' files cannot be loaded (SystemExit: 0)" in leaving
     assert ".ply, " in unknown
     assert ".tri1" in unknown
     assert "cannot be loaded" in listed
