@@ -173,3 +173,17 @@ def test_copies_stand_alone() -> None:
     assert len(tri.simplices) == 1
     assert repr(tri) == "<DynamicTriangulation of 3 points>"
     assert tri.to_triangulation().nsimplex == 1
+
+
+def test_vertices_are_found_whichever_are_gone() -> None:
+    rng = np.random.default_rng(5)
+    points = rng.random((2000, 2))
+    tri = DynamicTriangulation(points)
+    for gone in (np.arange(1000), np.arange(1990, 2000), np.arange(1000, 1960)):
+        tri.remove(gone)
+        present = tri.vertices
+        for each in present:  # one by one, without a hint
+            assert tri.find(points[each][None]) == each
+        assert (tri.find(points[gone]) < 0).all()
+    assert tri.insert(points[:30]).tolist() == tri.find(points[:30]).tolist()
+    check(tri)

@@ -3,49 +3,18 @@
 from __future__ import annotations
 
 import json
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 from commands import failed, liftmesh as run
+from earthwork_oracle import error, exact_earthwork, grid_pair
 from hypothesis import given, settings, strategies as st
-from surface_oracle import ExactSurface, turn
-from test_measures import clipped, rotated, under_roof
-from test_sampling import LATTICE, exactly
+from test_measures import rotated
+from test_sampling import LATTICE
 from test_trimming import drawn, meadow, trimmed
 
 import liftmesh
-
-
-def exact_earthwork(first: ExactSurface, second: ExactSurface):
-    """Each face of one clipped by each of the other, in rationals."""
-    cut = fill = area = Fraction(0)
-    for number, face in enumerate(first.faces):
-        for other, cutter in enumerate(second.faces):
-            polygon = [first.points[row] for row in face]
-            for k in range(3):
-                ends = (second.points[cutter[k]], second.points[cutter[(k + 1) % 3]])
-                polygon = list(kept(polygon, *ends))
-            rise = [(p, second.height_in(other, p) - first.height_in(number, p)) for p in polygon]
-            for k in range(1, len(rise) - 1):
-                fan = [rise[0], rise[k], rise[k + 1]]
-                area += turn(*(point for point, _ in fan)) / 2
-                fill += under_roof(list(clipped(fan, 1)))
-                cut -= under_roof(list(clipped(fan, -1)))
-    return cut, fill, area
-
-
-def kept(polygon, tail, head):
-    """Keep what is to the left of a line."""
-    for k, q in enumerate(polygon):
-        p = polygon[k - 1]
-        at_p, at_q = turn(tail, head, p), turn(tail, head, q)
-        if at_p * at_q < 0:
-            share = at_p / (at_p - at_q)
-            yield p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])
-        if at_q >= 0:
-            yield q
 
 
 def moved(surface, offset) -> liftmesh.Surface:
@@ -62,29 +31,109 @@ def test_volumes_are_those_of_rationals(points, others, x, y, limit) -> None:
     one = trimmed(one, max_edge=limit) if one and limit else one
     if one is None or two is None:
         return
-    cut, fill, area = exact_earthwork(exactly(one), exactly(two))
-    if area == 0:
+    exact = exact_earthwork(one, two)
+    if exact.area == 0:
         with pytest.raises(liftmesh.InputError, match="no area in common"):
             one.cut_and_fill(two)
         return
     found = one.cut_and_fill(two)
-    assert found.area == pytest.approx(float(area), rel=1e-12)
-    assert found.cut == pytest.approx(float(cut), rel=1e-11, abs=1e-11)
-    assert found.fill == pytest.approx(float(fill), rel=1e-11, abs=1e-11)
+    assert error(found, exact) < 1e-12
     turned = two.cut_and_fill(one)
-    assert (turned.cut, turned.fill) == pytest.approx((found.fill, found.cut), abs=1e-11)
+    assert (turned.cut, turned.fill, turned.area) == (found.fill, found.cut, found.area)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_grids_shifted_turned_and_rounded(seed: int) -> None:
+    one, two = (liftmesh.triangulate(each) for each in grid_pair(np.random.default_rng(seed)))
+    exact = exact_earthwork(one, two)
+    if exact.area == 0:
+        with pytest.raises(liftmesh.InputError, match="no area in common"):
+            one.cut_and_fill(two)
+        return
+    found, turned = one.cut_and_fill(two), two.cut_and_fill(one)
+    assert error(found, exact) < 1e-12
+    assert (turned.cut, turned.fill, turned.area) == (found.fill, found.cut, found.area)
+
+
+SLIVER = [[1.8, 3.3, 1], [2.2, 3.5, 2], [2.6, 3.7, 3]]  # on one line but for rounding
+LARGE = [[0.2, 1.4, 0], [3.2, 2.3, 0], [1.1, 4.4, 0]]
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (LARGE, SLIVER),
+        (SLIVER, [[1.8, 3.3, 0], [2.6, 3.7, 0], [1.9, 3.1, 0]]),
+        ([[0, 0, 0], [1e100, 0, 0], [0, 1e100, 0]], [[0, 0, 1], [1e-100, 0, 1], [0, 1e-100, 1]]),
+        ([[0, 0, 1e300], [1, 0, 1e308], [0, 1, 0]], [[0, 0, 1e308], [1, 0, 0], [0, 1, 1]]),
+        ([[0, 0, 0], [1, 0, 1e9], [0, 1, 0]], [[0, 0, 1e-9], [1, 0, 1e9], [0.3, 0.7, 3e8]]),
+    ],
+    ids=["sliver", "sliver at a side", "sizes apart", "high", "close together"],
+)
+def test_no_shape_of_a_face_is_refused(first, second) -> None:
+    one, two = liftmesh.triangulate(first), liftmesh.triangulate(second)
+    exact = exact_earthwork(one, two)
+    assert error(one.cut_and_fill(two), exact) < 1e-12
+    assert error(two.cut_and_fill(one), exact._replace(cut=exact.fill, fill=exact.cut)) < 1e-12
+
+
+def test_surfaces_in_one_plane_have_nothing_between_them() -> None:
+    rng = np.random.default_rng(6)
+    one, two = (
+        liftmesh.triangulate(np.column_stack([each, each @ [2, -3]]))
+        for each in (rng.integers(0, 64, (2, 30, 2)) / 8)
+    )
+    found = one.cut_and_fill(two)
+    assert (found.cut, found.fill) == (0, 0)
+
+
+def test_a_volume_beyond_the_largest_double_is_refused() -> None:
+    low, high = (
+        liftmesh.triangulate([[0, 0, z], [4, 0, z], [0, 4, z], [4, 4, z]]) for z in (-1e308, 1e308)
+    )
+    with pytest.raises(liftmesh.InputError, match="volume is beyond the largest double"):
+        low.cut_and_fill(high)
+    assert np.isfinite(low.cut_and_fill(high, polygon=[[0, 0], [0.5, 0], [0.5, 0.5]]).fill)
+
+
+ON_A_GRID = st.lists(
+    st.tuples(*[st.integers(0, 2**20).map(lambda each: each / 2**10)] * 3), min_size=3, max_size=20
+)
+
+
+def bits(one, two, change=lambda points: points):
+    try:
+        first, second = (
+            liftmesh.triangulate(change(np.array(each)), duplicates="highest")
+            for each in (one, two)
+        )
+        found = first.cut_and_fill(second)
+    except liftmesh.InputError:
+        return None
+    return np.array([found.cut, found.fill, found.area])
+
+
+@settings(max_examples=40, deadline=None)
+@given(ON_A_GRID, ON_A_GRID, st.integers(-300, 220), st.integers(-300, 300), st.randoms())
+def test_bits_follow_from_the_surfaces(one, two, of_plane: int, of_height: int, random) -> None:
+    found = bits(one, two)
+    if found is None:
+        return
+    rng = np.random.default_rng(random.getrandbits(32))
+    assert np.array_equal(bits(one, two, rng.permutation), found)
+    moved_by = np.array([2.0**30, -(2.0**25), 2.0**20])
+    assert np.array_equal(bits(one, two, lambda points: points + moved_by), found)
+    exponents = np.array([2 * of_plane + of_height] * 2 + [2 * of_plane])
+    scaled = bits(one, two, lambda points: np.ldexp(points, [of_plane, of_plane, of_height]))
+    assert np.array_equal(scaled, np.ldexp(found, exponents))
 
 
 def test_the_order_of_the_rows_does_not_matter() -> None:
     rng = np.random.default_rng(4)
     one, two = rng.random((300, 3)), rng.random((200, 3)) + np.array([0.3, 0.2, 0])
     found = liftmesh.triangulate(one).cut_and_fill(liftmesh.triangulate(two))
-    shuffled = (liftmesh.triangulate(rng.permutation(each)) for each in (one, two))
-    first, second = shuffled
-    again = first.cut_and_fill(second)
-    assert again.cut == pytest.approx(found.cut, rel=4e-16)
-    assert again.fill == pytest.approx(found.fill, rel=4e-16)
-    assert again.area == pytest.approx(found.area, rel=4e-16)
+    first, second = (liftmesh.triangulate(rng.permutation(each)) for each in (one, two))
+    assert first.cut_and_fill(second) == found
 
 
 def square(*more: tuple[float, float, float], slope: float = 0.0) -> np.ndarray:
@@ -157,6 +206,9 @@ def test_only_faces_that_are_left_count() -> None:
     assert surface.cut_and_fill(surface).net == 0
 
 
+TILTED = np.array([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4], [2, 2, 2.0]])
+
+
 def test_what_cannot_be_compared_is_refused() -> None:
     surface = liftmesh.triangulate(meadow(), crs="EPSG:25832")
     with pytest.raises(liftmesh.InputError, match="no area in common"):
@@ -167,6 +219,11 @@ def test_what_cannot_be_compared_is_refused() -> None:
         )
     with pytest.raises(liftmesh.InputError, match="different planes"):
         surface.cut_and_fill(liftmesh.triangulate(meadow(), plane="xz"))
+    fitted = liftmesh.triangulate(TILTED, plane="fit")
+    beside = liftmesh.triangulate(TILTED + np.array([0, 0, 8]), plane="fit")
+    assert np.array_equal(fitted.frame.axes, beside.frame.axes)
+    with pytest.raises(liftmesh.InputError, match="different planes"):
+        fitted.cut_and_fill(beside)
     with pytest.raises(liftmesh.InputError, match="different coordinate systems"):
         surface.cut_and_fill(surface.replace(crs="EPSG:25833"))
     with pytest.raises(liftmesh.InputError, match="a list is no surface"):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import failed, liftmesh as run
+from earthwork_oracle import clipped, under_roof
 from hypothesis import given, settings, strategies as st
 from surface_oracle import ExactSurface, turn
 from test_sampling import LATTICE, exactly
@@ -26,29 +27,6 @@ def exact_volumes(oracle: ExactSurface, level: Fraction) -> tuple[Fraction, Frac
         above += under_roof(list(clipped(corners, 1)))
         below -= under_roof(list(clipped(corners, -1)))
     return above, below, area
-
-
-def clipped(corners, sign: int):
-    """Keep what is on one side of zero, by Sutherland and Hodgman."""
-    for k, (point, height) in enumerate(corners):
-        before, other = corners[k - 1]
-        if height * other < 0:
-            share = other / (other - height)
-            yield (
-                tuple(p + share * (q - p) for p, q in zip(before, point, strict=True)),
-                Fraction(0),
-            )
-        if height * sign >= 0:
-            yield point, height
-
-
-def under_roof(polygon) -> Fraction:
-    """The volume of the prism under a convex polygon, triangle by triangle."""
-    total = Fraction(0)
-    for k in range(1, len(polygon) - 1):
-        (a, za), (b, zb), (c, zc) = polygon[0], polygon[k], polygon[k + 1]
-        total += turn(a, b, c) / 2 * (za + zb + zc) / 3
-    return total
 
 
 @settings(max_examples=60)

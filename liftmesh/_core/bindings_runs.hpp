@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <random>
@@ -38,12 +39,17 @@ inline Input read(const PlanarRows& rows) {
 
 // Most results have no skipped rows or duplicates: theirs are views of one empty array, which are
 // made in half the time of an array. (Of a view shape and type can be changed, in place, by whoever
-// has it. Two threads that race here make an array each; either is valid.)
+// has it. Of two threads that race here one keeps its array.)
 inline nb::object nothing(std::size_t columns) {
-    static PyObject* none[2] = {};
-    PyObject*& shared = none[columns - 1];
-    if (!shared) shared = adopt(liftmesh::allocate<std::int32_t>(0), 0, columns).release().ptr();
-    return nb::borrow(shared).attr("view")();
+    static std::atomic<PyObject*> none[2] = {};
+    std::atomic<PyObject*>& shared = none[columns - 1];
+    PyObject* known = shared.load(std::memory_order_acquire);
+    if (!known) {
+        nb::object made = adopt(liftmesh::allocate<std::int32_t>(0), 0, columns);
+        if (shared.compare_exchange_strong(known, made.ptr(), std::memory_order_acq_rel))
+            known = made.release().ptr();
+    }
+    return nb::borrow(known).attr("view")();
 }
 
 template <class T>

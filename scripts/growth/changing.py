@@ -44,6 +44,14 @@ def looked_up(points: Points) -> Work:
     return Work(look, len(points))
 
 
+def found_singly(points: Points) -> Work:
+    """Prepare looks for points one by one, most of the others having been removed."""
+    tri = liftmesh.DynamicTriangulation(points)
+    tri.remove(tri.vertices[: 3 * len(tri) // 4])
+    wanted = points[tri.vertices[: len(tri) // 16], :2]
+    return Work(lambda: [tri.find(each[None]) for each in wanted], len(points))
+
+
 def simplified(points: Points) -> Work:
     """Prepare an approximation within a fifth of the range of heights."""
     bound = float(np.ptp(points[:, 2] / 2)) / 2.5
@@ -91,6 +99,7 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     fans = [name for name in FANS if name != "polar scan"]
     yield "DynamicTriangulation.remove", PLANAR, removed, ("uniform", *fans, *EXACT)
     yield "DynamicTriangulation.find", PLANAR, looked_up, ("uniform",)
+    yield "DynamicTriangulation.find singly", PLANAR, found_singly, ("uniform",)
     yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()
     hard = named(all_corners, saw)
     yield "simplify", {**SPATIAL, **hard}, simplified, (*TERRAIN, *hard)

@@ -77,7 +77,12 @@ void* InFiles::allocate(std::size_t bytes) {
     if (memory == MAP_FAILED) fail(why);
     Maps& all = maps();
     const std::lock_guard lock(all.mutex);
-    all.sizes.emplace(memory, bytes);
+    try {
+        all.sizes.emplace(memory, bytes);
+    } catch (...) {
+        munmap(memory, bytes);
+        throw;
+    }
     ++used_;
     return memory;
 }

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "cells/double_word.hpp"
+#include "base/double_word.hpp"
 
 namespace liftmesh {
 

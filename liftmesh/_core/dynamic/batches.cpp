@@ -69,6 +69,12 @@ Status Triangulation::remove(const Vertex* vertices, std::size_t count, Interrup
     return Status::ok;
 }
 
+std::vector<bool> Triangulation::present() const {
+    std::vector<bool> found(points_.size());
+    for (std::size_t i = 0; i < size_; ++i) found[order_[i]] = true;
+    return found;
+}
+
 void Triangulation::gather(const std::vector<bool>& wanted, std::vector<Point>& points,
                            std::vector<Vertex>& vertex_of_row) const {
     for (Vertex v = 0; v < points_.size(); ++v) {
@@ -81,7 +87,7 @@ void Triangulation::gather(const std::vector<bool>& wanted, std::vector<Point>& 
 Status Triangulation::insert_anew(const Input& input, Vertex* found, Interrupt& interrupt) {
     std::vector<Vertex> vertex_of_row;
     std::vector<Point> points;
-    gather(present_, points, vertex_of_row);
+    gather(present(), points, vertex_of_row);
     const std::size_t before = points.size();
     for (std::size_t row = 0; row < input.rows; ++row) points.push_back(input[row]);
     const Delaunay outcome = delaunay(input_of(points), false, {1, false}, interrupt);
@@ -90,7 +96,7 @@ Status Triangulation::insert_anew(const Input& input, Vertex* found, Interrupt& 
     for (const Duplicate& each : outcome.duplicates) kept[each.row] = each.kept;
     vertex_of_row.resize(points.size());
     reserve(outcome.distinct);
-    prepare(outcome);
+    prepare(outcome, points);
     for (std::size_t row = before; row < points.size(); ++row) {
         vertex_of_row[row] = kept[row] == row ? add_vertex(points[row]) : vertex_of_row[kept[row]];
         found[row - before] = vertex_of_row[row];
@@ -100,14 +106,14 @@ Status Triangulation::insert_anew(const Input& input, Vertex* found, Interrupt& 
 }
 
 Status Triangulation::remove_anew(const Vertex* vertices, std::size_t count, Interrupt& interrupt) {
-    std::vector<bool> stays = present_;
+    std::vector<bool> stays = present();
     for (std::size_t i = 0; i < count; ++i) stays[vertices[i]] = false;
     std::vector<Vertex> vertex_of_row;
     std::vector<Point> points;
     gather(stays, points, vertex_of_row);
     const Delaunay outcome = delaunay(input_of(points), false, {1, false}, interrupt);
     if (outcome.status == Status::interrupted) return outcome.status;
-    prepare(outcome);
+    prepare(outcome, points);
     for (std::size_t i = 0; i < count; ++i) forget(vertices[i]);
     take(outcome, vertex_of_row);
     return Status::ok;
@@ -116,14 +122,17 @@ Status Triangulation::remove_anew(const Vertex* vertices, std::size_t count, Int
 void Triangulation::reserve(std::size_t count) {
     const std::size_t all = points_.size() + count;
     make_room(points_, all);
-    make_room(present_, all);
     make_room(corner_, all);
-    make_room(free_, all);  // so that each can be removed without memory
+    make_room(order_, all);
+    make_room(place_, all);
 }
 
-// All memory that `take` needs.
-void Triangulation::prepare(const Delaunay& outcome) {
+// All memory that `take` needs, so that nothing is lost where there is none.
+void Triangulation::prepare(const Delaunay& outcome, const std::vector<Point>& points) {
     fresh_.clear();
+    fresh_line_.clear();
+    if (outcome.status != Status::ok)
+        for (const Point p : points) fresh_line_.emplace(p, ghost);
     if (outcome.status == Status::ok) fresh_.reserve(2 * outcome.distinct - 2);
     hull_.reserve(outcome.result.hull_count);
 }
@@ -131,12 +140,12 @@ void Triangulation::prepare(const Delaunay& outcome) {
 // The result of a run over the rows of the vertices that are present.
 void Triangulation::take(const Delaunay& outcome, const std::vector<Vertex>& vertex_of_row) {
     line_.clear();
+    std::swap(line_, fresh_line_);
     std::swap(slots_, fresh_);
     fresh_.clear();
     last_ = ghost;
     if (outcome.status != Status::ok) {
-        for (Vertex v = 0; v < points_.size(); ++v)
-            if (present_[v]) line_.emplace(points_[v], v);
+        for (std::size_t i = 0; i < size_; ++i) line_.find(points_[order_[i]])->second = order_[i];
         return;
     }
     const Result& result = outcome.result;

@@ -39,7 +39,7 @@ void Triangulation::prefetch_around(TriangleId t) const {
 }
 
 Vertex Triangulation::fill(Point p) {
-    slots_.reserve(border_.size());
+    slots_.reserve(border_.size() - cavity_.size());  // beside those of the cavity
     star_triangles_.reserve(border_.size());
     const Vertex v = add_vertex(p);
     for (const TriangleId t : cavity_) slots_.drop(t);
@@ -92,6 +92,7 @@ Vertex Triangulation::insert_on_line(Point p) {
         if (is_off) raise(v);
         return last_ = v;
     } catch (...) {
+        if (place->second != ghost) forget(place->second);
         line_.erase(place);
         throw;
     }
@@ -135,20 +136,16 @@ void Triangulation::place_ghosts() {
 }
 
 Vertex Triangulation::add_vertex(Point p) {
-    Vertex v;
-    if (free_.empty()) {
-        v = static_cast<Vertex>(points_.size());
+    if (size_ == points_.size()) {
+        const auto last = static_cast<Vertex>(size_);
         reserve(1);
         points_.push_back(p);
-        present_.push_back(true);
         corner_.push_back(nothing);
-    } else {
-        v = free_.back();
-        free_.pop_back();
-        points_[v] = p;
-        present_[v] = true;
+        order_.push_back(last);
+        place_.push_back(last);
     }
-    ++size_;
+    const Vertex v = order_[size_++];
+    points_[v] = p;
     range_.add(p);
     const Scale scale(range_);
     if (scale.moves || !scale.guard.vouches()) guard_ = Guard::anywhere();

@@ -29,13 +29,6 @@ bool Triangulation::conflicts(TriangleId t, Point p) const {
                               points_[slots_.vertex(t, 2)], p, guard_);
 }
 
-Vertex Triangulation::some_vertex() const {
-    if (is_present(last_)) return last_;
-    Vertex v = 0;
-    while (!present_[v]) ++v;
-    return v;
-}
-
 // The cube root of the number of points balances the sample and the walk. Distances that overflow
 // lose their comparison, which costs a longer walk.
 Vertex Triangulation::nearest_of_sample(Point p) const {
@@ -43,11 +36,11 @@ Vertex Triangulation::nearest_of_sample(Point p) const {
         const double dx = points_[v].x - p.x, dy = points_[v].y - p.y;
         return dx * dx + dy * dy;
     };
-    Vertex nearest = some_vertex();
+    Vertex nearest = is_present(last_) ? last_ : order_[0];
     double least = distance(nearest);
     for (std::size_t i = 0; i * i * i < size_; ++i) {
-        const auto v = static_cast<Vertex>(sample_place(i + size_, points_.size()));
-        if (!present_[v] || !(distance(v) < least)) continue;
+        const Vertex v = order_[sample_place(i + size_, size_)];
+        if (!(distance(v) < least)) continue;
         nearest = v;
         least = distance(v);
     }

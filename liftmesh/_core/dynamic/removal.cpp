@@ -61,9 +61,9 @@ void Triangulation::replace(Vertex v, const Star& star, const Patch& patch,
 }
 
 void Triangulation::forget(Vertex v) {
-    present_[v] = false;
-    free_.push_back(v);
-    --size_;
+    const Vertex last = order_[--size_];
+    std::swap(order_[place_[v]], order_[size_]);
+    std::swap(place_[v], place_[last]);
 }
 
 void Triangulation::remove(Vertex v) {

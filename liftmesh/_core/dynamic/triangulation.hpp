@@ -84,7 +84,7 @@ class Triangulation {
  public:
     std::size_t size() const { return size_; }
     std::size_t vertex_end() const { return points_.size(); }
-    bool is_present(Vertex v) const { return v < present_.size() && present_[v]; }
+    bool is_present(Vertex v) const { return v < place_.size() && place_[v] < size_; }
     Point point(Vertex v) const { return points_[v]; }
     const Slots& slots() const { return slots_; }
     bool has_triangles() const { return slots_.real() > 0; }
@@ -132,7 +132,6 @@ class Triangulation {
     void forget(Vertex v);
     bool conflicts(TriangleId t, Point p) const;
     bool is_outside(TriangleId ghost_triangle, Point p) const;
-    Vertex some_vertex() const;
     Vertex nearest_of_sample(Point p) const;
     void connect_star(Vertex v);
     Vertex insert_on_line(Point p);
@@ -143,21 +142,23 @@ class Triangulation {
     void lower(const Star& star);
     Status insert_anew(const Input& input, Vertex* found, Interrupt& interrupt);
     Status remove_anew(const Vertex* vertices, std::size_t count, Interrupt& interrupt);
+    std::vector<bool> present() const;
     void gather(const std::vector<bool>& wanted, std::vector<Point>& points,
                 std::vector<Vertex>& vertex_of_row) const;
-    void prepare(const Delaunay& outcome);
+    void prepare(const Delaunay& outcome, const std::vector<Point>& points);
     void take(const Delaunay& outcome, const std::vector<Vertex>& vertex_of_row);
 
     std::vector<Point> points_;
-    std::vector<bool> present_;
     std::vector<Edge> corner_;  // an edge opposite the vertex
-    std::vector<Vertex> free_;
-    std::size_t size_ = 0;
+    // Those that are present, in any order, and those that are free, the last one first; and where
+    // each is among them.
+    std::vector<Vertex> order_, place_;
+    std::size_t size_ = 0;  // of those that are present
     Vertex last_ = ghost;
     Range range_;
     Guard guard_ = Guard::in_window();
     Slots slots_, fresh_;
-    Line line_;  // all points, while there is no triangle
+    Line line_, fresh_line_;  // all points, while there is no triangle
 
     std::vector<TriangleId> cavity_;
     std::vector<BorderEdge> border_;

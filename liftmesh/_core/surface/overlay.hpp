@@ -6,8 +6,10 @@
 // begin with. Whether a side touches a face is decided by exact orientations. So no pair is missed,
 // and one that is found needlessly has no area.
 //
-// A pair is clipped in coordinates relative to a corner, and cut along the line where the two
-// planes meet. Sums are kept in twice the precision.
+// The part that two faces have in common follows from the same orientations (face_pair.hpp), and is
+// measured in doubles, relative to a corner (common_part.hpp). If that is not enough for a 2^40th
+// of all that was measured, as in slivers and between surfaces that almost coincide, double words
+// are. Sums are exact and rounded once: the order of the faces changes no bit.
 #pragma once
 
 #include <cstddef>
