@@ -198,6 +198,20 @@ def test_the_nearest_around_a_vertex_of_many_faces() -> None:
     np.testing.assert_array_equal(found, np.where(np.isnan(surface.sample(queries)), np.nan, rows))
 
 
+@pytest.mark.parametrize("size", [1.0, 2.0**-1060, 2.0**1010])
+def test_of_many_nearest_the_least_counts_however_it_is_found(size: float) -> None:
+    radius = 160225  # its square is a sum of two squares in many ways
+    sides = np.arange(-401, 402)
+    x, y = (each.ravel() for each in np.meshgrid(sides, sides))
+    ring = np.column_stack([x, y])[x**2 + y**2 == radius]
+    rows = np.random.default_rng(4).permutation(np.concatenate([ring, ring * 2]))
+    surface = liftmesh.triangulate(np.column_stack([rows * size, rows @ [1000, 1]]))
+    least = min(map(tuple, ring.tolist()))
+    # Walks, until they have cost as much as a tree of the vertices.
+    found = surface.sample(np.zeros((4000, 2)), "nearest", threads=1)
+    assert set(found.tolist()) == {1000 * least[0] + least[1]}
+
+
 def test_masked_faces_have_no_height() -> None:
     surface = liftmesh.triangulate(meadow()).trim(max_edge=12)
     queries = np.random.default_rng(0).uniform(0, 100, (2000, 2))

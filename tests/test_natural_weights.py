@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
+
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
+from neighbors import __main__ as campaign
 from rational_cells import cell_area, exact_point
 
 import liftmesh
@@ -147,3 +151,73 @@ def test_slivers_whose_area_is_no_double() -> None:
     found = liftmesh.natural_neighbors(points, [[0.25, tiny / 4], [tiny / 2, 0], [0.75, 0]])
     np.testing.assert_allclose(found.interpolate([0, 0, 2, 4]), [0.5 + 0.25 * 2, 0, 3])
     np.testing.assert_allclose(np.add.reduceat(found.weights, found.indptr[:-1]), 1)
+
+
+@pytest.mark.parametrize("kind", campaign.KINDS)
+def test_weights_are_right_in_hard_places(kind: str) -> None:
+    rng = np.random.default_rng(33)
+    for _ in range(40):
+        campaign.holds(kind, rng)
+
+
+def test_other_weights_are_noticed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    right = liftmesh.natural_neighbors
+
+    def wrong(*given: object) -> liftmesh.NaturalNeighbors:
+        found = right(*given)
+        weights = found.weights + 1e-10 * (np.arange(len(found.weights)) % 2)
+        return liftmesh.NaturalNeighbors(found.indptr, found.rows, weights, found.rows_in_all)
+
+    monkeypatch.setattr(campaign.liftmesh, "natural_neighbors", wrong)
+    with pytest.raises(SystemExit):
+        test_weights_are_right_in_hard_places("lattices")
+    assert "is off by 1" in capsys.readouterr().err
+
+
+def test_an_ulp_from_the_hull_and_between_two_rows() -> None:
+    points = np.array([[0.3, 0.1], [0.4, 0.2], [0.3, 0.2], [0.3, 0.3]])
+    inside = [0.35, 0.15000000000000002]  # the middle of a side, rounded
+    found = liftmesh.natural_neighbors(points, [inside])
+    np.testing.assert_allclose(found.interpolate(points), [inside], rtol=0, atol=1e-15)
+    twins = np.array([[0.5, 0.5], [0.5 + 2.0**-45, 0.5], [0, 0], [1, 0], [0, 1], [1, 1]])
+    found = liftmesh.natural_neighbors(twins, [[0.5 + 2.0**-46, 0.5]])
+    assert found.rows.tolist()[:2] == [0, 1]
+    np.testing.assert_allclose(found.weights[:2], 0.5, rtol=0, atol=1e-12)
+
+
+def of_points(points: np.ndarray, asked: np.ndarray) -> list[list[tuple[tuple[float, ...], float]]]:
+    """Weights by coordinates."""
+    found = liftmesh.natural_neighbors(points, asked)
+    rows = map(tuple, points[found.rows].tolist())
+    weights = list(zip(rows, found.weights.tolist(), strict=True))
+    return [sorted(weights[i:j]) for i, j in itertools.pairwise(found.indptr.tolist())]
+
+
+def drawn(kind: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    rng = np.random.default_rng(34)
+    for _ in range(10):
+        points, asked = campaign.KINDS[kind](rng)
+        points = np.unique(points, axis=0)
+        if np.linalg.matrix_rank(points - points[0]) == 2:
+            yield points, asked
+
+
+@pytest.mark.parametrize("kind", campaign.KINDS)
+def test_the_order_of_rows_changes_no_bit_of_a_weight(kind: str) -> None:
+    for points, asked in drawn(kind):
+        assert of_points(RNG.permutation(points), asked) == of_points(points, asked)
+
+
+@pytest.mark.parametrize("kind", ["rims", "pairs", "lattices", "circles"])
+def test_powers_of_two_and_moves_without_rounding_change_no_bit(kind: str) -> None:
+    for points, asked in drawn(kind):
+        found = liftmesh.natural_neighbors(points, asked).weights.tobytes()
+        for size in (2.0**-300, 2.0**200):
+            scaled = liftmesh.natural_neighbors(points * size, asked * size)
+            assert scaled.weights.tobytes() == found
+        whole, between = (points * 1024).round(), (asked * 1024).round()
+        near = liftmesh.natural_neighbors(whole, between)
+        far = liftmesh.natural_neighbors(whole + 2.0**40, between + 2.0**40)
+        assert far.weights.tobytes() == near.weights.tobytes()

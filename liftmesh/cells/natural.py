@@ -128,9 +128,9 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
 
     Notes
     -----
-    Which rows are neighbours is exact; weights are rounded. So near to the hull that areas exceed
-    float64, they are those of the triangle around the query, linearly. A query takes time in
-    proportion to the triangles that it would replace.
+    Which rows are neighbours is exact. Weights are rounded: each is right to 1e-12 of the largest,
+    however near to the hull or to other rows the query is. A query takes time in proportion to the
+    triangles that it would replace.
 
     Examples
     --------

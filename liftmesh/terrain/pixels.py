@@ -201,7 +201,8 @@ def centres_of(transform: Transform, rows: range, columns: int | range) -> Float
     Returns
     -------
     (rows, columns, 2) ndarray of float64
-        x and y, rounded once.
+        x and y: a u + b v + c and d u + e v + f in doubles, from left to right, where u and v are
+        the column and the row plus 1/2. Each operation is rounded.
 
     Examples
     --------

@@ -1,8 +1,9 @@
 """From a surface to a raster: heights, slopes, aspects or shades at the centres of pixels.
 
-The centre of a pixel is the point that the transform gives for it, rounded once, and its value is
-that of the surface there: the kernel scans the faces, row by row, and gives every centre to one of
-them (`_core/surface/scan.hpp`). So the heights are bit for bit those of `Surface.sample`.
+The centre of a pixel is the point that the transform gives for it, in doubles (`pixels.py`), and
+its value is that of the surface there: the kernel scans the faces, row by row, and gives every
+centre to one of them (`_core/surface/scan.hpp`). So the heights are bit for bit those of
+`Surface.sample`.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ class Raster:
         NaN where the surface has no face.
     transform : tuple of float
         a, b, c, d, e and f: the centre of column i and row j has x = a (i + 1/2) + b (j + 1/2) + c
-        and y = d (i + 1/2) + e (j + 1/2) + f. Row 0 is the northern one, unless e is positive.
+        and y = d (i + 1/2) + e (j + 1/2) + f, computed in doubles from left to right. Row 0 is the
+        northern one, unless e is positive.
     crs : str, optional
         The coordinate reference system.
     quantity : str
@@ -350,6 +352,12 @@ class Rasterizing:
         ------
         InputError
             An option is unknown, or what is given does not determine a raster.
+
+        Notes
+        -----
+        Centres are float64, and so are the edges of pixels. Where pixels are hardly larger than the
+        distance of doubles, as with 0.1 at 1e15, several have the same centre, and the raster may
+        end up to a pixel, or that distance, before the faces do: subtract an offset.
 
         Examples
         --------

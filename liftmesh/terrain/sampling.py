@@ -88,9 +88,10 @@ class Sampling:
         than a thousandth of their bounding box the weights come from exact determinants.
 
         Which vertices are natural neighbours is decided exactly; vertices of faces that are left
-        out are among them. Weights are computed in doubles, and the height is linear where they
-        overflow. A point takes time for each of its neighbours: many, near the centre of a circle
-        of vertices. Slopes and aspects are those of faces, whatever the method.
+        out are among them. Weights are right to 1e-12 of the largest. By them a point takes time
+        for each of its neighbours: many, near the centre of a circle of vertices. The nearest
+        vertex is found in time that grows as log n, unless many vertices are about as near. Slopes
+        and aspects are those of faces, whatever the method.
 
         Examples
         --------

@@ -156,7 +156,8 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Surface.{name} of rows", PLANAR, rows, FANS[:2], LEAST
     for method in ("nearest", "laplace", "sibson"):
         label, by = f"Surface.sample by {method}", asked("sample", near_the_middle, method=method)
-        yield label, PLANAR, by, ("uniform", "lattice"), LEAST
+        hard = ("circle and centre", "parabola") if method == "nearest" else ()
+        yield label, PLANAR, by, ("uniform", "lattice", *hard), LEAST
     for name in ("slope", "aspect"):
         yield f"Surface.{name}", PLANAR, asked(name, near_the_middle), ("uniform",), LEAST
     yield "Surface.trim", PLANAR, on_surface(trimmed_inwards), FANS, LEAST

@@ -16,7 +16,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anisotropic/kd_tree.hpp"
+#include "sorting/kd_tree.hpp"
 #include "base/point.hpp"
 
 namespace liftmesh::anisotropic {

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "anisotropic/ellipse.hpp"
-#include "anisotropic/kd_tree.hpp"
+#include "sorting/kd_tree.hpp"
 #include "base/point.hpp"
 #include "predicates/lift.hpp"
 

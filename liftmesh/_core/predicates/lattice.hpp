@@ -59,8 +59,9 @@ class Lattice {
         return width_ + 1 <= 64 * N - 2;
     }
 
-    // A coordinate is an integer of at most so many bits.
+    // A coordinate is an integer of at most so many bits, in units of 2^low.
     int width() const { return width_; }
+    int low() const { return low_; }
 
     // As a mantissa and a power of two, counted from 2^low.
     Dyadic part(int i) const {
@@ -72,7 +73,6 @@ class Lattice {
     }
 
  protected:
-    int low() const { return low_; }
     // Makes the lattice as fine as 2^low, and as wide as 2^high.
     void include(int low, int high) {
         if (width_ != 0) {

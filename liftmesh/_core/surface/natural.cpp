@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
-#include "predicates/compare_heights.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 
@@ -12,29 +12,50 @@ namespace liftmesh {
 
 namespace {
 
-constexpr int most_exponent = 128;  // beyond it, terms of degree four may leave the doubles
+constexpr int most_exponent = 128;   // beyond it, terms of degree four may leave the doubles
+constexpr double allowed = 0x1p-39;  // of the largest weight, for the errors of all
 
-double cross(Point p, Point q) {
-    return p.x * q.y - p.y * q.x;
+double sum(Pair p) {
+    return p[0] + p[1];
 }
-double square(Point p) {
-    return p.x * p.x + p.y * p.y;
+double cross(Pair p, Pair q) {
+    const Pair products = p * swapped(q);
+    return products[0] - products[1];
+}
+double square(Pair p) {
+    return sum(p * p);
+}
+Pair step(Pair p, Pair q) {
+    return q - p;
 }
 
-// The sign of the in-circle determinant. Rows may have been written meanwhile.
+// The sign of the in-circle determinant. Rows may have been written meanwhile. Of differences below
+// 2^200, what underflows costs less than the margin.
 int side_of_circle(Point a, Point b, Point c, Point query) {
+    const Pair q = pair(query);
+    const Pair far = greatest(greatest(magnitudes(pair(a) - q), magnitudes(pair(b) - q)),
+                              magnitudes(pair(c) - q));
     const InCircleFilter filter = incircle_filter(a, b, c, query);
-    const double error = filter.error + Guard::anywhere().margin();
+    const bool is_near = (far[0] < 0x1p200) & (far[1] < 0x1p200);
+    const double error = filter.error + (is_near ? 0x1p-600 : Guard::anywhere().margin());
     if (filter.det > error) return 1;
     if (-filter.det > error) return -1;
     if (!is_finite(a) || !is_finite(b) || !is_finite(c)) return 0;
     return incircle_exact(a, b, c, query, Guard::anywhere());
 }
 
-// The centre of the circle through two points and the origin.
-Point centre(Point p, Point q) {
-    const double twice = 2 * cross(p, q), pp = square(p), qq = square(q);
-    return {(pp * q.y - qq * p.y) / twice, (qq * p.x - pp * q.x) / twice};
+// The centre of the circle through two points and the origin. With e = 2^-53, coordinates of the
+// points are off by e of what they are, squares by 4 e, and the numerators by 6 e of their terms;
+// the determinant by 3 e of its own. The constant is larger than what may underflow, coordinates
+// being below 2^129.
+NaturalNeighbors::Centre centre(Pair p, Pair q) {
+    constexpr Pair turned{1, -1}, underflow{0x1p-800, 0x1p-800};
+    const Pair products = p * swapped(q);
+    const double inverse = 0.5 / (products[0] - products[1]), pp = square(p), qq = square(q);
+    const Pair left = pp * swapped(q), right = qq * swapped(p), at = (left - right) * inverse;
+    const Pair size = magnitudes(left) + magnitudes(right) +
+                      sum(magnitudes(products)) * magnitudes(at) + underflow;
+    return {at * turned, 6 * 0x1p-53 * std::fabs(inverse) * size};
 }
 
 }  // namespace
@@ -43,7 +64,9 @@ Point centre(Point p, Point q) {
 // with more faces than there are is none.
 bool NaturalNeighbors::find(Point query, std::int32_t simplex, Patience& patience) {
     query_ = query;
-    auto& [pending, cavity, border, places, centres, weights] = room_;
+    auto& pending = room_.pending;
+    auto& cavity = room_.cavity;
+    auto& border = room_.border;
     pending.clear();
     border.clear();
     cavity.clear();
@@ -88,16 +111,6 @@ void NaturalNeighbors::put_off(Side side) {
         mesh_.points.prefetch(static_cast<std::size_t>(mesh_.vertex(across, k)));
 }
 
-std::int32_t NaturalNeighbors::nearest() const {
-    std::int32_t best = row(0);
-    for (std::size_t i = 1; i < count(); ++i) {
-        const Point at = place(row(i)), least = place(best);
-        const int order = compare_heights(at, least, query_);
-        if (order < 0 || (order == 0 && before_xy(at, least))) best = row(i);
-    }
-    return best;
-}
-
 bool NaturalNeighbors::is_around() const {
     for (std::size_t i = 0; i < count(); ++i) {
         const Side side = room_.border[i].leaving;
@@ -107,10 +120,6 @@ bool NaturalNeighbors::is_around() const {
         if (!is_finite(p) || !is_finite(q) || orient2d(p, q, query_) <= 0) return false;
     }
     return count() >= 3;
-}
-
-bool NaturalNeighbors::shares_side(std::size_t i) const {
-    return side_of_circle(place(row(before(i))), place(row(i)), place(row(after(i))), query_) != 0;
 }
 
 Point NaturalNeighbors::scaled(Point p) const {
@@ -134,15 +143,22 @@ void NaturalNeighbors::put_places() {
                        [this](Point p) { return scaled(p); });
     room_.centres.resize(count());
     for (std::size_t i = 0; i < count(); ++i)
-        room_.centres[i] = centre(places[i], places[after(i)]);
+        room_.centres[i] = centre(pair(places[i]), pair(places[after(i)]));
 }
 
 const std::vector<double>& NaturalNeighbors::weigh(Natural method) {
     put_places();
     if (method == Natural::sibson) put_centres();
     room_.weights.resize(count());
-    for (std::size_t i = 0; i < count(); ++i)
-        room_.weights[i] = std::max(method == Natural::laplace ? laplace(i) : sibson(i), 0.0);
+    double error = 0, most = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+        const Estimate found = method == Natural::laplace ? laplace(i) : sibson(i);
+        error += found.error;
+        most = std::max(most, found.value);
+        room_.weights[i] = std::max(found.value, 0.0);
+    }
+    const bool is_in_range = most > 0x1p-900 && most < 0x1p900;
+    if (!is_in_range || !(error <= allowed * most)) weigh_exactly(method);
     return room_.weights;
 }
 
@@ -152,43 +168,96 @@ void NaturalNeighbors::put_centres() {
 }
 
 // From the lexicographically least corner.
-Point NaturalNeighbors::centre_of(std::int32_t face) const {
+NaturalNeighbors::Centre NaturalNeighbors::centre_of(std::int32_t face) const {
     int least = 0;
     for (int k = 1; k < 3; ++k)
         if (before_xy(mesh_.corner(face, k), mesh_.corner(face, least))) least = k;
     const Point a = mesh_.corner(face, least), b = mesh_.corner(face, (least + 1) % 3),
                 c = mesh_.corner(face, (least + 2) % 3);
-    const Point found = centre(scaled({b.x - a.x, b.y - a.y}), scaled({c.x - a.x, c.y - a.y}));
-    const Point from = scaled({a.x - query_.x, a.y - query_.y});
-    return {found.x + from.x, found.y + from.y};
-}
-
-double NaturalNeighbors::laplace(std::size_t i) const {
-    const Point from = room_.centres[before(i)], to = room_.centres[i];
-    return std::sqrt(square({to.x - from.x, to.y - from.y}) / square(room_.places[i]));
-}
-
-// Twice the area between the cell's centres beside a neighbour and those of the faces around it.
-double NaturalNeighbors::sibson(std::size_t i) const {
-    const Point origin = room_.centres[before(i)];
-    const auto placed = [&](Point p) { return Point{p.x - origin.x, p.y - origin.y}; };
-    Point corner = placed(room_.centres[i]);
-    double area = 0;
-    const auto add = [&](Point next) {
-        area += cross(corner, next);
-        corner = next;
+    const auto placed = [this](Point p, Point origin) {
+        return pair(scaled({p.x - origin.x, p.y - origin.y}));
     };
-    // Counter-clockwise around the part: back from the side that leaves to the one that arrives.
+    const auto [centre_from_a, error] = centre(placed(b, a), placed(c, a));
+    const Pair from = placed(a, query_), at = centre_from_a + from;
+    return {at, error + 0x1p-53 * (magnitudes(from) + magnitudes(at))};
+}
+
+NaturalNeighbors::Estimate NaturalNeighbors::laplace(std::size_t i) const {
+    const Centre &from = room_.centres[before(i)], &to = room_.centres[i];
+    const double inverse = 1 / std::sqrt(square(pair(room_.places[i])));
+    const double length = std::sqrt(square(step(from.at, to.at)));
+    return {length * inverse, (sum(from.error + to.error) + 0x1p-50 * length) * inverse};
+}
+
+// Calls visit(face, k) for the cavity's faces at a neighbour, which is corner k: clockwise, back
+// from the side that leaves it to the one that arrives.
+template <class Visit>
+void NaturalNeighbors::go_around(std::size_t i, const Visit& visit) const {
     const std::int32_t row = room_.border[i].row, last = room_.border[before(i)].leaving.at;
     std::int32_t at = room_.border[i].leaving.at;
     while (at >= 0) {  // as it is unless rows were written meanwhile
         const Face& face = room_.cavity[static_cast<std::size_t>(at)];
-        add(placed(face.centre));
-        if (at == last) break;
         const int k = (mesh_.vertex(face.face, 1) == row) + 2 * (mesh_.vertex(face.face, 2) == row);
+        visit(face, k);
+        if (at == last) break;
         at = face.beside[(k + 1) % 3];
     }
-    return area;
+}
+
+// Twice the area between the cell's centres beside a neighbour and those of the faces around it,
+// counter-clockwise. A corner that moves sweeps along the step between those beside it; errors of
+// centres are at least some e of their coordinates, and have room for what is rounded here.
+NaturalNeighbors::Estimate NaturalNeighbors::sibson(std::size_t i) const {
+    const Centre &first = room_.centres[before(i)], &second = room_.centres[i];
+    Pair behind{}, corner = step(first.at, second.at), off = second.error, error{};
+    double area = 0;
+    const auto move = [&](Pair next, Pair error_of_next) {
+        error += off * swapped(magnitudes(step(behind, next)) + off);
+        area += cross(corner, next);
+        behind = corner;
+        corner = next;
+        off = error_of_next;
+    };
+    go_around(
+        i, [&](const Face& face, int) { move(step(first.at, face.centre.at), face.centre.error); });
+    move(Pair{}, first.error);
+    move(step(first.at, second.at), second.error);
+    return {area, sum(error)};
+}
+
+// The largest becomes a magnitude in [1/2, 1).
+void NaturalNeighbors::weigh_exactly(Natural method) {
+    auto& exact = room_.exact;
+    exact.resize(count());
+    int most = std::numeric_limits<int>::min();
+    for (std::size_t i = 0; i < count(); ++i) {
+        exact[i] = method == Natural::laplace ? exact_laplace(i) : exact_sibson(i);
+        if (exact[i].mantissa != 0) most = std::max(most, exact[i].exponent);
+    }
+    for (std::size_t i = 0; i < count(); ++i)
+        room_.weights[i] = std::fabs(std::ldexp(exact[i].mantissa, exact[i].exponent - most));
+}
+
+Scaled NaturalNeighbors::exact_laplace(std::size_t i) const {
+    const Point p = place(row(i)), from = place(row(before(i))), to = place(row(after(i)));
+    return in_circle(from, p, to, query_) / (turn(from, p, query_) * turn(p, to, query_));
+}
+
+Scaled NaturalNeighbors::exact_sibson(std::size_t i) const {
+    const Point p = place(row(i)), origin = place(row(before(i)));
+    Point from = query_, at = place(row(after(i)));
+    Scaled area, last = turn(p, at, query_);
+    go_around(i, [&](const Face& face, int k) {
+        const Point to = mesh_.corner(face.face, (k + 2) % 3);
+        const Scaled next = turn(p, at, to);
+        Scaled part = in_circle(p, from, at, to) / (last * next) * in_circle(p, origin, query_, at);
+        part.mantissa = std::fabs(part.mantissa);
+        area = area + part;
+        from = at;
+        at = to;
+        last = next;
+    });
+    return area / turn(origin, p, query_);
 }
 
 }  // namespace liftmesh

@@ -2,13 +2,28 @@
 //
 // The faces whose circle has the point inside form a cavity without vertices (Bowyer, Watson 1981),
 // found by exact in-circle tests from the face that contains the point. Its border, in order, holds
-// the neighbours. Circumcentres are computed relative to the point, and scaled where squares would
-// leave the doubles. Weights are
+// the neighbours: each has a corner of the cavity's faces nearer to the point than to itself, so
+// that none of its shares is 0. Weights are
 //
 // - of Laplace (Belikov et al. 1997): the length of the side that the point's Voronoi cell shares
 //   with a neighbour, over the distance to it;
 // - of Sibson (1981): the area that the cell takes from the neighbour's. It lies between the
 //   circumcentres of the cell and those of the cavity's faces at the neighbour.
+//
+// They are right to 2^-40 of the largest. Circumcentres are computed in doubles, relative to the
+// point and scaled where squares would leave the doubles, with bounds on their errors. Where these
+// leave too much open, as in slivers at the hull or near a pair of rows, weights are sums of
+// products of exact determinants, none of which is negative: two consecutive corners of the cell of
+// p, the centres of (p, a, b) and (p, b, c), are
+//
+//     |b - p| in_circle(p, a, b, c) / 2 turn(p, a, b) turn(p, b, c)
+//
+// apart, and a side of this cell between p and b is
+//
+//     in_circle(p, a, q, b) / 2 turn(p, a, q) |b - p|
+//
+// away from the centre of (p, a, q). So the triangles from there to the sides, which are the area,
+// have no difference left but the determinants.
 //
 // The border begins at the lexicographically least neighbour.
 #pragma once
@@ -17,9 +32,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/pair.hpp"
 #include "base/point.hpp"
 #include "base/status.hpp"
 #include "delaunay/triangulated.hpp"
+#include "predicates/determinants.hpp"
 
 namespace liftmesh {
 
@@ -32,10 +49,14 @@ class NaturalNeighbors {
         int k;            // the corner opposite
         std::int32_t at;  // where the face is in the cavity
     };
+    // Of a circle, relative to the query; no coordinate is off by more than the error.
+    struct Centre {
+        Pair at, error;
+    };
     struct Face {
         std::int32_t face;
         std::int32_t beside[3] = {-1, -1, -1};  // in the cavity, across the side opposite a corner
-        Point centre{};                         // of its circle, relative to the query
+        Centre centre{};
     };
     struct Neighbor {
         std::int32_t row;
@@ -46,8 +67,10 @@ class NaturalNeighbors {
         std::vector<Side> pending;
         std::vector<Face> cavity;
         std::vector<Neighbor> border;
-        std::vector<Point> places, centres;  // relative to the query; of the cell, by its sides
+        std::vector<Point> places;    // relative to the query
+        std::vector<Centre> centres;  // of the cell, by its sides
         std::vector<double> weights;
+        std::vector<Scaled> exact;
     };
 
     NaturalNeighbors(const Triangulated& mesh, Room& room) : mesh_(mesh), room_(room) {}
@@ -59,17 +82,12 @@ class NaturalNeighbors {
     std::size_t count() const { return room_.border.size(); }
     std::int32_t row(std::size_t i) const { return room_.border[i].row; }
 
-    // Of several at one distance the lexicographically least.
-    std::int32_t nearest() const;
-
-    // By Laplace or by Sibson; none is negative, but their sum may be beyond the doubles, or 0.
+    // By Laplace or by Sibson, up to a common factor. None is negative, and their sum is finite and
+    // not 0 if no row was written meanwhile.
     const std::vector<double>& weigh(Natural method);
 
     // Whether the border goes around the point, as it does if no row was written meanwhile.
     bool is_around() const;
-
-    // Whether the cells of the point and of a neighbour share a side, and not a vertex only.
-    bool shares_side(std::size_t i) const;
 
  private:
     Point place(std::int32_t row) const { return point(mesh_.place(row)); }
@@ -80,9 +98,17 @@ class NaturalNeighbors {
     Point scaled(Point p) const;
     void put_places();
     void put_centres();
-    double laplace(std::size_t i) const;
-    double sibson(std::size_t i) const;
-    Point centre_of(std::int32_t face) const;
+    Centre centre_of(std::int32_t face) const;
+    template <class Visit>
+    void go_around(std::size_t i, const Visit& visit) const;
+    struct Estimate {
+        double value, error;
+    };
+    Estimate laplace(std::size_t i) const;
+    Estimate sibson(std::size_t i) const;
+    void weigh_exactly(Natural method);
+    Scaled exact_laplace(std::size_t i) const;
+    Scaled exact_sibson(std::size_t i) const;
 
     const Triangulated& mesh_;
     Room& room_;

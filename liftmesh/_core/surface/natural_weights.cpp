@@ -1,7 +1,6 @@
 #include "surface/natural_weights.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <utility>
@@ -50,15 +49,18 @@ class Weigher {
             return true;
         }
         if (kind == Place::side && mesh_.neighbor(simplex, k) < 0) {
-            on_hull(query, mesh_.vertex(simplex, (k + 1) % 3), mesh_.vertex(simplex, (k + 2) % 3));
-            return true;
+            return on_hull(query, mesh_.vertex(simplex, (k + 1) % 3),
+                           mesh_.vertex(simplex, (k + 2) % 3));
         }
         return by_areas(query, simplex);
     }
 
-    void on_hull(Point query, std::int32_t start, std::int32_t end) {
-        shares_ = {{start, reach(query, end)}, {end, reach(query, start)}};
-        normalise();
+    bool on_hull(Point query, std::int32_t start, std::int32_t end) {
+        for (const double unit : {1.0, 0.25}) {  // the other one if distances leave the doubles
+            shares_ = {{start, reach(query, end, unit)}, {end, reach(query, start, unit)}};
+            if (normalise()) return true;
+        }
+        return false;
     }
 
     bool by_areas(Point query, std::int32_t simplex) {
@@ -68,36 +70,11 @@ class Weigher {
         if (!is_sound || !neighbors.is_around()) return false;
         const std::vector<double>& weights = neighbors.weigh(Natural::sibson);
         for (std::size_t i = 0; i < weights.size(); ++i)
-            if (neighbors.shares_side(i)) shares_.push_back({neighbors.row(i), weights[i]});
-        if (!normalise()) by_corners(query, simplex);
-        return true;
+            shares_.push_back({neighbors.row(i), weights[i]});
+        return normalise();
     }
 
-    // The triangles that the point makes with the sides, by areas in which the units of x and y do
-    // not matter. If all three vanish, the point is as good as at the nearest corner.
-    void by_corners(Point query, std::int32_t simplex) {
-        std::array<Point, 3> from{};
-        Point most{};
-        for (int k = 0; k < 3; ++k) {
-            const Point at = mesh_.corner(simplex, k);
-            from[k] = {at.x - query.x, at.y - query.y};
-            most = {std::max(most.x, std::fabs(from[k].x)), std::max(most.y, std::fabs(from[k].y))};
-        }
-        for (Point& each : from) each = {each.x / most.x, each.y / most.y};
-        shares_.clear();
-        for (int k = 0; k < 3; ++k) {
-            const Point p = from[(k + 1) % 3], q = from[(k + 2) % 3];
-            shares_.push_back({mesh_.vertex(simplex, k), std::max(p.x * q.y - p.y * q.x, 0.0)});
-        }
-        if (normalise()) return;
-        const auto nearer = [&](const Share& p, const Share& q) {
-            return std::pair(reach(query, p.first), p.first) <
-                   std::pair(reach(query, q.first), q.first);
-        };
-        shares_ = {{std::min_element(shares_.begin(), shares_.end(), nearer)->first, 1.0}};
-    }
-
-    // False if the sum leaves the doubles, or is 0.
+    // False if there is no finite sum, or it is 0, since rows were written meanwhile.
     bool normalise() {
         double total = 0;
         for (const Share& each : shares_) total += each.second;
@@ -106,9 +83,10 @@ class Weigher {
         return true;
     }
 
-    double reach(Point query, std::int32_t row) const {
+    double reach(Point query, std::int32_t row, double unit) const {
         const Point at = point(mesh_.place(row));
-        return std::max(std::fabs(at.x - query.x), std::fabs(at.y - query.y));
+        return std::max(std::fabs(at.x * unit - query.x * unit),
+                        std::fabs(at.y * unit - query.y * unit));
     }
 
     using Share = std::pair<std::int32_t, double>;

@@ -18,9 +18,8 @@ struct NaturalWeights {
     bool is_sound = true;              // rows that were written meanwhile have not been noticed
 };
 
-// At a vertex this alone, on a side of the hull its two ends, linearly; nothing outside. So near to
-// the hull that areas leave the doubles, the corners of the triangle, linearly. `simplices` has the
-// triangle of each query, or -1. False if the interrupt came first.
+// At a vertex this alone, on a side of the hull its two ends, linearly; nothing outside.
+// `simplices` has the triangle of each query, or -1. False if the interrupt came first.
 bool natural_weights(const Triangulated& mesh, const Queries& queries,
                      const std::int32_t* simplices, NaturalWeights& found, Threads threads,
                      Interrupt& interrupt);

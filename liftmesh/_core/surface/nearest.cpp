@@ -1,16 +1,16 @@
 #include "surface/nearest.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
 #include "base/input.hpp"
+#include "delaunay/ties.hpp"
 #include "predicates/compare_heights.hpp"
 
 namespace liftmesh {
 
 namespace {
-
-constexpr int most_steps = 64;
 
 // A rounded sum of two products of differences is off by less than this share of the products'
 // magnitudes, each rounding being one of 2^-53, or by less than the second number where products
@@ -31,15 +31,20 @@ bool is_turned_away(Point vertex, Point p, Point query) {
 
 class NearestWalk {
  public:
-    NearestWalk(const Triangulated& mesh, Point query, std::int32_t simplex)
-        : mesh_(mesh), query_(query), at_(simplex), k_(0), best_(mesh.corner(simplex, 0)) {
+    NearestWalk(const Triangulated& mesh, Point query, std::int32_t simplex, std::size_t& steps)
+        : mesh_(mesh),
+          query_(query),
+          at_(simplex),
+          k_(0),
+          best_(mesh.corner(simplex, 0)),
+          left_(steps) {
         for (int k = 1; k < 3; ++k) look_at(simplex, k);
     }
 
     std::int32_t run() {
         for (bool is_first = true; goes_on(is_first); is_first = false) {
         }
-        return left_ < 0 ? -1 : mesh_.vertex(at_, k_);
+        return is_short_ ? unfinished : mesh_.vertex(at_, k_);
     }
 
  private:
@@ -63,7 +68,9 @@ class NearestWalk {
                 const std::int32_t across = mesh_.neighbor(simplex, (k + 3 - turn) % 3);
                 if (across < 0) break;
                 if (across == start) return false;
-                if (--left_ < 0) return false;
+                is_short_ = left_ == 0;
+                if (is_short_) return false;
+                --left_;
                 k = corner_at(across, row);
                 simplex = across;
                 const int added = (k + turn) % 3;
@@ -83,7 +90,48 @@ class NearestWalk {
     std::int32_t at_;
     int k_;
     Point best_;
-    int left_ = most_steps;
+    std::size_t& left_;
+    bool is_short_ = false;
+};
+
+// What boxes of the tree are asked. Bounds have room for all rounding.
+class Search {
+ public:
+    Search(const Triangulated& mesh, Point query, double scale, std::int32_t start)
+        : mesh_(mesh), query_(query), from_{query.x * scale, query.y * scale}, scale_(scale) {
+        take(start, point(mesh.place(start)));
+    }
+
+    std::int32_t best() const { return best_; }
+
+    void visit(Row row, Point) {
+        const Point p = mesh_.points[row];
+        if (is_nearer(p, at_, query_)) take(static_cast<std::int32_t>(row), p);
+    }
+    bool meets(const Box& box) const { return distance(box) <= most_; }
+    bool ends() const { return false; }
+
+    // Its square, or less.
+    double distance(const Box& box) const {
+        const double x = gap(from_.x, box.centre.x, box.half.x);
+        const double y = gap(from_.y, box.centre.y, box.half.y);
+        return (x * x + y * y) * (1 - share);
+    }
+
+ private:
+    static double gap(double from, double centre, double half) {
+        return std::max(std::fabs(from - centre) * (1 - share) - half * (1 + share) - tiny, 0.0);
+    }
+    void take(std::int32_t row, Point p) {
+        best_ = row;
+        at_ = p;
+        most_ = square_of_distance({p.x * scale_, p.y * scale_}, from_) * (1 + share) + tiny;
+    }
+
+    const Triangulated& mesh_;
+    Point query_, from_, at_{};
+    double scale_, most_ = 0;
+    std::int32_t best_ = 0;
 };
 
 }  // namespace
@@ -98,8 +146,32 @@ bool is_nearer(Point p, Point q, Point query) {
     return order < 0 || (order == 0 && before_xy(p, q));
 }
 
-std::int32_t nearest_vertex(const Triangulated& mesh, Point query, std::int32_t simplex) {
-    return NearestWalk(mesh, query, simplex).run();
+std::int32_t nearest_vertex(const Triangulated& mesh, Point query, std::int32_t simplex,
+                            std::size_t& steps) {
+    return NearestWalk(mesh, query, simplex, steps).run();
+}
+
+NearestTree::Vertices::Vertices(const Triangulated& mesh, Patience& patience)
+    : places(mesh.points.rows) {
+    std::vector<bool> is_vertex(mesh.points.rows);
+    for (std::size_t i = 0; i < 3 * mesh.count && !patience.ends(); ++i)
+        is_vertex[static_cast<std::size_t>(mesh.simplices[i])] = true;
+    double most = 0;
+    for (std::size_t row = 0; row < places.size() && !patience.ends(); ++row) {
+        const Point at = mesh.points[row];
+        if (!is_vertex[row] || !is_finite(at)) continue;
+        places[row] = at;
+        rows.push_back(static_cast<Row>(row));
+        most = std::max({most, std::fabs(at.x), std::fabs(at.y)});
+    }
+    scale = std::ldexp(1, most > 0 ? std::min(-std::ilogb(most), 1000) : 0);
+    for (Point& each : places) each = {each.x * scale, each.y * scale};
+}
+
+std::int32_t NearestTree::nearest(const Triangulated& mesh, Point query, std::int32_t start) const {
+    Search search(mesh, query, scale_, start);
+    tree_.search(search);
+    return search.best();
 }
 
 }  // namespace liftmesh

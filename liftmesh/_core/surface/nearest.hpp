@@ -1,4 +1,4 @@
-// The vertex nearest to a point, by a walk on the Delaunay graph.
+// The vertex nearest to a point, by a walk on the Delaunay graph, or by a tree of the vertices.
 //
 // A vertex that is not the nearest has a neighbour in the graph that is nearer, so going on to
 // nearer ones ends at the nearest. That holds for ties as well: of several at one distance the
@@ -6,19 +6,49 @@
 // infinitesimally little. The walk begins at a corner of the triangle that contains the point, and
 // mostly ends there. A neighbour is nearer only if its direction is less than a right angle from
 // that of the point: so around the first vertex, to both sides of the triangle, others are not
-// looked at.
+// looked at. Where a walk takes long, as around a vertex of many triangles, a search in the tree
+// takes O(log n) steps, unless as many vertices are about as near.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "base/point.hpp"
+#include "base/status.hpp"
 #include "delaunay/triangulated.hpp"
+#include "sorting/kd_tree.hpp"
 
 namespace liftmesh {
 
-// Of a finite point in a closed triangle. -1 if it takes more than some steps, as around vertices
-// of many triangles, or if rows were written meanwhile and this was noticed.
-std::int32_t nearest_vertex(const Triangulated& mesh, Point query, std::int32_t simplex);
+// Of a finite point in a closed triangle. `unfinished` if the steps do not suffice.
+std::int32_t nearest_vertex(const Triangulated& mesh, Point query, std::int32_t simplex,
+                            std::size_t& steps);
+
+// Of the positions of vertices when it was made, multiplied by a power of two that keeps squares of
+// distances among the doubles.
+class NearestTree {
+ public:
+    NearestTree(const Triangulated& mesh, Patience& patience)
+        : NearestTree(Vertices(mesh, patience), patience) {}
+
+    // The same, from any vertex on.
+    std::int32_t nearest(const Triangulated& mesh, Point query, std::int32_t start) const;
+
+ private:
+    struct Vertices {
+        Vertices(const Triangulated& mesh, Patience& patience);
+
+        std::vector<Point> places;  // of all rows
+        std::vector<Row> rows;
+        double scale;
+    };
+    NearestTree(const Vertices& vertices, Patience& patience)
+        : scale_(vertices.scale), tree_(vertices.places, vertices.rows, &patience) {}
+
+    double scale_;
+    KdTree tree_;
+};
 
 // Whether p is nearer to the point than q, or at the same distance and lexicographically less.
 bool is_nearer(Point p, Point q, Point query);

@@ -55,4 +55,20 @@ std::int32_t Relief::owner_of_vertex(std::int32_t row, std::int32_t simplex,
     return faces ? (*faces)[row] : unfinished;
 }
 
+std::int32_t Relief::nearest(Point query, std::int32_t simplex, Patience& patience) const {
+    constexpr std::size_t short_walk = 64;
+    std::size_t left = short_walk;
+    std::int32_t found = nearest_vertex(mesh_, query, simplex, left);
+    if (found != unfinished) return found;
+    if (const std::size_t credit = nearest_tree_.credit()) {
+        left = credit;
+        found = nearest_vertex(mesh_, query, simplex, left);
+        nearest_tree_.pay(credit - left);
+        if (found != unfinished) return found;
+    }
+    const auto make = [&] { return std::make_unique<const NearestTree>(mesh_, patience); };
+    const NearestTree* tree = nearest_tree_.get(make, patience);
+    return tree ? tree->nearest(mesh_, query, mesh_.vertex(simplex, 0)) : unfinished;
+}
+
 }  // namespace liftmesh

@@ -16,6 +16,7 @@
 #include "delaunay/triangulated.hpp"
 #include "surface/facet.hpp"
 #include "surface/first_faces.hpp"
+#include "surface/nearest.hpp"
 #include "surface/place.hpp"
 
 namespace liftmesh {
@@ -39,7 +40,11 @@ class Relief {
  public:
     // `left_out` has a flag for each simplex; null if no face is left out.
     Relief(const Triangulated& mesh, Heights heights, const std::uint8_t* left_out)
-        : mesh_(mesh), heights_(heights), shown_{left_out}, first_faces_(mesh.count) {}
+        : mesh_(mesh),
+          heights_(heights),
+          shown_{left_out},
+          first_faces_(mesh.count),
+          nearest_tree_(price_of_tree * mesh.count) {}
 
     const Triangulated& mesh() const { return mesh_; }
     bool is_shown(std::int32_t simplex) const { return shown_.has(simplex); }
@@ -78,6 +83,9 @@ class Relief {
     // The owner of the position of a vertex, by a triangle at it.
     std::int32_t owner_of_vertex(std::int32_t row, std::int32_t simplex, Patience& patience) const;
 
+    // The vertex nearest to a point of a closed triangle; `unfinished` if the interrupt came first.
+    std::int32_t nearest(Point query, std::int32_t simplex, Patience& patience) const;
+
     using Place = liftmesh::Place;
     Place place(Point query, std::int32_t simplex) const { return place_in(mesh_, simplex, query); }
 
@@ -88,10 +96,13 @@ class Relief {
     double height(Point query, std::int32_t simplex, Place place, Patience& patience) const;
 
  private:
+    static constexpr std::size_t price_of_tree = 16;  // steps for each triangle
+
     Triangulated mesh_;
     Heights heights_;
     Shown shown_;
     mutable MadeOnDemand<FirstFaces> first_faces_;
+    mutable MadeOnDemand<NearestTree> nearest_tree_;  // paid for by steps of long walks
 };
 
 }  // namespace liftmesh

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/buffer.hpp"
-#include "surface/nearest.hpp"
 
 namespace liftmesh {
 
@@ -64,20 +63,13 @@ double natural_height(const Relief& relief, Point query, std::int32_t triangle, 
     return std::isfinite(height) ? height : linear();
 }
 
-// Where the walk takes long, of the natural neighbours.
 double nearest_height(const Relief& relief, Point query, std::int32_t triangle,
                       Patience& patience) {
-    thread_local NaturalNeighbors::Room room;
     const Place place = relief.place(query, triangle);
     if (place.kind == Place::vertex) return relief.height(query, triangle, place, patience);
     if (place.kind == Place::beyond || !relief.is_shown(triangle, place)) return no_height;
-    const std::int32_t row = nearest_vertex(relief.mesh(), query, triangle);
-    if (row >= 0) return relief.height_of(row);
-    NaturalNeighbors neighbors(relief.mesh(), room);
-    const bool is_sound = neighbors.find(query, triangle, patience);
-    if (patience.ends(0)) return no_height;
-    return is_sound ? relief.height_of(neighbors.nearest())
-                    : relief.height(query, triangle, place, patience);
+    const std::int32_t row = relief.nearest(query, triangle, patience);
+    return row < 0 ? no_height : relief.height_of(row);
 }
 
 }  // namespace

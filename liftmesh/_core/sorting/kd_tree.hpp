@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "base/point.hpp"
+#include "base/status.hpp"
 
-namespace liftmesh::anisotropic {
+namespace liftmesh {
 
 // The points of a node lie in its box: the centre and half of the extent, rounded outwards.
 struct Box {
@@ -17,8 +18,8 @@ struct Box {
 
 class KdTree {
  public:
-    // Of some rows of the points.
-    KdTree(std::span<const Point> points, std::vector<Row> rows);
+    // Of some rows of the points. One that the interrupt has cut short is of no use.
+    KdTree(std::span<const Point> points, std::vector<Row> rows, Patience* patience = nullptr);
 
     // The rows, neighbours near each other.
     const std::vector<Row>& rows() const { return rows_; }
@@ -37,7 +38,8 @@ class KdTree {
         std::uint32_t first, last, right;  // `right` is 0 for a leaf; the left child follows
     };
 
-    void build(std::span<const Point> points, std::uint32_t first, std::uint32_t last);
+    void build(std::span<const Point> points, std::uint32_t first, std::uint32_t last,
+               Patience* patience);
 
     // Whether to go on, after a node that meets the query.
     template <class Query>
@@ -63,4 +65,4 @@ class KdTree {
     std::vector<Node> nodes_;
 };
 
-}  // namespace liftmesh::anisotropic
+}  // namespace liftmesh

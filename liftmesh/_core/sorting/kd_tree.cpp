@@ -1,8 +1,8 @@
-#include "anisotropic/kd_tree.hpp"
+#include "sorting/kd_tree.hpp"
 
 #include <algorithm>
 
-namespace liftmesh::anisotropic {
+namespace liftmesh {
 
 namespace {
 
@@ -24,26 +24,28 @@ Box box_around(std::span<const Point> points, std::span<const Row> rows) {
 
 }  // namespace
 
-KdTree::KdTree(std::span<const Point> points, std::vector<Row> rows) : rows_(std::move(rows)) {
+KdTree::KdTree(std::span<const Point> points, std::vector<Row> rows, Patience* patience)
+    : rows_(std::move(rows)) {
     if (rows_.empty()) return;
     nodes_.reserve(rows_.size() / 2 + 1);
-    build(points, 0, static_cast<std::uint32_t>(rows_.size()));
+    build(points, 0, static_cast<std::uint32_t>(rows_.size()), patience);
     points_.reserve(rows_.size());
     for (const Row row : rows_) points_.push_back(points[row]);
 }
 
-void KdTree::build(std::span<const Point> points, std::uint32_t first, std::uint32_t last) {
+void KdTree::build(std::span<const Point> points, std::uint32_t first, std::uint32_t last,
+                   Patience* patience) {
     const auto at = static_cast<std::uint32_t>(nodes_.size());
     const Box box = box_around(points, std::span(rows_).subspan(first, last - first));
     nodes_.push_back({box, first, last, 0});
-    if (last - first <= fewest) return;
+    if (last - first <= fewest || (patience && patience->ends(last - first))) return;
     const std::uint32_t middle = first + (last - first) / 2;
     const Axis axis = box.half.x >= box.half.y ? Axis::x : Axis::y;
     std::nth_element(rows_.begin() + first, rows_.begin() + middle, rows_.begin() + last,
                      [&](Row a, Row b) { return before(axis, points[a], points[b]); });
-    build(points, first, middle);
+    build(points, first, middle, patience);
     nodes_[at].right = static_cast<std::uint32_t>(nodes_.size());
-    build(points, middle, last);
+    build(points, middle, last, patience);
 }
 
-}  // namespace liftmesh::anisotropic
+}  // namespace liftmesh

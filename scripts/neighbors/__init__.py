@@ -1,0 +1,1 @@
+"""The shares of natural neighbours in hard places, against rationals."""
