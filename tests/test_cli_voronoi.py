@@ -158,7 +158,7 @@ WRONG = [
     (
         ["out.svg", "--domain", "schools.csv"],
         3,
-        "schools.csv: a domain is made of polygons, and there are none",
+        "schools.csv: cannot be read as a domain: neither GeoJSON nor a GeoPackage",
     ),
     (["out.svg", "--domain", "points.gpkg"], 3, "geometry 1 is Point"),
     (["out.svg", "--domain", "0,0,0,1"], 3, "which has no area"),

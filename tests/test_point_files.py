@@ -62,6 +62,18 @@ def test_a_bare_geometry_and_numbers_of_any_size(tmp_path: Path) -> None:
     assert found.metadata["skipped"] == ("property huge",)
 
 
+@pytest.mark.parametrize("is_one_feature", [True, False])
+def test_a_value_for_every_point_and_property_has_a_limit(tmp_path: Path, is_one_feature) -> None:
+    """Few bytes can state many points, and many properties that all of them have, or one each."""
+    names = [f"a{k}" for k in range(3000)]
+    several = feature([[1, 2]] * 3000, "MultiPoint", **dict.fromkeys(names, 1))
+    held = [several] if is_one_feature else [feature([1, 2], **{each: 1}) for each in names]
+    with pytest.raises(FormatError, match="3,000 points with 3,000 properties are far more values"):
+        points_of(saved(tmp_path / "a.geojson", *held), None)
+    few = feature([[1, 2]] * 3000, "MultiPoint", **dict.fromkeys(names[:100], 1))
+    assert len(points_of(saved(tmp_path / "a.geojson", few), None).attributes) == 100
+
+
 @given(
     st.lists(
         st.tuples(
@@ -107,7 +119,7 @@ def test_points_of_a_shapefile(tin: Path, tmp_path: Path) -> None:
     found = liftmesh.read(tmp_path / "h.ply")
     assert found.points.tolist() == [[4, 6, 7.5]]
     assert found.attributes["id"].tolist() == [3]
-    assert "UTM zone 32N" in str(found.crs)
+    assert found.crs == "EPSG:25832"
 
 
 def test_the_system_of_the_points_is_passed_on(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.tiles import node, repeated, run, schedule, stages
+from liftmesh.tiles import node, parquet as parquet_module, repeated, run, schedule, sources, stages
 from liftmesh.tiles.run import rows_within
 
 TIES = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
@@ -45,6 +45,43 @@ def test_columns_of_parquet_are_not_rounded(tmp_path: Path) -> None:
     place = parquet(tmp_path / "c.parquet", [2**53 + 2, 0, 5, None], [*ys, 4.0])
     found = liftmesh.tile(place, tmp_path / "out", nonfinite="skip")
     assert (found.nsimplex, found.skipped.tolist()) == (1, [3])
+
+
+def test_a_large_row_group_is_read_in_batches(tmp_path: Path, monkeypatch) -> None:
+    """It is copied to the scratch folder in parts, and the triangles are the same."""
+    monkeypatch.setattr(sources, "_GROUP", 100)
+    x = [None if row == 450 else int(value) for row, value in enumerate(TIES[:, 0] * 8)]
+    place = parquet(tmp_path / "a.parquet", x, TIES[:, 1])
+    parts = sources.parts_of_file(sources.Origin("a"), str(place), 100, tmp_path)
+    assert [part.rows for part in parts] == [100] * 6
+    assert [part.origin.row for part in parts] == [*range(0, 600, 100)]
+    found = liftmesh.tile(place, tmp_path / "out", tile_rows=100, nonfinite="skip")
+    assert found.skipped.tolist() == [450]
+    assert found.verify().canonical
+    large = parquet(tmp_path / "b.parquet", [*range(299), 2**53 + 1], [0.5] * 300)
+    with pytest.raises(InputError, match=r"b.parquet: .*9007199254740993"):
+        liftmesh.tile(large, tmp_path / "b", tile_rows=100)
+
+
+def test_rows_in_groups_of_one_are_put_together_one_by_one(tmp_path: Path) -> None:
+    table = pa.table({"x": TIES[:, 0], "y": TIES[:, 1]})
+    pyarrow.parquet.write_table(table, tmp_path / "a.parquet", row_group_size=1)
+    parts = sources.parts_of_file(sources.Origin("a"), str(tmp_path / "a.parquet"), 250, tmp_path)
+    assert [part.rows for part in parts] == [250, 250, 100]
+    assert np.array_equal(np.concatenate([part.read() for part in parts]), TIES)
+    sizes = Counted(1 for _ in range(5000))
+    assert len([*parquet_module._grouped(sizes, 5000)]) == 1
+    assert sizes.looks == 0  # each size comes once, and none is looked up again
+
+
+class Counted(list[int]):
+    """Sizes, of which it is counted how often one is looked up."""
+
+    looks = 0
+
+    def __getitem__(self, key: Any) -> Any:
+        self.looks += 1
+        return super().__getitem__(key)
 
 
 def test_a_folder_of_parquet_is_read_in_the_order_of_its_parts(tmp_path: Path) -> None:

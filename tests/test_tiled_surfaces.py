@@ -114,6 +114,19 @@ def test_parquet_is_that_of_its_table(tmp_path: Path) -> None:
     assert found.verify().canonical
 
 
+def test_whole_numbers_of_parquet_that_are_missing_in_one_batch(tmp_path: Path) -> None:
+    """They are doubles in all batches, whatever the row groups are."""
+    numbers = frame().rename(columns={"class": "number"}).astype({"number": "Int64"})
+    numbers.loc[400:460, "number"] = None
+    numbers.to_parquet(tmp_path / "points.parquet")
+    found = liftmesh.tile_surface(tmp_path / "points.parquet", tmp_path / "out", tile_rows=200)
+    expected = numbers["number"].to_numpy(np.float64, na_value=np.nan)
+    column = np.concatenate([each.attributes["number"] for each in found.meshes()])
+    assert np.isnan(column).any()
+    assert column.dtype == np.float64
+    assert {*column[~np.isnan(column)]} == {*expected[~np.isnan(expected)]}
+
+
 def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> None:
     names = ["a.laz", "b.las"]
     kept = {name: CLOUD.attributes[name] for name in ("classification",)}

@@ -362,7 +362,7 @@ class TestPolygons:
             with pytest.raises(liftmesh.InputError, match="the surface in 'EPSG:7415': transform"):
                 polygons_in("EPSG:7415", source)
         (tmp_path / "cut.gpkg").write_bytes(b"SQLite format 3\0" + bytes(84))
-        with pytest.raises(liftmesh.FormatError, match=r"cut\.gpkg: cannot be read as polygons"):
+        with pytest.raises(liftmesh.FormatError, match=r"cut\.gpkg: damaged, or no GeoPackage"):
             polygons_in(None, tmp_path / "cut.gpkg")
 
     def test_the_system_of_geojson_is_compared(self) -> None:

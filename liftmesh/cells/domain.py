@@ -150,7 +150,7 @@ def _box(bounds: Floats, said: str | None = None) -> Domain:
 
 def _of_shape(given: Any) -> Domain:
     shapely = load("shapely", extra="shapes")
-    shape = given if isinstance(given, shapely.Geometry) else _converted(given, shapely)
+    shape = given if isinstance(given, shapely.Geometry) else _converted(given)
     if shape.geom_type == "LinearRing":
         shape = shapely.Polygon(shape)
     if shape.geom_type not in _KINDS:
@@ -175,9 +175,9 @@ def _flaw(shape: Any, shapely: Any) -> str:
         return f"GEOS cannot tell ({error})"
 
 
-def _converted(given: Any, shapely: Any) -> Any:
+def _converted(given: Any) -> Any:
     try:
-        shapes = _shapes(given, shapely)
+        shapes = shapes_of(given)
     except Exception as error:  # of whatever kind the interface makes
         raise InputError(
             f"domain cannot be converted to a polygon ({error}): {_LEADING}"
@@ -185,8 +185,30 @@ def _converted(given: Any, shapely: Any) -> Any:
     return shapes[0] if len(shapes) == 1 and shapes[0] is not None else united(shapes)
 
 
-def _shapes(given: Any, shapely: Any) -> Sequence[Any]:
-    """The geometries of a geometry, a feature, or a collection of features."""
+def shapes_of(given: Any) -> Sequence[Any]:
+    """Return the geometries of a geometry, a feature, or a collection of features.
+
+    Parameters
+    ----------
+    given : object
+        A tree of GeoJSON, or anything with ``__geo_interface__``.
+
+    Returns
+    -------
+    sequence of shapely.Geometry or None
+        None for a feature without any.
+
+    Raises
+    ------
+    Exception
+        Of whatever kind the interface and shapely make, if it is nothing of that.
+
+    Examples
+    --------
+    >>> [each.wkt for each in shapes_of({"type": "Point", "coordinates": [1, 2]})]
+    ['POINT (1 2)']
+    """
+    shapely = load("shapely", extra="shapes")
     held = given if isinstance(given, Mapping) else given.__geo_interface__
     features = held["features"] if held["type"] == "FeatureCollection" else [held]
     held = [each["geometry"] if each["type"] == "Feature" else each for each in features]

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh.cells.domain import united
-from liftmesh.errors import InputError
-from liftmesh.io.geometry_files import read_features
-from liftmesh.same_crs import text_of
+from liftmesh.cells.domain import shapes_of, united
+from liftmesh.crs import described
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.geometry_files import read_features, stated_system
 
+_STANDARD = "EPSG:4326"  # of GeoJSON that names no other
 _DEGREES = np.array([180.0, 90.0])
 
 
@@ -21,7 +22,7 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     Parameters
     ----------
     path : Path
-        Any file that geopandas reads.
+        GeoJSON, a GeoPackage or a shapefile.
 
     Returns
     -------
@@ -38,22 +39,28 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     InputError
         There are no polygons in it, or something else too, or a polygon is not valid.
     MissingDependencyError
-        geopandas is missing.
+        shapely is missing.
     OSError
         The file cannot be opened.
     """
-    shapes = read_features(path, "a domain").geometry
+    tree = read_features(path, "a domain")
     try:
-        shape = united(shapes.to_numpy())
+        shapes = shapes_of(tree) if tree else []
+    except Exception as error:  # of whatever kind shapely makes
+        raise FormatError(f"{path}: cannot be read as a domain: {error}") from error
+    try:
+        shape = united(shapes)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return shape, _system(shapes.crs, shape)
+    return shape, _system(tree, shape)
 
 
-def _system(crs: Any, shape: Any) -> str | None:
-    if crs is None or (crs.is_geographic and not _is_degrees(shape.bounds)):
+def _system(tree: dict[str, Any], shape: Any) -> str | None:
+    crs = stated_system(tree) if "crs" in tree else _STANDARD
+    system = described(crs)
+    if system is None or (system.kind == "geographic" and not _is_degrees(shape.bounds)):
         return None
-    return text_of(crs)
+    return crs
 
 
 def _is_degrees(bounds: tuple[float, ...]) -> bool:

@@ -20,8 +20,8 @@ def is_cloud(path: Path) -> bool:
     Returns
     -------
     bool
-        False for GeoJSON, which a file without a suffix is taken for, and for what only geopandas
-        may know.
+        False for GeoJSON, which a file without a suffix is taken for, for GeoPackages, and for
+        what is no format of points.
 
     Examples
     --------

@@ -15,7 +15,6 @@ from liftmesh.crs import described
 from liftmesh.errors import FormatError
 
 _WORLDS = (".tfw", ".tifw", ".tiffw", ".wld", ".TFW", ".TIFW", ".WLD")
-_SYSTEMS = (".prj", ".PRJ")
 _MOST = 1 << 16  # bytes
 
 
@@ -86,9 +85,32 @@ def system_of(name: str) -> str | None:
     OSError
         It cannot be read.
     """
-    path = _beside(name, _SYSTEMS)
-    text = None if path is None else _text(path).strip("\0\ufeff \r\n\t")
+    text = text_beside(name, ".prj")
     return text if is_crs(text) and described(text) else None
+
+
+def text_beside(name: str, suffix: str) -> str | None:
+    """Read the short text of a file that has the name of another, and another suffix.
+
+    Parameters
+    ----------
+    name : str
+        Path of the other file.
+    suffix : str
+        In lower case; upper case is looked for, too.
+
+    Returns
+    -------
+    str or None
+        At most 64 KiB of it; None if there is no such file.
+
+    Raises
+    ------
+    OSError
+        It cannot be read.
+    """
+    path = _beside(name, (suffix, suffix.upper()))
+    return None if path is None else _text(path).strip("\0\ufeff \r\n\t")
 
 
 def _beside(name: str, suffixes: tuple[str, ...]) -> Path | None:

@@ -1,37 +1,50 @@
-"""Geometries of files that geopandas reads: GeoPackage, GeoJSON, shapefiles and others."""
+"""Geometries of files: GeoJSON, GeoPackage and shapefiles, told apart by how they begin.
+
+They are read here, by the standard library and NumPy: a general library would choose among many
+formats by itself, and some of those fetch addresses, open other files, or run statements.
+"""
 
 from __future__ import annotations
 
-import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from warnings import warn
 
-from liftmesh.errors import FormatError
+from liftmesh.choices import shown
+from liftmesh.crs import looked_up
+from liftmesh.errors import DataWarning, FormatError, InputError, MissingDependencyError
+from liftmesh.io.geopackage import MAGIC as GEOPACKAGE, read_geopackage
+from liftmesh.io.json_text import parsed
+from liftmesh.io.shapefile import MAGIC as SHAPEFILE, read_shapefile
 from liftmesh.optional import load
+from liftmesh.same_crs import text_of
+
+_TEXT = {".geojson", ".json", ""}
+_MARK = b"\xef\xbb\xbf"
 
 
-def read_features(path: Path, what: str) -> Any:
+def read_features(path: Path, what: str) -> dict[str, Any]:
     """Read the geometries of a file, and the values that they have.
 
     Parameters
     ----------
     path : Path
-        Any file that geopandas reads.
+        GeoJSON, a GeoPackage or a shapefile.
     what : str
         What it is read as, for errors.
 
     Returns
     -------
-    geopandas.GeoDataFrame
-        The geometries, with their values and coordinate system; nothing if the file is a table
-        without any.
+    dict
+        The tree of GeoJSON, or one like it, whose member ``crs`` names the coordinate system.
 
     Raises
     ------
     FormatError
         The file cannot be read.
     MissingDependencyError
-        geopandas is missing.
+        Polygons of a shapefile that have several rings need shapely.
     OSError
         The file cannot be opened.
 
@@ -40,16 +53,70 @@ def read_features(path: Path, what: str) -> Any:
     >>> import tempfile
     >>> path = Path(tempfile.mkdtemp(), "point.geojson")
     >>> _ = path.write_text('{"type": "Point", "coordinates": [1, 2]}')
-    >>> float(read_features(path, "a place").geometry.x[0])
-    1.0
+    >>> read_features(path, "a place")["coordinates"]
+    [1, 2]
     """
-    path.open("rb").close()  # says what is wrong in fewer words
-    geopandas = load("geopandas", extra="shapes")
+    with path.open("rb") as stream:
+        head = stream.read(len(GEOPACKAGE))
+        data = b"" if head == GEOPACKAGE else head + stream.read()
+    if head == GEOPACKAGE:
+        return _with_system(*read_geopackage(path), path)
+    if data.startswith(SHAPEFILE):
+        return _with_system(*read_shapefile(path, data), path)
+    text = data.removeprefix(_MARK)
+    if path.suffix.lower() in _TEXT or text.lstrip()[:1] == b"{":
+        return _geojson(path, text)
+    raise FormatError(
+        f"{path}: cannot be read as {what}: neither GeoJSON nor a GeoPackage nor a shapefile (.shp)"
+    )
+
+
+def stated_system(shapes: object) -> str | None:
+    """Return the system that shapes say they are in.
+
+    Parameters
+    ----------
+    shapes : object
+        A tree of GeoJSON, an object of geopandas, or anything else, which says nothing.
+
+    Returns
+    -------
+    str or None
+        WKT or a name; None if they say none.
+
+    Examples
+    --------
+    >>> stated_system({"crs": {"type": "name", "properties": {"name": "EPSG:25832"}}})
+    'EPSG:25832'
+    """
+    if isinstance(shapes, Mapping):
+        system = shapes.get("crs")
+        properties = system.get("properties") if isinstance(system, Mapping) else None
+        name = properties.get("name") if isinstance(properties, Mapping) else None
+        if not isinstance(name, str):
+            return None
+        return "EPSG:4326" if name.upper().endswith("CRS84") else name
+    held: Any = getattr(shapes, "crs", None)
+    return str(held.to_wkt()) if hasattr(held, "to_wkt") else None
+
+
+def _geojson(path: Path, text: bytes) -> dict[str, Any]:
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # GDAL's, before its errors
-            table = geopandas.read_file(path)
-    except Exception as error:  # of whatever kind GDAL's reader makes
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise FormatError(f"{path}: cannot be read as {what}: {first}") from error
-    return table if "geometry" in table else geopandas.GeoDataFrame(geometry=[])
+        tree = parsed(text.decode())
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"{path}: not GeoJSON: {error}") from error
+    if not isinstance(tree, dict):
+        return {}
+    return _with_system(tree, stated_system(tree), path) if tree.get("crs") else tree
+
+
+def _with_system(tree: dict[str, Any], crs: str | None, path: Path) -> dict[str, Any]:
+    """Name the system as old GeoJSON does: the number that stands for it, if pyproj knows one."""
+    try:
+        crs = text_of(looked_up(load("pyproj", extra="shapes"), crs)) if crs else None
+    except MissingDependencyError:
+        pass
+    except InputError:
+        warn(f"{path}: its coordinate system is not known: {shown(crs)}", DataWarning, stacklevel=2)
+        crs = None
+    return {**tree, "crs": crs and {"type": "name", "properties": {"name": crs}}}

@@ -2,13 +2,19 @@
 
 Where a strip or tile ends early, GDAL gives what its memory held before, and no error, if the block
 is not compressed, or by deflate. So the sizes of blocks are compared with what they need, and those
-that are deflated are inflated once more, to count their bytes. Other compressions raise errors.
+that are deflated are inflated once more, to count their bytes. Other compressions raise errors, or,
+as JPEG, tell the log alone that they go on with other samples: while blocks are decoded, that is an
+error, too.
 """
 
 from __future__ import annotations
 
+import logging
+import re
+import threading
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +26,8 @@ if TYPE_CHECKING:
     from liftmesh.io.raster_window import Window
 
 _PIECE = 1 << 20  # bytes inflated at a time
+_OF_TAGS = re.compile(r"TIFF\w*(Directory|Tag)\b")
+_LOGS = ("rasterio._err", "rasterio._env")  # of what GDAL says, by the version of rasterio
 
 
 def check_blocks(file: Any, band: int, window: Window, data: bytes, name: str) -> None:
@@ -67,8 +75,62 @@ def check_blocks(file: Any, band: int, window: Window, data: bytes, name: str) -
             )
 
 
-def bytes_of_a_block(file: Any, band: int) -> int:
-    """Return the bytes in memory of a block: of all bands, if they stand together.
+@contextmanager
+def without_warnings(name: str) -> Iterator[None]:
+    """Raise for what GDAL warns of while it decodes samples.
+
+    Parameters
+    ----------
+    name : str
+        The file for messages.
+
+    Yields
+    ------
+    None
+        While samples are decoded.
+
+    Raises
+    ------
+    FormatError
+        There was a warning, or nobody can hear of one.
+
+    Examples
+    --------
+    >>> with without_warnings("height.tif"):
+    ...     logging.getLogger("rasterio._err").warning("JPEGLib:Premature end of JPEG file")
+    Traceback (most recent call last):
+    liftmesh.errors.FormatError: height.tif: the file is damaged: JPEGLib:Premature end of JPEG file
+    """
+    said = _Said()
+    with ExitStack() as held:
+        for log in map(logging.getLogger, _LOGS):
+            held.callback(log.setLevel, log.level)
+            held.callback(log.removeHandler, said)
+            log.setLevel(logging.WARNING)
+            log.addHandler(said)
+            if not log.isEnabledFor(logging.WARNING):
+                raise FormatError(f"{name}: damage would go unheard: undo logging.disable()")
+        yield
+    if said.heard:
+        raise FormatError(f"{name}: the file is damaged: {said.heard[0][:200]}")
+
+
+class _Said(logging.Handler):
+    """What the log hears of this thread."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._thread = threading.get_ident()
+        self.heard: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a message, unless it is of tags: those are read late, and odd ones do no harm."""
+        if record.thread == self._thread and not _OF_TAGS.search(text := record.getMessage()):
+            self.heard.append(text)
+
+
+def bytes_decoded(file: Any, band: int, window: Window) -> int:
+    """Return the bytes of all blocks that are decoded: of all bands, if they stand together.
 
     Parameters
     ----------
@@ -76,15 +138,18 @@ def bytes_of_a_block(file: Any, band: int) -> int:
         The raster.
     band : int
         The band that is read, from 1.
+    window : Window
+        What is read of it.
 
     Returns
     -------
     int
-        What GDAL decodes at a time.
+        Those of blocks that share their bytes in the file, too.
     """
     height, width = file.block_shapes[band - 1]
-    each = np.dtype(file.dtypes[band - 1]).itemsize
-    return int(height * width * each * (file.count if _is_together(file) else 1))
+    each = height * width * np.dtype(file.dtypes[band - 1]).itemsize
+    blocks = _count(window.rows, height) * _count(window.columns, width)
+    return int(each * blocks * (file.count if _is_together(file) else 1))
 
 
 def _is_together(file: Any) -> bool:
@@ -97,6 +162,10 @@ def _touched(some: range, size: int) -> Iterable[int]:
     if some.step >= size:
         return (each // size for each in some)
     return range(some.start // size, -(-some.stop // size)) if some else ()
+
+
+def _count(some: range, size: int) -> int:
+    return sum(1 for _ in _touched(some, size))
 
 
 def _row_bytes(file: Any, band: int) -> int:

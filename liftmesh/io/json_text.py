@@ -17,7 +17,7 @@ _EMBEDDED = b'"data:'
 _LONG = 1000  # shorter strings may be keys, and their number matters
 
 
-def parsed(text: bytes) -> object:
+def parsed(text: bytes | str) -> object:
     """Parse a text; raise ValueError or RecursionError if it is not JSON.
 
     >>> parsed(b'{"asset": [1, 2]}')

@@ -31,7 +31,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.ascii_grid import AsciiGrid, is_grid
 from liftmesh.io.beside_rasters import Transform, system_of, world_of
 from liftmesh.io.columns import POSITION, CloudBuilder
-from liftmesh.io.geotiff_blocks import bytes_of_a_block, check_blocks
+from liftmesh.io.geotiff_blocks import bytes_decoded, check_blocks, without_warnings
 from liftmesh.io.geotiff_citations import without_wkt, wkt_in
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.missing import Missing, Outliers, as_missing
@@ -228,9 +228,9 @@ class _Raster:
         return builder.cloud(metadata=entries, crs=self._crs(data))
 
     def _check_size(self, window: Window, limit: int) -> None:
-        """Compare the rows, and a block that is decoded, with the limit."""
+        """Compare the rows, and the blocks that are decoded for them, with the limit."""
         file = self._file
-        needed = window.samples * _ROW_BYTES + bytes_of_a_block(file, self._band)
+        needed = window.samples * _ROW_BYTES + bytes_decoded(file, self._band, window)
         what = f"a raster of {file.width:,} x {file.height:,} samples"
         if window.samples < file.width * file.height:
             what = f"{window.samples:,} samples of {what}"
@@ -241,7 +241,8 @@ class _Raster:
         if not window.samples:
             return
         for band in bands_of(window, self._file.block_shapes[self._band - 1]):
-            values, mask = self._decoded(band)
+            with without_warnings(self._name):
+                values, mask = self._decoded(band)
             mask &= ~np.isnan(values)
             self._valid += int(np.count_nonzero(mask))
             x, y = self._positions(np.asarray(band.rows), np.asarray(window.columns))

@@ -78,9 +78,10 @@ def _check_widths(block: Block, name: str, width: int | None, delimiter: str | N
             raise FormatError(f"{name}: line {number}: expected {expected} values, found {found:,}")
 
 
-def values_at_most(text: str) -> int:
+def values_at_most(text: str, delimiter: str | None = None) -> int:
     """Count the values of a line, whatever separates them, without splitting it."""
-    return max(_count_words(text), *(text.count(mark) + 1 for mark in ",;\t"))
+    marks = {",", ";", "\t", "|", delimiter or " "}
+    return max(_count_words(text), *(text.count(mark) + 1 for mark in marks - {" "}))
 
 
 def _count_words(text: str) -> int:

@@ -1,4 +1,4 @@
-"""Lines of files of shapes: GeoJSON, and whatever geopandas reads.
+"""Lines of files of shapes: GeoJSON, GeoPackage and shapefiles.
 
 They are lines in the plane: heights of corners, which GeoJSON allows, are left out.
 """
@@ -24,7 +24,7 @@ def lines_of(path: Path, crs: str | None) -> list[Floats]:
     Parameters
     ----------
     path : Path
-        GeoJSON, or anything that geopandas reads.
+        GeoJSON, a GeoPackage or a shapefile.
     crs : str, optional
         The system of the surface.
 
@@ -40,7 +40,7 @@ def lines_of(path: Path, crs: str | None) -> list[Floats]:
     FormatError
         The file cannot be read, or holds no line.
     MissingDependencyError
-        Files other than GeoJSON need geopandas.
+        Polygons of a shapefile that have several rings need shapely.
     OSError
         The file cannot be opened.
 
@@ -52,8 +52,7 @@ def lines_of(path: Path, crs: str | None) -> list[Floats]:
     >>> [line.tolist() for line in lines_of(path, None)]
     [[[0.0, 1.0], [2.0, 3.0]]]
     """
-    shapes = read_shapes(path, "lines", crs)
-    tree = getattr(shapes, "__geo_interface__", shapes)
+    tree = read_shapes(path, "lines", crs)
     try:
         found = [_line(each) for each in coordinates_of(tree, "LineString")]
     except (TypeError, AttributeError, RecursionError) as error:

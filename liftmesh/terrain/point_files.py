@@ -1,4 +1,4 @@
-"""Points of files of shapes: GeoJSON, and whatever geopandas reads.
+"""Points of files of shapes: GeoJSON, GeoPackage and shapefiles.
 
 They are places in the plane: heights, which GeoJSON allows, are left out. Properties are named
 values of a point, as the columns of a table are, if all of them are numbers.
@@ -20,10 +20,12 @@ from liftmesh.arrays import as_reals
 from liftmesh.choices import counted, shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
+from liftmesh.io.geometry_files import stated_system
 from liftmesh.io.metadata import Unread
 from liftmesh.terrain.geojson_tree import geometries
-from liftmesh.terrain.shape_files import read_shapes, stated_system
+from liftmesh.terrain.shape_files import read_shapes
 
+_EXPANSION, _VALUES_MORE = 20, 1 << 21  # values for each that is stated, and in all
 _COORDINATES = {"x", "y", "z"}
 
 
@@ -33,7 +35,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     Parameters
     ----------
     path : Path
-        GeoJSON, or anything that geopandas reads.
+        GeoJSON, a GeoPackage or a shapefile.
     crs : str, optional
         The system of the surface.
 
@@ -52,7 +54,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     FormatError
         The file cannot be read, holds no point, or one that is not finite.
     MissingDependencyError
-        Files other than GeoJSON need geopandas.
+        Polygons of a shapefile that have several rings need shapely.
     OSError
         The file cannot be opened.
 
@@ -66,14 +68,15 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     >>> well.points.tolist(), well.attributes["id"].tolist()
     ([[1.0, 2.0, 0.0]], [7])
     """
-    shapes = read_shapes(path, "points", crs, columns=True)
+    shapes = read_shapes(path, "points", crs)
     found = _Found()
     try:
-        found.take(getattr(shapes, "__geo_interface__", shapes))
+        found.take(shapes)
     except (TypeError, AttributeError, RecursionError) as error:
         raise FormatError(f"{path}: no GeoJSON: a point has type and coordinates") from error
     if not found.places:
         raise FormatError(f"{path}: there is no Point or MultiPoint in it")
+    found.check_size(path)
     planar = _planar(path, found.places)
     columns = found.columns()
     unread = (f"property {name}" for name in found.names() if name not in columns)
@@ -88,10 +91,11 @@ def points_of(path: Path, crs: str | None) -> Cloud:
 
 @dataclass(slots=True)
 class _Found:
-    """The points of a tree of GeoJSON, the properties of each, and geometries that are none."""
+    """The points of a tree of GeoJSON, properties and how many points have them, and the rest."""
 
     places: list[Any] = field(default_factory=list)
     properties: list[Mapping[str, Any]] = field(default_factory=list)
+    counts: list[int] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
     def take(self, tree: object) -> None:
@@ -102,8 +106,20 @@ class _Found:
                 continue
             is_one = kind == "Point" and coordinates
             parts = [coordinates] if is_one else coordinates
-            self.places += parts
-            self.properties += [properties] * len(parts)
+            if len(parts):
+                self.places += parts
+                self.properties.append(properties)
+                self.counts.append(len(parts))
+
+    def check_size(self, path: Path) -> None:
+        """Raise if a value for every point and property is far more than the file states."""
+        stated = len(self.places) + sum(map(len, self.properties))
+        names = len(self.names())
+        if names * len(self.places) > _EXPANSION * stated + _VALUES_MORE:
+            raise FormatError(
+                f"{path}: {len(self.places):,} points with {names:,} properties are far more "
+                "values than the file states: save only the properties you need"
+            )
 
     def names(self) -> list[str]:
         """Return the names of the properties, in the order of the file."""
@@ -113,7 +129,11 @@ class _Found:
         """Return the values of the properties that are numbers."""
         names = (name for name in self.names() if name.lower() not in _COORDINATES)
         found = {name: _column([each.get(name) for each in self.properties]) for name in names}
-        return {name: values for name, values in found.items() if values is not None}
+        return {
+            name: np.repeat(values, self.counts)
+            for name, values in found.items()
+            if values is not None
+        }
 
 
 def _column(values: list[Any]) -> Array | None:

@@ -32,7 +32,7 @@ def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
     FormatError
         A file cannot be read, or holds no polygon.
     MissingDependencyError
-        Files other than GeoJSON need geopandas.
+        Polygons of a shapefile that have several rings need shapely.
     OSError
         The file cannot be opened.
 

@@ -53,9 +53,9 @@ class Trimming:
             of the points for this alpha.
         polygon : object, optional
             Leave out faces whose centroid is outside: a polygon with holes, or several, which may
-            overlap, as GeoJSON (a dict or a file), another file that geopandas reads (GeoPackage),
-            any object with ``__geo_interface__`` as those of shapely, or an array of shape (k, 2).
-            Coordinates are those of the plane.
+            overlap, as GeoJSON (a dict or a file), a GeoPackage or a shapefile, any object with
+            ``__geo_interface__`` as those of shapely, or an array of shape (k, 2). Coordinates are
+            those of the plane.
 
         Returns
         -------
@@ -71,7 +71,7 @@ class Trimming:
         FormatError
             A file of a polygon is invalid.
         MissingDependencyError
-            A file of a polygon other than GeoJSON needs geopandas: pip install 'liftmesh[shapes]'.
+            Polygons of a shapefile that have several rings need shapely.
         OSError
             It cannot be opened.
 

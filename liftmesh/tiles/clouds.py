@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -21,10 +20,9 @@ from liftmesh.errors import InputError
 from liftmesh.frozen import FrozenDict
 from liftmesh.io.files import read_chunks
 from liftmesh.io.registry import as_cloud
-from liftmesh.optional import load
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
 from liftmesh.tiles.las import readings
-from liftmesh.tiles.parquet import parquet_parts
+from liftmesh.tiles.parquet import parquet_clouds
 from liftmesh.tiles.ranges import kind_of, values_of
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
 from liftmesh.tiles.sources import (
@@ -291,30 +289,10 @@ def valued_parts_of_file(
         if reading.options:
             given = ", ".join(reading.options)
             raise InputError(f"{name}: rows of Parquet are read as they are: leave out {given}")
-        clouds: Iterable[Cloud] = _of_parquet(origin, name, rows)
+        clouds: Iterable[Cloud] = parquet_clouds(name, rows)
     else:
         clouds = read_chunks(name, rows=rows, **reading.options)
     return spooled(map(reading.changed, of_file(clouds, show)), rows, scratch, origin)
-
-
-def _of_parquet(origin: Origin, name: str, rows: int) -> Iterator[Cloud]:
-    """Read row groups as tables, with the depth of colours that all of them have."""
-    read = partial(_tables, parquet_parts(origin, name, rows), name)
-    depths = [cloud.color_depth for cloud in read() if cloud.colors is not None]
-    depth = None if None in depths else max(filter(None, depths), default=None)
-    for cloud in read():
-        yield cloud if depth is None else cloud.with_color_depth(depth)
-
-
-def _tables(parts: Iterable[Any], name: str) -> Iterator[Cloud]:
-    parquet = load("pyarrow.parquet", extra="dask")
-    for part in parts:
-        with parquet.ParquetFile(part.place) as file:
-            table = file.read_row_groups(list(part.groups))
-        try:
-            yield as_cloud(table.to_pandas())
-        except InputError as error:
-            raise type(error)(f"{name}: {error}") from error
 
 
 def _of_cloud(cloud: Cloud, rows: int) -> list[Valued]:

@@ -1,4 +1,4 @@
-"""Points of Parquet: two columns, read by row groups."""
+"""Points of Parquet: two columns, read by row groups, or in batches where these are large."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,13 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import widened
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, InputError
 from liftmesh.floats import as_floats
+from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
     from liftmesh.tiles.sources import Origin
 
 
@@ -36,8 +39,7 @@ class ParquetPart:
         parquet = load("pyarrow.parquet", extra="dask")
         with parquet.ParquetFile(self.place) as file:
             table = file.read_row_groups(list(self.groups), columns=list(self.columns))
-        rows: Array = np.stack([_floats(table.column(name), name) for name in self.columns], axis=1)
-        return rows
+        return _stacked(table, self.columns)
 
 
 def parquet_files(name: str) -> list[str]:
@@ -109,23 +111,115 @@ def parquet_parts(origin: Origin, name: str, rows: int) -> list[ParquetPart]:
 def _grouped(sizes: Sequence[int], rows: int) -> Iterator[tuple[int, ...]]:
     """Put row groups together until they have so many rows."""
     held: list[int] = []
+    count = 0
     for group, size in enumerate(sizes):
-        if held and sum(sizes[i] for i in held) + size > rows:
+        if held and count + size > rows:
             yield tuple(held)
-            held = []
+            held, count = [], 0
         held.append(group)
+        count += size
     if held:
         yield tuple(held)
+
+
+def planar_batches(name: str, rows: int) -> Iterator[Array]:
+    """Read the two columns of a file in batches, which need not be whole row groups.
+
+    Parameters
+    ----------
+    name : str
+        Its path.
+    rows : int
+        How many rows a batch may have.
+
+    Yields
+    ------
+    (n, 2) ndarray
+        Consecutive rows.
+
+    Raises
+    ------
+    InputError, FormatError
+        There are no columns of coordinates, or a number is not exactly representable.
+    """
+    parquet = load("pyarrow.parquet", extra="dask")
+    with parquet.ParquetFile(name) as file:
+        columns = planar_columns(name, file.schema_arrow.names)
+        try:
+            for batch in file.iter_batches(rows, columns=list(columns)):
+                yield _stacked(batch, columns)
+        except InputError as error:
+            raise type(error)(f"{name}: {error}") from error
+
+
+def parquet_clouds(name: str, rows: int) -> Iterator[Cloud]:
+    """Read all columns of a file in batches, with the depth of colours that all of them have.
+
+    Parameters
+    ----------
+    name : str
+        Its path.
+    rows : int
+        How many rows a batch may have.
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows.
+
+    Raises
+    ------
+    InputError
+        They are no points.
+    """
+    gaps: set[str] = set()
+    read = partial(_tables, name, rows, gaps)
+    depths = [cloud.color_depth for cloud in read() if cloud.colors is not None]
+    depth = None if None in depths else max(filter(None, depths), default=None)
+    for cloud in read():
+        yield cloud if depth is None else cloud.with_color_depth(depth)
+
+
+def _tables(name: str, rows: int, gaps: set[str]) -> Iterator[Cloud]:
+    """Read batches; whole numbers are doubles in all that follow one where some are missing."""
+    parquet = load("pyarrow.parquet", extra="dask")
+    kinds = load("pyarrow.types", extra="dask")
+    with parquet.ParquetFile(name) as file:
+        for batch in file.iter_batches(rows):
+            pairs = zip(batch.schema, batch.columns, strict=True)
+            gaps |= {
+                field.name
+                for field, column in pairs
+                if column.null_count and kinds.is_integer(field.type)
+            }
+            table = batch.to_pandas()
+            try:
+                yield as_cloud(table.astype(dict.fromkeys(gaps & {*table.columns}, np.float64)))
+            except InputError as error:
+                raise type(error)(f"{name}: {error}") from error
+
+
+def _stacked(table: Any, columns: Sequence[str]) -> Array:
+    """Put columns side by side, each of its own type; missing values are NaN."""
+    rows: Array = np.stack([_floats(table.column(name), name) for name in columns], axis=1)
+    return rows
 
 
 def _floats(column: Any, name: str) -> Floats:
     """Convert a column of Arrow without rounding; integers become floats where some are missing."""
     kinds = load("pyarrow.types", extra="dask")
     if column.null_count and kinds.is_integer(column.type):
-        missing = column.is_null().to_numpy()
-        values = widened(as_floats(column.fill_null(0).to_numpy(), name))
+        missing = _array(column.is_null())
+        values = widened(as_floats(_array(column.fill_null(0)), name))
         return np.where(missing, np.nan, values)
-    return widened(as_floats(column.to_numpy(), name))
+    return widened(as_floats(_array(column), name))
+
+
+def _array(column: Any) -> Array:
+    """Convert values of a table or a batch, of which those of a batch may be copied."""
+    is_batch = hasattr(column, "buffers")
+    found: Array = column.to_numpy(zero_copy_only=False) if is_batch else column.to_numpy()
+    return found
 
 
 def planar_columns(name: str, names: Sequence[str]) -> tuple[str, str]:

@@ -24,9 +24,10 @@ from liftmesh.io.registry import as_cloud
 from liftmesh.io.streams import remaining
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
 from liftmesh.tiles.las import las_parts
-from liftmesh.tiles.parquet import parquet_files, parquet_parts
+from liftmesh.tiles.parquet import parquet_files, parquet_parts, planar_batches
 from liftmesh.tiles.store import save_array
 
+_GROUP = 1 << 20  # rows that writers put together unless they are told otherwise
 BY_RANGES = (".npy", ".parquet", ".pq", ".las")
 """Suffixes of files that are read in place, but for LAS that is compressed."""
 
@@ -249,7 +250,10 @@ def parts_of_file(
     if suffix == ".npy":
         return [*npy_parts(origin, name, rows)]
     if suffix in (".parquet", ".pq"):
-        return [*parquet_parts(origin, name, rows)]
+        parts = parquet_parts(origin, name, rows)
+        if max((part.rows for part in parts), default=0) <= max(rows, _GROUP):
+            return [*parts]
+        return _spooled(planar_batches(name, rows), rows, scratch, origin)
     ranges = las_parts(origin, name, rows) if suffix == ".las" else None
     if ranges is not None:
         return [*ranges]

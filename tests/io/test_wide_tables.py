@@ -38,6 +38,7 @@ WIDE = {
     "ply in binary": ("ply", ply("binary_little_endian", VERTEX, VALUES.tobytes()), 1),
     "csv": ("csv", ",".join(["x", "y", *NAMES]).encode() + b"\n" + rows(","), 0),
     "semicolons": ("csv", rows(";"), 0),
+    "bars": ("csv", rows("|"), 0),
     "tabs": ("tsv", rows("\t"), 0),
     "blanks": ("xyz", rows(" "), 0),
     "header in a comment": ("xyz", b"# x y " + " ".join(NAMES).encode() + b"\n" + rows(" "), 0),
@@ -81,6 +82,15 @@ def test_wide_tables_are_read_with_the_limit_that_they_need(name: str) -> None:
     kind, data, _ = WIDE[name]
     for cloud in both(data, kind, needed(name)):
         assert np.array_equal([*cloud.points.T, *cloud.attributes.values()], VALUES.T)
+
+
+def test_a_delimiter_of_the_caller_counts_as_others_do() -> None:
+    stream = io.BytesIO(rows(":"))
+    with pytest.raises(FormatError, match="a row of 20,000 values expands to 40,000,000 bytes"):
+        liftmesh.read(stream, format="csv", delimiter=":")
+    row = b"1:1\n" + b'"1":' * 300_000
+    with pytest.raises(FormatError, match="line 2: expected 2 values, found 300,001"):
+        liftmesh.read(io.BytesIO(row), format="csv", delimiter=":")
 
 
 @pytest.mark.parametrize("name", ["ply in binary", "csv"])

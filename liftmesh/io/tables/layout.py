@@ -78,7 +78,7 @@ def sniff(
     """
     most = most_columns(max_bytes)
     if len(first) >= most:  # a shorter line has no more values
-        found = values_at_most(first)
+        found = values_at_most(first, options.delimiter)
         check_columns(found, max_bytes, where, f"a row of {found:,} values")
     delimiter = _delimiter(first, options)
     first = without_remark(first)

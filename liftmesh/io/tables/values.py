@@ -178,7 +178,7 @@ class TableValues:
         values: Sequence[str] = ()
         if '"' not in text:
             values = [value.strip() for value in text.split(self._delimiter, self._width)]
-        elif values_at_most(text) <= max(self._width, MOST_COLUMNS):
+        elif values_at_most(text, self._delimiter) <= max(self._width, MOST_COLUMNS):
             values = split(text, self._delimiter, where)
         if len(values) != self._width:
             raise self._broken(text, values, where)

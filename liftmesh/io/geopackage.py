@@ -1,0 +1,200 @@
+"""Geometries and values of a GeoPackage, which the SQLite of the standard library reads.
+
+A file of SQLite holds statements as well as rows. So it is opened for reading alone, without any
+file beside it, and nothing but rows of ordinary tables is read: views, virtual tables and computed
+columns are refused, functions denied. What is read is counted, and the steps that SQLite takes for
+it: pages that are used many times, as only damaged files have them, end in an error.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+import struct
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+from warnings import warn
+
+from liftmesh.choices import shown
+from liftmesh.errors import DataWarning, FormatError
+from liftmesh.io.wkb import geometry_of
+
+MAGIC = b"SQLite format 3\0"
+
+_SCHEMA, _COLUMNS = "sqlite_master", "table_xinfo"
+_STEPS = 10_000  # of SQLite between two counts
+_STEPS_OF_A_BYTE, _STEPS_MORE = 10, 1_000_000
+_EXPANSION, _BYTES_MORE = 20, 1 << 22  # of what is read, for each byte of the file, and in all
+_ENVELOPES = (0, 32, 48, 48, 64)  # bytes before the geometry, by a number in its flags
+_WAITING = ("-wal", "-journal")
+
+
+def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
+    """Read the features of the first layer.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its content is known to begin as one of SQLite.
+
+    Returns
+    -------
+    tree : dict
+        A FeatureCollection.
+    crs : str or None
+        Its coordinate system: ``EPSG:n``, or WKT.
+
+    Raises
+    ------
+    FormatError
+        The file is damaged, no GeoPackage, or holds what is refused.
+    OSError
+        It cannot be opened.
+
+    Warns
+    -----
+    DataWarning
+        It has other layers, which are not read.
+    """
+    for each in map(path.with_name, (path.name + suffix for suffix in _WAITING)):
+        if each.is_file() and each.stat().st_size:
+            raise FormatError(f"{path}: changes wait in {each.name}: close what has the file open")
+    try:
+        with closing(_opened(path)) as connection:
+            return _Package(connection, path).features()
+    except (sqlite3.Error, ValueError, struct.error, IndexError) as error:
+        if isinstance(error, FormatError):
+            raise
+        raise FormatError(f"{path}: damaged, or no GeoPackage: {error}") from error
+
+
+def _opened(path: Path) -> sqlite3.Connection:
+    """Open a file as it is: neither changed nor locked, and without a journal."""
+    uri = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
+    connection = sqlite3.connect(uri, uri=True, isolation_level=None)
+    for each in ("trusted_schema = OFF", "cell_size_check = ON", "mmap_size = 0"):
+        connection.execute(f"PRAGMA {each}")
+    left = _STEPS_MORE + _STEPS_OF_A_BYTE * path.stat().st_size
+
+    def count() -> bool:
+        nonlocal left
+        left -= _STEPS
+        return left < 0
+
+    connection.set_progress_handler(count, _STEPS)
+    return connection
+
+
+class _Package:
+    """An open file, whose tables are read one by one."""
+
+    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+        self._connection, self._path = connection, path
+        self._left = _BYTES_MORE + _EXPANSION * path.stat().st_size
+        self._allowed = {_SCHEMA}
+        connection.set_authorizer(self._judged)
+        rows = self._rows(_SCHEMA, "name", "type", "sql")
+        self._tables = {name.lower(): (kind, sql or "") for name, kind, sql in rows}
+
+    def features(self) -> tuple[dict[str, Any], str | None]:
+        """Read the first layer."""
+        name, key, system = self._layer()
+        columns = self._columns(name)
+        if key not in columns:
+            raise FormatError(f"{self._path}: layer {shown(name)} has no column {shown(key)}")
+        found = []
+        for row in self._rows(name, *columns):
+            values = dict(zip(columns, row, strict=True))
+            shape = _geometry(values.pop(key))
+            found.append({"type": "Feature", "properties": values, "geometry": shape})
+        return {"type": "FeatureCollection", "features": found}, self._system(system)
+
+    def _layer(self) -> tuple[str, str, int]:
+        """Return the table of the first layer, its column of geometries, and its system."""
+        if "gpkg_contents" not in self._tables:
+            raise FormatError(f"{self._path}: a file of SQLite, but no GeoPackage")
+        kinds = self._rows("gpkg_contents", "table_name", "data_type")
+        names = [name for name, kind in kinds if kind == "features"]
+        keys = {
+            name: (column, system)
+            for name, column, system in self._rows(
+                "gpkg_geometry_columns", "table_name", "column_name", "srs_id"
+            )
+        }
+        if not names or names[0] not in keys:
+            raise FormatError(f"{self._path}: there is no layer of features in the GeoPackage")
+        if len(names) > 1:
+            others = ", ".join(map(shown, names[1:9]))
+            warn(
+                f"{self._path}: layer {shown(names[0])} is read, and {others} not: save the layer "
+                "you need to a file of its own",
+                DataWarning,
+                stacklevel=2,
+            )
+        return names[0], *keys[names[0]]
+
+    def _system(self, number: int) -> str | None:
+        """Return the system of a number that the file gives it."""
+        columns = ("srs_id", "organization", "organization_coordsys_id", "definition")
+        for own, author, code, text in self._rows("gpkg_spatial_ref_sys", *columns):
+            if own == number:
+                if str(author).upper() == "EPSG" and isinstance(code, int) and code > 0:
+                    return f"EPSG:{code}"
+                return text if isinstance(text, str) and text != "undefined" else None
+        return None
+
+    def _columns(self, table: str) -> list[str]:
+        """Return the columns of values: without the number of the row, and none computed."""
+        self._check_table(table)
+        found = self._connection.execute(f"PRAGMA main.{_COLUMNS}({_quoted(table)})").fetchall()
+        if any(each[6] for each in found):
+            raise FormatError(f"{self._path}: layer {shown(table)} has computed columns: refused")
+        return [each[1] for each in found if not each[5]]
+
+    def _rows(self, table: str, *columns: str) -> Iterator[tuple[Any, ...]]:
+        """Read columns of an ordinary table; what is read may not take more than files can hold."""
+        if table != _SCHEMA:
+            self._check_table(table)
+        own = _quoted(table)
+        names = ", ".join(f"{own}.{_quoted(each)}" for each in columns)
+        command = f"SELECT {names} FROM main.{own} NOT INDEXED"  # noqa: S608 - names are quoted
+        for row in self._connection.execute(command):
+            held = sum(len(each) for each in row if isinstance(each, (str, bytes)))
+            self._left -= held + 8 * len(row)
+            if self._left < 0:
+                raise FormatError(
+                    f"{self._path}: table {shown(table)} holds more than the file: it is damaged"
+                )
+            yield row
+
+    def _check_table(self, name: str) -> None:
+        kind, text = self._tables.get(name.lower(), ("nothing", ""))
+        if kind != "table" or not text.startswith("CREATE TABLE "):
+            raise FormatError(
+                f"{self._path}: {shown(name)} is no ordinary table but {kind} (views and virtual "
+                "tables are refused): save the layer to a new file"
+            )
+        self._allowed.add(name.lower())
+
+    def _judged(self, action: int, table: str | None, *rest: str | None) -> int:
+        """Deny all but reading columns of tables that were looked at, and not through a view."""
+        is_known = {
+            sqlite3.SQLITE_SELECT: True,
+            sqlite3.SQLITE_PRAGMA: table == _COLUMNS,
+            sqlite3.SQLITE_READ: str(table).lower() in self._allowed,
+        }.get(action, False)
+        return sqlite3.SQLITE_OK if is_known and rest[-1] is None else sqlite3.SQLITE_DENY
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _geometry(value: object) -> dict[str, Any] | None:
+    """Convert a geometry with the head that a GeoPackage puts before it."""
+    if value is None:
+        return None
+    if not isinstance(value, bytes) or value[:2] != b"GP" or value[3] >> 1 & 7 >= len(_ENVELOPES):
+        raise ValueError(f"no geometry of a GeoPackage: {shown(value)}")
+    return geometry_of(value, 8 + _ENVELOPES[value[3] >> 1 & 7])
