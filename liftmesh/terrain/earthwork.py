@@ -98,7 +98,8 @@ class Comparing:
         Notes
         -----
         Which faces overlap, and how, is decided exactly. Volumes have an error of at most 1e-12 of
-        the area times the largest distance of the surfaces, whatever the shape of their faces.
+        the area times the largest distance of the surfaces; only where all that they have in common
+        is below 1e-16 of the squares of the sides of its faces may it be larger.
         Where both surfaces are exchanged, so are cut and fill, to the bit; neither the order of the
         points changes a bit, nor a shift or a power of two that rounds no coordinate.
 
