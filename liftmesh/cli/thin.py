@@ -93,7 +93,7 @@ def run(
     told = {
         **outputs.values(written),
         "thinning": kept.metadata.get("thinning"),
-        "selection": files.found_selection(cloud) or None,
+        "selection": files.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
     is_stdout = files.is_stream(target)

@@ -6,7 +6,7 @@ no name, so that not even a killed process leaves a part behind; elsewhere it is
 the same folder until it is complete. The new file has the permissions of any new file, or those of
 the file it replaces. If the target is a symbolic link that the user has named, the file it points
 to is replaced; a target that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and
-is written at the end. What has a name that liftmesh chose is replaced itself, be it a link or a pipe.
+is written at the end. What has a name that liftmesh chose is replaced itself, be it a link or not.
 """
 
 from __future__ import annotations
