@@ -90,8 +90,8 @@ class Sampling:
         Which vertices are natural neighbours is decided exactly; vertices of faces that are left
         out are among them. Weights are right to 1e-12 of the largest. By them a point takes time
         for each of its neighbours: many, near the centre of a circle of vertices. The nearest
-        vertex is found in time that grows as log n, unless many vertices are about as near. Slopes
-        and aspects are those of faces, whatever the method.
+        vertex takes longer where many vertices are about as near, as in the middle of a circle.
+        Slopes and aspects are those of faces, whatever the method.
 
         Examples
         --------

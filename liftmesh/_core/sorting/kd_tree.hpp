@@ -57,7 +57,7 @@ class KdTree {
             return !(meets_near || meets_far) || search(meets_near ? near : far, query);
         if (query.distance(nodes_[far].box) < query.distance(nodes_[near].box))
             std::swap(near, far);
-        return search(near, query) && search(far, query);
+        return search(near, query) && (!query.meets(nodes_[far].box) || search(far, query));
     }
 
     std::vector<Row> rows_;

@@ -7,7 +7,8 @@
 // mostly ends there. A neighbour is nearer only if its direction is less than a right angle from
 // that of the point: so around the first vertex, to both sides of the triangle, others are not
 // looked at. Where a walk takes long, as around a vertex of many triangles, a search in the tree
-// takes O(log n) steps, unless as many vertices are about as near.
+// takes O(log n) steps, unless many vertices are about as near: as sqrt(n) near the middle of a
+// circle.
 #pragma once
 
 #include <cstddef>

@@ -96,7 +96,7 @@ class Relief {
     double height(Point query, std::int32_t simplex, Place place, Patience& patience) const;
 
  private:
-    static constexpr std::size_t price_of_tree = 16;  // steps for each triangle
+    static constexpr std::size_t price_of_tree = 4;  // steps for each triangle
 
     Triangulated mesh_;
     Heights heights_;
