@@ -20,14 +20,13 @@ from typing import Any, Literal, TypeAlias
 from liftmesh.choices import shown
 from liftmesh.errors import FormatError, InputError, MissingDependencyError
 from liftmesh.optional import load
-from liftmesh.wkt import Node, tree
+from liftmesh.wkt import Node, plain, tree
 
 Kind: TypeAlias = Literal["projected", "geographic", "geocentric", "local"]
 
-_WKT = re.compile(r"\s*[A-Za-z_]+\s*[\[(]")
 _NUMBER = re.compile(
-    r"(urn:ogc:def:crs:)?(?P<authority>[A-Za-z_]{1,16})::?(?P<code>[0-9]{1,9}(\+[0-9]{1,9})?)",
-    re.ASCII,
+    r"(urn:ogc:def:crs:)?(?P<authority>EPSG|ESRI|IAU_2015)::?(?P<code>[0-9]{1,9}(\+[0-9]{1,9})?)",
+    re.ASCII | re.IGNORECASE,
 )
 _KINDS: dict[str, Kind] = {
     "PROJCS": "projected", "PROJCRS": "projected", "PROJECTEDCRS": "projected",
@@ -92,14 +91,14 @@ def described(crs: str | None) -> System | None:
     """
     if crs is None:
         return None
-    if not _WKT.match(crs):
+    if is_number(crs):
         crs = _wkt_of(crs)
     root = None if crs is None else tree(crs)
     return None if root is None else _system(root)
 
 
 def is_system(crs: object) -> bool:
-    """Whether a value has the form of WKT or of a number.
+    """Whether a value is a number, or WKT that defines a system and names no files.
 
     Parameters
     ----------
@@ -113,10 +112,15 @@ def is_system(crs: object) -> bool:
 
     Examples
     --------
-    >>> is_system("EPSG:25832"), is_system("EPSG:abc")
-    (True, False)
+    >>> is_system("EPSG:25832"), is_system("EPSG:abc"), is_system("+init=/etc/hosts:1")
+    (True, False, False)
     """
-    return isinstance(crs, str) and (is_number(crs) or bool(_WKT.match(crs)))
+    return isinstance(crs, str) and without_files(crs) is not None
+
+
+def without_files(crs: str) -> str | None:
+    """Return a text as PROJ and GDAL may see it, which open no files for it; None if it is none."""
+    return crs if is_number(crs) else plain(crs)
 
 
 def is_number(crs: str) -> bool:
@@ -130,7 +134,7 @@ def is_number(crs: str) -> bool:
     Returns
     -------
     bool
-        Whether it is like ``EPSG:n``, or a URN of it.
+        Whether it is like ``EPSG:n``, ``ESRI:n`` or ``IAU_2015:n``, or a URN of it.
 
     Examples
     --------
@@ -305,10 +309,11 @@ def looked_up(pyproj: Any, crs: str) -> Any:
     'ETRS89 / UTM zone 32N'
     """
     unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
-    if not is_system(crs):
+    text = without_files(crs) if isinstance(crs, str) else None
+    if text is None:
         raise unknown
     try:
-        return pyproj.CRS.from_user_input(crs)
+        return pyproj.CRS.from_user_input(text)
     except (pyproj.exceptions.CRSError, UnicodeError) as error:
         raise unknown from error
 

@@ -15,9 +15,9 @@ Examples
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -34,7 +34,9 @@ from liftmesh.tiles.clouds import (
     valued_parts,
     valued_parts_of_file,
 )
+from liftmesh.tiles.cluster import client_of, local_cluster
 from liftmesh.tiles.copies import in_files, numbered, stage_of
+from liftmesh.tiles.las import readings
 from liftmesh.tiles.parquet import planar_columns
 from liftmesh.tiles.release import release
 from liftmesh.tiles.run import (
@@ -67,13 +69,9 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
     from liftmesh.tiles.tiled_surface import TiledSurface
 
+__all__ = ["delaunay", "local_cluster", "triangulate"]
+
 _TRIES = 3  # of a task that raises OSError, as a network disk may
-# Tasks are long calls of the kernel: samples of their stacks say nothing, and take a twentieth.
-_SETTINGS = {
-    "distributed.deploy.lost-worker-timeout": "10 minutes",
-    "distributed.worker.profile.enabled": False,
-    "distributed.admin.tick.interval": "1s",
-}
 
 
 def delaunay(  # noqa: PLR0913 - options are keywords
@@ -135,14 +133,14 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     >>> import numpy as np
     >>> from dask.distributed import Client
     >>> points = np.random.default_rng(0).random((1000, 2))
-    >>> with Client(n_workers=1, processes=False, dashboard_address=":0") as client:
+    >>> with Client(n_workers=1, processes=False, dashboard_address="127.0.0.1:0") as client:
     ...     tiled = delaunay(points, tempfile.mkdtemp(), tile_rows=300, client=client)
     >>> tiled
     <Tiled: 1980 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
     options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
-    with _client(client) as used:
+    with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)
         found = triangulated(source, options, workers, fitting=fitting, cut=workers.parts)
@@ -213,7 +211,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     >>> import numpy as np
     >>> from dask.distributed import Client
     >>> points = np.random.default_rng(0).random((1000, 3))
-    >>> with Client(n_workers=1, processes=False, dashboard_address=":0") as client:
+    >>> with Client(n_workers=1, processes=False, dashboard_address="127.0.0.1:0") as client:
     ...     tiled = triangulate(points, tempfile.mkdtemp(), tile_rows=300, client=client)
     >>> tiled
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
@@ -223,7 +221,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     options = Options.checked(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
-    with _client(client) as used:
+    with client_of(client) as used:
         workers = _Workers(used, progress)
         cut = partial(workers.valued_parts, reading=surface.reading)
         fitting = _tile_rows(used, SURFACE_ROW_BYTES)
@@ -266,7 +264,11 @@ class _Workers:
         """Cut the source of a surface into parts that all workers can read."""
         files = files_of(source)
         if files is not None:
-            calls = [(each, os.path.abspath(each.source), rows, scratch, reading) for each in files]  # noqa: PTH100 - links stay
+            names = [os.path.abspath(each.source) for each in files]  # noqa: PTH100 - links stay
+            (given,) = self.each("open", readings, [(names, reading)])
+            calls = [
+                (*each, rows, scratch, how) for *each, how in zip(files, names, given, strict=True)
+            ]
             found = self.each(stage_of(files, (".npy",)), valued_parts_of_file, calls)
             return alike([part for parts in found for part in parts])
         blocks = _blocks(source, rows, every_column=True)
@@ -352,54 +354,6 @@ class _Workers:
             self._client.cancel(list(futures))
             raise
         return [found[future.key] for future in futures]
-
-
-@contextmanager
-def _client(given: Any) -> Iterator[Any]:
-    """Use a client, the current one, or a cluster of this machine for as long as it is needed."""
-    distributed = load("dask.distributed", extra="dask")
-    if given is not None and not isinstance(given, distributed.Client):
-        raise InputError(f"client is a {type(given).__name__}: give a dask.distributed.Client")
-    used = given if given is not None else _current(distributed)
-    if used is None:
-        with local_cluster() as made:
-            yield made
-    elif used.asynchronous:
-        raise InputError("the client is asynchronous: give one made with asynchronous=False")
-    else:
-        yield used
-
-
-@contextmanager
-def local_cluster(**options: Any) -> Iterator[Any]:
-    """Start workers of one thread on this machine, and close them in the end.
-
-    A worker that dies is replaced, also if that takes longer than the 15 seconds that Dask waits.
-
-    Parameters
-    ----------
-    **options
-        As for `dask.distributed.LocalCluster`.
-
-    Yields
-    ------
-    distributed.Client
-        A client of the cluster.
-    """
-    distributed = load("dask.distributed", extra="dask")
-    settings = {"threads_per_worker": 1, "dashboard_address": ":0", **options}
-    with (
-        load("dask.config", extra="dask").set(_SETTINGS),
-        distributed.LocalCluster(**settings) as cluster,
-        distributed.Client(cluster, set_as_default=False) as client,
-    ):
-        yield client
-
-
-def _current(distributed: Any) -> Any:
-    with suppress(ValueError):
-        return distributed.Client.current()
-    return None
 
 
 def _tile_rows(client: Any, row_bytes: int = ROW_BYTES) -> int:

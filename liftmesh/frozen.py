@@ -12,7 +12,9 @@ from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
+from liftmesh._typing import Rows
 from liftmesh.arrays import read_only
+from liftmesh.errors import InputError
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
@@ -74,6 +76,27 @@ def _frozen(value: Any) -> Any:
     return FrozenDict(
         {key: read_only(v) if isinstance(v, np.ndarray) else v for key, v in value.items()}
     )
+
+
+def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> None:
+    """Refuse a damaged pickle of triangles, whose numbers the kernel would follow anywhere."""
+    triangles = len(simplices)
+    for array, least, beyond in [
+        (simplices, 0, rows),
+        (neighbors, -1, triangles),
+        *((each, 0, rows) for each in others),
+    ]:
+        if array.size and not least <= array.min() <= array.max() < beyond:
+            wrong = array[(array < least) | (array >= beyond)][0]
+            raise InputError(
+                f"the copy is damaged: it has the number {wrong} where {least} to {beyond - 1} "
+                "are possible; triangulate again"
+            )
+    if not simplices.shape == neighbors.shape == (triangles, 3):
+        raise InputError(
+            f"the copy is damaged: simplices are {simplices.shape} and neighbors "
+            f"{neighbors.shape}; triangulate again"
+        )
 
 
 def constructed_from(result: Any) -> tuple[Any, ...]:

@@ -6,6 +6,7 @@ the plane and says nothing of heights.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Protocol
@@ -13,6 +14,8 @@ from typing import Any, Protocol
 from liftmesh.choices import shown
 from liftmesh.crs import FOOT, METRE, SURVEY_FOOT, System, Unit, described
 from liftmesh.errors import InputError
+
+_DEGREE = 111_320.0  # metres of a degree on the equator
 
 
 class Placed(Protocol):
@@ -94,7 +97,8 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
 
     A transformation takes heights for those that the systems state. Where a band says another unit
     than its system, they are converted to that one before; where its system states none, they pass
-    as they are, and are converted afterwards to the unit that the target states, if any.
+    as they are, and are converted afterwards to the unit that the target states, if any. Where
+    nothing says their unit, none can be stated of them.
 
     Parameters
     ----------
@@ -106,12 +110,12 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     Returns
     -------
     (float, float)
-        Both are 1 if the band says nothing.
+        Both are 1 if the band says nothing that the systems do not.
 
     Raises
     ------
     InputError
-        The unit of the band is not known, and heights would have to be converted from it.
+        The target states a unit of heights, and theirs is not known, or only by a name.
 
     Examples
     --------
@@ -123,6 +127,12 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     """
     band = band_unit(cloud)
     stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
+    if wanted is not None and stated is None and band is None and cloud.crs is not None:
+        raise InputError(
+            f"to_crs={shown(target)} states what heights are, but nothing says their unit in the "
+            "file: name their system, too, with crs=, as 'EPSG:2263+6360' (US survey feet), or "
+            "give to_crs= without heights"
+        )
     if band is None or (stated is None and wanted is None):
         return 1.0, 1.0
     if band.metres is None:
@@ -133,6 +143,43 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     if stated is not None:
         return band.metres / stated, 1.0
     return 1.0, 1.0 if wanted is None else band.metres / wanted
+
+
+def steps_in(scale: object, crs: str | None, target: str) -> list[float] | None:
+    """Return steps of coordinates in another system that are as fine on the ground.
+
+    Parameters
+    ----------
+    scale : object
+        Three steps, as a file of lidar states them, of x, y and z.
+    crs, target : str, optional
+        The system that they are in, and the other.
+
+    Returns
+    -------
+    list of float, or None
+        Those of an axis whose unit stays are the same, others powers of ten. None if there are no
+        such steps, or a unit is not known.
+
+    Examples
+    --------
+    >>> steps_in([1e-7, 1e-7, 0.01], "EPSG:4979", "EPSG:25832")
+    [0.01, 0.01, 0.01]
+    """
+    one, other = described(crs), described(target)
+    if not isinstance(scale, list) or len(scale) != 3 or one is None or other is None:
+        return None
+    if not all(isinstance(each, float) and 0 < each < math.inf for each in scale):
+        return None
+    return [*map(_step_in, scale, one.units, other.units)]
+
+
+def _step_in(step: float, before: Unit | None, after: Unit | None) -> float:
+    if before == after or (before is None) != (after is None):  # what is not said stays
+        return step
+    metres = [_DEGREE if each.metres is None else each.metres for each in (before, after) if each]
+    exponent = math.floor(math.log10(step * metres[0] / metres[1]) + 1e-9)
+    return float(f"1e{exponent}")
 
 
 def _unit_of_heights(crs: str | None) -> float | None:

@@ -69,7 +69,7 @@ def given_system(crs: Any) -> str:
     Parameters
     ----------
     crs : object
-        A number, text or system of pyproj.
+        A number, text, pair of authority and code, or system of pyproj.
 
     Returns
     -------
@@ -86,10 +86,14 @@ def given_system(crs: Any) -> str:
     >>> given_system(25832)
     'EPSG:25832'
     """
-    pyproj = load("pyproj", extra="shapes")
+    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
+    if isinstance(crs, int):
+        text = f"EPSG:{crs}"
+    elif isinstance(crs, tuple):
+        text = ":".join(map(str, crs))
     try:
-        return text_of(pyproj.CRS.from_user_input(crs))
-    except pyproj.exceptions.CRSError as error:
+        return text_of(looked_up(load("pyproj", extra="shapes"), text))
+    except InputError as error:
         raise InputError(
             f"crs is {shown(crs)}, which pyproj does not know: give one such as 'EPSG:25832'"
         ) from error
@@ -124,6 +128,66 @@ def are_different(one: str | None, other: str | None) -> bool:
         return all(is_number(each) for each in (one, other))
     first, second = (each.sub_crs_list[0] if each.is_compound else each for each in planes)
     return not first.equals(second, ignore_axis_order=True)
+
+
+def plane_of(crs: str | None) -> str | None:
+    """Return the system of x and y alone: what has no height is in none of heights.
+
+    Parameters
+    ----------
+    crs : str, optional
+        WKT or a number.
+
+    Returns
+    -------
+    str or None
+        The system without that of heights; the text itself if it states none.
+
+    Raises
+    ------
+    InputError
+        The system is unknown.
+    MissingDependencyError
+        It states heights, and pyproj is not installed.
+
+    Examples
+    --------
+    >>> plane_of("EPSG:25832+7837"), plane_of("EPSG:4979"), plane_of("EPSG:25832")
+    ('EPSG:25832', 'EPSG:4326', 'EPSG:25832')
+    """
+    system = described(crs)
+    if crs is None or system is None or system.units[2] is None:
+        return crs
+    found = looked_up(load("pyproj", extra="terrain"), crs).to_2d()
+    return text_of(found.sub_crs_list[0] if found.is_compound else found)
+
+
+def adds_heights(one: str | None, other: str) -> bool:
+    """Whether a system is another one of the plane, which says nothing of heights, with heights.
+
+    Parameters
+    ----------
+    one : str, optional
+        Of the plane, perhaps.
+    other : str
+        Perhaps the same with heights.
+
+    Returns
+    -------
+    bool
+        Also True if there is no first one.
+
+    Examples
+    --------
+    >>> adds_heights("EPSG:25832", "EPSG:25832+7837"), adds_heights("EPSG:25832", "EPSG:25833+7837")
+    (True, False)
+    """
+    if one is None:
+        return True
+    before, after = described(one), described(other)
+    if before is None or after is None or are_different(one, other):
+        return False
+    return before.units[2] is None and after.units[2] is not None
 
 
 def is_same(one: str | None, other: str | None) -> bool:

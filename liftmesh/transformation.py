@@ -1,11 +1,17 @@
 """Coordinates in another coordinate reference system, by pyproj, which only this needs.
 
-Nothing is approximated in silence: a transformation without its grid is refused, and heights keep
-their system, are converted, or are named in the target.
+Nothing is approximated in silence: a transformation without its grid is refused; what operation was
+taken is said, with its accuracy and the better one whose grid is missing; heights keep their
+system, are converted, or are named in the target.
 """
 
 from __future__ import annotations
 
+import math
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,10 +21,30 @@ from liftmesh.choices import shown
 from liftmesh.crs import looked_up
 from liftmesh.errors import InputError
 from liftmesh.optional import load
+from liftmesh.wkt import has_grids
 
 
-def transformed(points: Floats, crs: str | None, target: str) -> Floats:
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """How coordinates are transformed: by what of pyproj, and what is said of it.
+
+    ``told`` has the "operation" as PROJ names it, and its "accuracy" in metres, None if that is not
+    known; and if one that is more accurate lacks its grid, "better", its name, with
+    "better_accuracy" and "grid", the file.
+    """
+
+    change: Any
+    keeps_heights: bool
+    told: dict[str, Any]
+
+
+def transformed(
+    points: Floats, crs: str | None, target: str, chosen: dict[str, Operation] | None = None
+) -> tuple[Floats, dict[str, Any]]:
     """Transform coordinates to another system, by pyproj.
+
+    Of the operations for the place of the first row, the most accurate one that is installed
+    transforms all rows, so that there is no step among them.
 
     Parameters
     ----------
@@ -28,11 +54,15 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
         Their system.
     target : str
         The other system: WKT or ``EPSG:n``.
+    chosen : dict, optional
+        Keeps the operation for further rows of the same file.
 
     Returns
     -------
-    (n, 3) ndarray of float64
+    points : (n, 3) ndarray of float64
         The coordinates, x before y; heights of the same vertical system as they are.
+    told : dict
+        As of `Operation`.
 
     Raises
     ------
@@ -43,8 +73,9 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
 
     Examples
     --------
-    >>> transformed(np.array([[9.0, 48.0, 5.0]]), "EPSG:4326", "EPSG:25832").round().tolist()
-    [[500000.0, 5316300.0, 5.0]]
+    >>> found, told = transformed(np.array([[9.0, 48.0, 5.0]]), "EPSG:4326", "EPSG:25832")
+    >>> found.round().tolist(), told["operation"], told["accuracy"]
+    ([[500000.0, 5316300.0, 5.0]], 'Inverse of ETRS89 to WGS 84 (1) + UTM zone 32N', 1.0)
     """
     if crs is None:
         raise InputError(
@@ -52,20 +83,18 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
             "with crs="
         )
     pyproj = load("pyproj", extra="terrain")
-    systems = [looked_up(pyproj, each) for each in (crs, target)]
-    heights = [_vertical(each) for each in systems]
-    is_shared = None not in heights and heights[0].equals(heights[1], ignore_axis_order=True)
-    if is_shared:  # then a change of the plane's datum asks for no grid of heights
-        systems = [each.sub_crs_list[0] for each in systems]
+    kept = {} if chosen is None else chosen
+    with _offline(pyproj):
+        operation = kept.get(crs) or _operation(pyproj, points, crs, target)
+    if len(points):  # no rows have no place
+        kept[crs] = operation
     try:
-        change = pyproj.Transformer.from_crs(*systems, always_xy=True, allow_ballpark=False)
-        found = np.stack(change.transform(*points.astype(np.float64).T), axis=1)
-        found[:, 2] = points[:, 2] if is_shared else found[:, 2]
+        with _offline(pyproj):
+            moved = operation.change.transform(*points.astype(np.float64).T)
+        found = np.stack(moved, axis=1)
     except pyproj.exceptions.ProjError as error:
-        raise InputError(
-            f"to_crs={shown(target)}: there is no exact transformation, or it needs a grid that is "
-            "not installed: give the system without heights, or another one of the file with crs="
-        ) from error
+        raise _impossible(target, ()) from error
+    found[:, 2] = points[:, 2] if operation.keeps_heights else found[:, 2]
     lost = np.isfinite(points).all(axis=1) & ~np.isfinite(found).all(axis=1)
     if lost.any():
         row = int(np.argmax(lost))
@@ -73,7 +102,175 @@ def transformed(points: Floats, crs: str | None, target: str) -> Floats:
             f"row {row}, {tuple(points[row].tolist())}, has no place in {shown(target)}: give "
             "another to_crs="
         )
-    return found
+    return found, operation.told
+
+
+def told_of(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how coordinates were transformed as they were read.
+
+    Parameters
+    ----------
+    metadata : mapping
+        Of a cloud or a surface.
+
+    Returns
+    -------
+    dict
+        As of `Operation`; empty if they were not.
+
+    Examples
+    --------
+    >>> told_of({"transformation": "by hand"})
+    {}
+    """
+    found = metadata.get("transformation")  # a caller may say anything of that name
+    is_told = isinstance(found, Mapping) and {"operation", "accuracy"} <= found.keys()
+    return {**found} if is_told else {}  # type: ignore[dict-item]
+
+
+def sentence(told: Mapping[str, Any]) -> str:
+    """Say how coordinates were transformed.
+
+    Parameters
+    ----------
+    told : mapping
+        As of `Operation`.
+
+    Returns
+    -------
+    str
+        Without a full stop.
+
+    Examples
+    --------
+    >>> told = {"operation": "DHDN to ETRS89 (2)", "accuracy": 3.0}
+    >>> sentence(told)
+    'transformed by DHDN to ETRS89 (2) (accuracy 3 m)'
+    >>> told |= {"better": "DHDN to ETRS89 (8)", "better_accuracy": 0.9, "grid": "a.tif"}
+    >>> sentence(told).partition("; ")[2]
+    'DHDN to ETRS89 (8) (0.9 m) needs the grid a.tif, which is not installed'
+    """
+    accuracy = told["accuracy"]
+    known = "not known" if accuracy is None else f"{accuracy:g} m"
+    text = f"transformed by {told['operation']} (accuracy {known})"
+    if "better" not in told:
+        return text
+    better = f"{told['better']} ({told['better_accuracy']:g} m)"
+    return f"{text}; {better} needs the grid {told['grid']}, which is not installed"
+
+
+def common(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return how the parts of one cloud were transformed, at the accuracy of the worst of them.
+
+    Parameters
+    ----------
+    parts : sequence of mapping
+        As of `told_of`.
+
+    Returns
+    -------
+    dict
+        As of `Operation`; empty if none was.
+
+    Examples
+    --------
+    >>> common([{"operation": "a", "accuracy": 1.0}, {}, {"operation": "b", "accuracy": 3.0}])
+    {'operation': 'a, others by b', 'accuracy': 3.0}
+    """
+    found = {each["operation"]: each for each in parts if each}
+    if len(found) < 2:
+        return dict(next(iter(found.values()), {}))
+    accuracies = [each["accuracy"] for each in found.values()]
+    worst = None if None in accuracies else max(accuracies)
+    return {"operation": ", others by ".join(found), "accuracy": worst}
+
+
+def _operation(pyproj: Any, points: Floats, crs: str, target: str) -> Operation:
+    """Choose the most accurate operation that is installed, and say which would be better."""
+    systems = [looked_up(pyproj, each) for each in (crs, target)]
+    heights = [_vertical(each) for each in systems]
+    is_shared = None not in heights and heights[0].equals(heights[1], ignore_axis_order=True)
+    area = _place(pyproj, points, systems[0])
+    if is_shared:  # then a change of the plane's datum asks for no grid of heights
+        systems = [each.sub_crs_list[0] for each in systems]
+    else:
+        _check_grids(crs, target)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what is not installed is said below
+        group = pyproj.transformer.TransformerGroup(
+            *systems, always_xy=True, allow_ballpark=False, area_of_interest=area
+        )
+    lacking = sorted(group.unavailable_operations, key=_error)
+    if not group.transformers:
+        raise _impossible(target, lacking)
+    change = min(group.transformers, key=_error)
+    told = {"operation": _named(change.description), "accuracy": _known(change)}
+    if lacking and _error(lacking[0]) < _error(change):
+        told |= {"better": _named(lacking[0].name), "better_accuracy": _known(lacking[0])}
+        told["grid"] = ", ".join(_grids(lacking[0]))
+    return Operation(change, is_shared, told)
+
+
+def _place(pyproj: Any, points: Floats, system: Any) -> Any:
+    """Return where the first finite row is, in degrees; None if that is not known."""
+    first = np.argmax(np.isfinite(points).all(axis=1)) if len(points) else 0
+    try:
+        change = pyproj.Transformer.from_crs(system, "EPSG:4326", always_xy=True)
+        x, y, _ = change.transform(*points[first : first + 1].astype(np.float64).T)
+        return pyproj.aoi.AreaOfInterest(x[0], y[0], x[0], y[0])
+    except (pyproj.exceptions.ProjError, IndexError, ValueError):
+        return None
+
+
+def _error(operation: Any) -> float:
+    """Return the accuracy in metres, or infinity."""
+    known = _known(operation)
+    return math.inf if known is None else known
+
+
+def _known(operation: Any) -> float | None:
+    accuracy = operation.accuracy
+    return None if accuracy is None or accuracy < 0 else float(accuracy)
+
+
+def _named(text: str) -> str:
+    """Return the name of an operation, without what concerns no value."""
+    steps = [each for each in text.split(" + ") if not each.startswith("axis order change")]
+    return " + ".join(steps) or text
+
+
+def _grids(operation: Any) -> list[str]:
+    return [each.short_name for each in operation.grids if not each.available]
+
+
+def _impossible(target: str, lacking: Sequence[Any]) -> InputError:
+    files = dict.fromkeys(name for each in lacking for name in _grids(each))
+    needed = f" ({', '.join(files)})" if files else ""
+    return InputError(
+        f"to_crs={shown(target)}: there is no exact transformation, or it needs a grid that is "
+        f"not installed{needed}: give the system without heights, or another one of the file with "
+        "crs="
+    )
+
+
+@contextmanager
+def _offline(pyproj: Any) -> Iterator[None]:
+    """Keep PROJ from fetching grids, even if PROJ_NETWORK allows it; the setting is restored."""
+    was = pyproj.network.is_network_enabled()
+    pyproj.network.set_network_enabled(active=False)
+    try:
+        yield
+    finally:
+        pyproj.network.set_network_enabled(active=was)
+
+
+def _check_grids(*systems: str) -> None:
+    """Raise for a system whose heights are defined by the file of a grid."""
+    for each in filter(has_grids, systems):
+        raise InputError(
+            f"the heights of {shown(each)} are those of a grid (PROJ4_GRIDS), and no file that a "
+            "text names is opened: name their system with crs=, such as EPSG:26910+5703"
+        )
 
 
 def with_heights(crs: str | None, target: str) -> str:

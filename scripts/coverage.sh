@@ -38,7 +38,7 @@ reset_counts() {
 }
 
 run_tests() {
-    "$python" -m coverage run -m pytest -n auto --maxprocesses 4 --dist worksteal --doctest-modules liftmesh tests
+    "$python" -m coverage run -m pytest -n auto --maxprocesses 4 --dist worksteal --whole --doctest-modules liftmesh tests
 }
 
 # A process with a limit on file sizes leaves a truncated file, which is dropped.

@@ -41,7 +41,7 @@ find_python() {
 }
 
 # Prints the missing Debian packages, one a line. With "tests", also the libraries that Open3D's wheel loads, clang
-# with its sanitizers, and valgrind.
+# with its sanitizers, valgrind, and programs that heights are compared with.
 missing_packages() {
     local python version
     if python=$(find_python); then
@@ -56,6 +56,7 @@ missing_packages() {
         [[ -z $python ]] || missing_libraries "$python"
         missing_clang
         missing_valgrind
+        missing_peers
     fi
 }
 
@@ -91,6 +92,11 @@ missing_valgrind() {
     elif ! valgrind --quiet --tool=callgrind --callgrind-out-file=/dev/null true 2>/dev/null; then
         say libc6-dbg
     fi
+}
+
+missing_peers() {
+    printf '#include <CGAL/version.h>\n#include <gmp.h>\n' | "${CXX:-c++}" -E -x c++ - >/dev/null 2>&1 || say libcgal-dev
+    command -v gdal_grid >/dev/null && command -v gdal_create >/dev/null || say gdal-bin
 }
 
 # clang_links PROGRAM FLAG...

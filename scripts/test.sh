@@ -80,6 +80,6 @@ check "clang-format" format_cpp
 check "mypy" .venv-test/bin/mypy
 check "import-linter" .venv-test/bin/lint-imports
 check "the wheel, outside the repository" wheel_is_done
-check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --dist worksteal "${folders[@]}" --doctest-modules liftmesh tests
+check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --dist worksteal "${folders[@]}" --whole --doctest-modules liftmesh tests
 say
 say "All checks passed in $SECONDS s."

@@ -3,8 +3,9 @@
 The tests compare `verify` with it, and the benchmark checks every program's triangles by it. A list
 of triangles is a Delaunay triangulation of the points if they all turn counter-clockwise, fit
 together edge to edge, use every position, satisfy Euler's relation, have a convex boundary, and if
-every interior edge is locally Delaunay. Of cocircular points any triangulation passes. Orientation
-and in-circle signs are liftmesh's predicates, which the tests check against exact integers.
+every interior edge is locally Delaunay. Of cocircular points any triangulation passes. It is no
+oracle of signs: orientation and in-circle are liftmesh's public predicates, so what it shares with
+the kernel is these, which other tests check against exact integers; the rest is its own.
 
 The triangles are processed in blocks, so that a hundred million points can be checked in little
 memory. Where a program gives no neighbours, they are found by sorting the edges.

@@ -208,6 +208,19 @@ def test_errors_name_the_row(radii: object, error: type[Exception], message: str
         liftmesh.apollonius([[0, 9.5], [7, 0], [0, 1]], radii)  # type: ignore[arg-type]
 
 
+def test_a_row_that_is_too_wide_alone_is_named_once() -> None:
+    with pytest.raises(InputError, match=r"^row 1, \(.*\), spans \d+ binary digits"):
+        liftmesh.apollonius([[0, 0], [1e100, 1]], [1, 1e-90])
+
+
+def test_disks_on_one_tangent_follow_each_other_on_the_hull() -> None:
+    order = [2, 0, 3, 1]
+    disks = np.array([[0, 1, 1], [4, 1, 1], [8, 1, 1], [14, 1, 1]], dtype=float)[order]
+    pairs = liftmesh.apollonius(disks[:, :2], disks[:, 2]).convex_hull
+    along = [(order[a], order[b]) for a, b in pairs]
+    assert sorted(along) == [(0, 1), (1, 0), (1, 2), (2, 1), (2, 3), (3, 2)]
+
+
 def test_errors_of_centers() -> None:
     with pytest.raises(NonFiniteError, match="row 1 is not finite") as caught:
         liftmesh.apollonius([[0, 0], [np.nan, 0]], [1, 1])

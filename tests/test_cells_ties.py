@@ -46,6 +46,41 @@ def test_a_hole_that_touches_a_ridge_is_a_hole(hole, side: int) -> None:
     check(cells)
 
 
+def within_sides(cells: liftmesh.Cells) -> list[tuple[int, list[float]]]:
+    """Corners that lie within a side that two cells share."""
+    places, found = np.unique(cells.corners, axis=0), []
+    for start in np.flatnonzero(cells.beyond >= 0).tolist():
+        a, b = cells.corners[start], cells.corners[cells._following[start]]
+        near = ((places >= np.minimum(a, b)) & (places <= np.maximum(a, b))).all(axis=1)
+        inner = places[near & (places != a).any(axis=1) & (places != b).any(axis=1)]
+        ends = exact_point(a), exact_point(b)
+        found += [(start, p.tolist()) for p in inner if area([*ends, exact_point(p)]) == 0]
+    return found
+
+
+def test_a_corner_of_the_domain_on_a_side_is_a_corner_of_both_cells() -> None:
+    hole = [(4, 4), (3, 5), (3, 3)]
+    domain = shapely.Polygon(shapely.box(0, 0, 8, 8).exterior, [hole])
+    cells = liftmesh.voronoi([[2, 4], [6, 4]], domain=domain)
+    for cell in cells.to_shapely():
+        assert (4.0, 4.0) in cell.exterior.coords[:]
+    assert within_sides(cells) == []
+    assert cells.shared_lengths.tolist() == [8.0]
+    check(cells)
+
+
+@given(
+    st.lists(st.tuples(*[st.integers(0, 8)] * 2), min_size=2, max_size=10, unique=True),
+    st.lists(st.tuples(*[st.integers(1, 7)] * 2), min_size=3, max_size=5, unique=True),
+)
+def test_neighbors_share_all_corners_of_their_sides(rows, hole) -> None:
+    cut = shapely.Polygon(hole)
+    assume(cut.is_valid and cut.area > 0)
+    cells = liftmesh.voronoi(np.array(rows, dtype=float), domain=shapely.box(0, 0, 8, 8) - cut)
+    assert within_sides(cells) == []
+    check(cells)
+
+
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_notch_down_to_a_ridge_leaves_two_parts(side: int) -> None:
     notch = [(0, -2), (3, -2), (3, 2), (2, 2), (1.5, 0), (1, 2), (0, 2)]

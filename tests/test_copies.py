@@ -102,3 +102,27 @@ def test_point_location_ends_even_where_the_points_were_changed(
     found = tri.find_simplex(np.random.default_rng(5).random((3000, 2)))
     assert found.min() >= -1
     assert found.max() < tri.nsimplex
+
+
+DAMAGE = [("simplices", 10**8), ("simplices", -1), ("neighbors", 10**8), ("neighbors", -2)]
+
+
+@pytest.mark.parametrize(("name", "number"), [*DAMAGE, ("_hull", 41), ("duplicates", -1)])
+@pytest.mark.parametrize("make", MADE)
+def test_damaged_pickles_are_refused(make: Callable[..., Any], name: str, number: int) -> None:
+    tri = make(np.concatenate([CLOUD[:, :2], CLOUD[:1, :2]]))
+    state = dict(tri.__getstate__())
+    names = "simplices", "neighbors"
+    exact = {each: array.copy() for each, array in zip(names, tri._given(), strict=False)}
+    others = {each: state[each].copy() for each in ("_hull", "duplicates")}
+    (exact | others)[name][0] = number
+    state |= {**exact, **others, "_exact": tuple(exact.values())}
+    with pytest.raises(liftmesh.InputError, match=f"damaged: it has the number {number} where"):
+        object.__new__(type(tri)).__setstate__(state)
+
+
+def test_a_pickle_with_missing_triangles_is_refused() -> None:
+    tri = liftmesh.delaunay(CLOUD)
+    state = dict(tri.__getstate__()) | {"neighbors": tri.neighbors[1:]}
+    with pytest.raises(liftmesh.InputError, match="damaged: simplices are"):
+        object.__new__(liftmesh.Triangulation).__setstate__(state)

@@ -35,7 +35,7 @@ def test_feet_of_height_over_metres_are_said() -> None:
     found = read(FEET, "EPSG:26910", k1024=1, k3072=2225, k4096=6360)
     assert found.crs == "EPSG:26910+6360"
     assert found.points[:, 2].tolist() == [1000.0, 1001.0]
-    plane = transformed(FEET, "EPSG:2225", "EPSG:26910")
+    plane, _ = transformed(FEET, "EPSG:2225", "EPSG:26910")
     assert np.array_equal(found.points[:, :2], plane[:, :2])
     three = Cloud(np.vstack([found.points, found.points[:1] + 1]), crs=found.crs)
     with pytest.warns(DataWarning, match="x is in metre, y in metre, z in US survey foot"):
@@ -68,9 +68,9 @@ def test_heights_above_the_ellipsoid(number: int, model: int) -> None:
 
 def test_a_system_of_heights_that_both_have_needs_no_grid() -> None:
     points = np.array([[155000.0, 463000.0, 5.5]])
-    found = transformed(points, "EPSG:28992+5709", "EPSG:25832+5709")
+    found, _ = transformed(points, "EPSG:28992+5709", "EPSG:25832+5709")
     assert found[0, 2] == 5.5
-    assert np.array_equal(found[:, :2], transformed(points, "EPSG:28992", "EPSG:25832")[:, :2])
+    assert np.array_equal(found[:, :2], transformed(points, "EPSG:28992", "EPSG:25832")[0][:, :2])
 
 
 def band_in(unit: str) -> bytes:
@@ -94,7 +94,7 @@ def band_in(unit: str) -> bytes:
         ("US survey foot", "EPSG:26910", "EPSG:26910+6360", 1),
         ("metre", "EPSG:26910", "EPSG:26910+6360", 3937 / 1200),
         ("ft", "EPSG:26910+5703", "EPSG:32610", 0.3048),  # heights keep their system
-        ("", "EPSG:26910", "EPSG:26910+5703", 1),
+        ("", "EPSG:26910+6360", "EPSG:26910+5703", 1200 / 3937),
     ],
 )
 def test_heights_of_a_band_in_another_system(

@@ -55,7 +55,9 @@ def test_ground_is_found_and_the_same_in_every_run(
     assert found.metadata["ground"] == {
         "rows": 6000, "ground": int(ground.sum()), "method": "csf", "resolution": 0.5,
         "rigidness": 2, "threshold": 0.5, "unit_known": False, "z_unit_known": False,
+        "cells": 561, "bare_cells": found.metadata["ground"]["bare_cells"],
     }  # fmt: skip
+    assert 0 < found.metadata["ground"]["bare_cells"] < 40  # below the roof
     assert capfd.readouterr() == ("", "")
     assert [each.name for each in tmp_path.iterdir()] == ["CSF.py"]
 
@@ -68,6 +70,36 @@ def test_feet_are_converted() -> None:
     assert (classes[0] == classes[1]).mean() > 0.999
     assert kappa(classes[1] == 2, truth) > 0.9
     assert two.metadata["ground"]["unit_known"]
+
+
+def test_heights_in_feet_over_metres_are_converted() -> None:
+    metres, truth = scene()
+    high = replace(metres, points=metres.points / (1, 1, 0.3048), crs="EPSG:25832+8228")
+    one, two = (liftmesh.classify_ground(each) for each in (metres, high))
+    classes = [each.attributes["classification"] for each in (one, two)]
+    assert (classes[0] == classes[1]).mean() > 0.999
+    assert kappa(classes[1] == 2, truth) > 0.9
+    assert two.metadata["ground"]["z_unit_known"]
+
+
+def steep(slope: float) -> Cloud:
+    """Make an even slope of one point a square metre."""
+    plane = np.random.default_rng(5).random((6400, 2)) * 80
+    return Cloud(np.column_stack([plane, np.tan(np.radians(slope)) * plane[:, 0]]))
+
+
+def test_a_cloth_that_loses_the_ground_of_slopes_is_said(tmp_path: Path) -> None:
+    with pytest.warns(liftmesh.DataWarning, match=r"of 64 cells of 10 m have no ground: on slopes"):
+        lost = liftmesh.classify_ground(steep(20), resolution=2)
+    assert lost.metadata["ground"]["ground"] < 3200
+    for slope, resolution in ((20, 0.5), (0, 2)):
+        counts = liftmesh.classify_ground(steep(slope), resolution=resolution).metadata["ground"]
+        assert counts["ground"] > 6000
+    las = records(np.round(steep(20).points, 2), classification=np.ones(6400, np.uint8))
+    (tmp_path / "raw.las").write_bytes(encoded(las))
+    words = ("triangulate", "raw.las", "tin.ply", "--ground", "csf", "--cloth-resolution", "2")
+    done = command(*words, cwd=tmp_path)
+    assert "give a smaller --cloth-resolution, or --cloth-rigidness 1" in done.stderr
 
 
 def test_degrees_are_refused() -> None:
@@ -202,9 +234,9 @@ def test_options_of_the_cloth(tmp_path: Path) -> None:
     done = command(
         "triangulate", "a.las", "a.ply", *words, "--cloth-threshold", "0.2", cwd=tmp_path
     )
-    expected = liftmesh.classify_ground(
-        liftmesh.read(tmp_path / "a.las"), resolution=2, rigidness=3, threshold=0.2
-    )
+    cloud = liftmesh.read(tmp_path / "a.las")
+    with pytest.warns(liftmesh.DataWarning, match="have no ground"):
+        expected = liftmesh.classify_ground(cloud, resolution=2, rigidness=3, threshold=0.2)
     assert json.loads(done.stdout)["ground"] == expected.metadata["ground"]
     for wrong in (("resolution", "0"), ("rigidness", "4"), ("threshold", "no")):
         option = f"--cloth-{wrong[0]}"

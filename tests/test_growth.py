@@ -8,13 +8,15 @@ seconds at larger sizes.
 from __future__ import annotations
 
 import inspect
+from contextlib import nullcontext
 from functools import cached_property
 from pathlib import Path
 
 import pytest
+from growth import seconds
 from growth.counting import Count, Work
 from growth.growing import ORDERS, Growth, cases, grown
-from growth.seconds import FIRST, Timing, timed
+from growth.seconds import Timing
 from growth.subjects import FILES, WITHOUT_DATA, Subject, subjects
 from test_codebase import METHODS, NAMES
 
@@ -111,12 +113,29 @@ def test_what_was_not_measured_is_not_fine() -> None:
     assert found.verdict == "grows"
 
 
-def test_slow_cases_are_timed_from_smaller_sizes_on() -> None:
-    def prepare(n: int) -> Work:
-        return Work(lambda: sum(range(1000 * n)), n)
+class Clock:
+    """Seconds of CPU that calls take as they say."""
 
-    slow = Subject("numbers", {"all": lambda n: n}, prepare)
-    assert min(timed(slow, "all", 0.1).seconds) < FIRST
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def process_time(self) -> float:
+        return self.now
+
+    def advance(self, seconds: float) -> None:
+        self.now += seconds
+
+
+def test_slow_cases_are_timed_from_smaller_sizes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Clock()
+    monkeypatch.setattr(seconds, "time", clock)
+    monkeypatch.setattr(seconds, "limited", lambda _: nullcontext())
+    slow = Subject(
+        "numbers", {"all": lambda n: n}, lambda n: Work(lambda: clock.advance(1e-5 * n), n)
+    )
+    found = seconds.timed(slow, "all", 0.1)
+    assert min(found.seconds) < seconds.FIRST
+    assert found.ratio == pytest.approx(1)
 
 
 def test_a_reader_may_not_grow_slowly_either() -> None:

@@ -235,12 +235,17 @@ def test_only_one_states_heights(folder: Path) -> None:
         done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
         assert done.returncode == 3
         assert done.stderr.splitlines()[-1].endswith(
-            "are the same in the plane, but only high.las states what heights are: give --to-crs "
-            "with heights, such as EPSG:7415"
+            "are the same in the plane, but only high.las states what heights are: say it "
+            "of the other with --from-crs, such as EPSG:7415"
         )
     words = ("--to-crs", "EPSG:25832+7837")
     done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
+    assert "states what heights are, but nothing says their unit in the file" in done.stderr
+    words = ("--from-crs", "EPSG:25832+7837")
+    done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
     assert done.returncode == 0
+    taken = "tile1.las: states ETRS89 / UTM zone 32N; taken as ETRS89 / UTM zone 32N + DHHN2016"
+    assert taken in done.stderr
 
 
 def test_an_input_is_never_overwritten(folder: Path) -> None:

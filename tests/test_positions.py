@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 import sys
-import time
-from collections.abc import Callable
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from clouds import FAMILIES
+from counted_calls import CLOUDS, instructions
 from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 from worst_points import SCALES
 
-import liftmesh
-from liftmesh.cli.summary import summarise
 from liftmesh.planar.positions import find_positions
 
 Points = NDArray[np.float64]
@@ -139,24 +136,8 @@ def test_pieces_and_merges_agree_with_one_sort() -> None:
     assert find_positions(falling).spacing == pytest.approx(np.sqrt(2) * np.median(nearest))
 
 
-def seconds(run: Callable[[], object]) -> float:
-    began = time.process_time()
-    run()
-    return time.process_time() - began
-
-
-CLOUDS: dict[str, Callable[[int, np.random.Generator], Points]] = {
-    "uniform": lambda n, rng: rng.random((n, 2)),
-    "grid": FAMILIES["lattice"],
-    "pairs": lambda n, rng: np.repeat(rng.random((n // 2, 2)), 2, axis=0),
-    **SCALES,
-}
-
-
-@pytest.mark.parametrize("family", CLOUDS)
-def test_a_summary_takes_a_small_multiple_of_a_triangulation(family: str) -> None:
-    rng = np.random.default_rng(0)
-    xy = CLOUDS[family](200_000, rng)
-    cloud = liftmesh.Cloud(np.column_stack((xy, rng.random(len(xy)))))
-    whole = min(seconds(lambda: summarise(cloud)) for _ in range(3))
-    assert whole < 4 * min(seconds(lambda: liftmesh.triangulate(cloud)) for _ in range(3))
+def test_a_summary_takes_a_small_multiple_of_a_triangulation() -> None:
+    jobs = [[call, 10_000, family] for family in CLOUDS for call in ("summary", "triangulation")]
+    found = instructions(*jobs)
+    for family, whole, triangulation in zip(CLOUDS, found[::2], found[1::2], strict=True):
+        assert whole < 4 * triangulation, family

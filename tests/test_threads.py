@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
-import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import get_args
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+from begun_threads import output
 from clouds import FAMILIES
 from distributions import circle, clusters, denormal, lattice, two_columns, uniform
 from hypothesis import given, settings
@@ -192,65 +189,45 @@ class TestHowMany:
         few = 2 * _kernel.ROWS_PER_THREAD - 1
         assert as_threads(None, few) == (1, True)
 
-    @pytest.mark.parametrize("limit", [1, 2, 3, 6])
     @pytest.mark.parametrize("by", ["variable", "argument"])
-    def test_a_run_takes_as_many_as_it_may(self, by, limit, monkeypatch):
-        points = uniform(300_000, np.random.default_rng(0))
-        if by == "variable":
-            monkeypatch.setenv(VARIABLE, str(limit))
-        threads = limit if by == "argument" else None
-        with sampled() as most:
-            liftmesh.delaunay(points, threads=threads)
-        assert most() == limit - 1
+    def test_a_run_takes_as_many_as_it_may(self, by, tmp_path):
+        program = f"""
+            points = np.random.default_rng(0).random((300_000, 2))
+            for limit in (1, 2, 3, 6):
+                os.environ["{VARIABLE}"] = str(limit) if "{by}" == "variable" else "4"
+                threads = limit if "{by}" == "argument" else None
+                print(*begun(lambda: liftmesh.delaunay(points, threads=threads)))
+        """
+        assert output(program, tmp_path).split() == ["0", "0", "1", "1", "2", "2", "5", "5"]
 
-    @pytest.mark.parametrize("method", get_args(Method))
-    def test_few_rows_take_few_whatever_is_asked(self, method):
-        few = uniform(400, np.random.default_rng(0))
-        with sampled() as most:
-            for _ in range(5):
-                liftmesh.delaunay(few, method=method, threads=64)
-        assert most() == 0
-
-    def test_rows_limit_the_number(self):
-        points = uniform(3 * _kernel.ROWS_PER_THREAD, np.random.default_rng(0))
-        with sampled() as most:
-            for _ in range(20):
-                liftmesh.delaunay(points, threads=64)
-        assert most() == 2
+    def test_few_rows_take_few_whatever_is_asked(self, tmp_path):
+        program = f"""
+            few = np.random.default_rng(0).random((400, 2))
+            for method in {get_args(Method)}:
+                print(*begun(lambda: liftmesh.delaunay(few, method=method, threads=64)))
+            few = np.random.default_rng(0).random((3 * {_kernel.ROWS_PER_THREAD}, 2))
+            print(*begun(lambda: liftmesh.delaunay(few, threads=64)))
+        """
+        *none, last = output(program, tmp_path).splitlines()
+        assert none == ["0 0"] * len(get_args(Method))
+        assert last == "2 2"
 
     @pytest.mark.parametrize("limit", [2, 4])
-    def test_runs_at_once_share_the_limit(self, limit, monkeypatch):
-        monkeypatch.setenv(VARIABLE, str(limit))
-        callers = 8
-        clouds = [uniform(60_000, np.random.default_rng(seed)) for seed in range(callers)] * 2
-        expected = [bits(liftmesh.delaunay(points, threads=1)) for points in clouds]
-        with ThreadPoolExecutor(callers) as pool:
-            gate = threading.Barrier(callers)
-            list(pool.map(lambda _: gate.wait(), range(callers)))  # all callers are there
-            with sampled() as most:
-                found = list(pool.map(lambda points: bits(liftmesh.delaunay(points)), clouds))
-        assert found == expected
-        assert 1 <= most() <= limit - 1
-
-
-@contextmanager
-def sampled() -> Iterator[Callable[[], int]]:
-    """Count the threads from another one; what it yields tells how many more there were at most."""
-    peak, done = 0, threading.Event()
-
-    def sample() -> None:
-        nonlocal peak
-        while not done.wait(0.0005):
-            peak = max(peak, threads_alive())
-
-    sampler = threading.Thread(target=sample)
-    sampler.start()
-    before = threads_alive()
-    try:
-        yield lambda: max(peak - before, 0)
-    finally:
-        done.set()
-        sampler.join()
+    def test_runs_at_once_share_the_limit(self, limit, tmp_path):
+        program = """
+            callers, gate = 8, Barrier(8)
+            clouds = [np.random.default_rng(k).random((60_000, 2)) for k in range(callers)] * 2
+            expected = [liftmesh.delaunay(points, threads=1).simplices for points in clouds]
+            with ThreadPoolExecutor(callers) as pool:
+                list(pool.map(lambda _: gate.wait(), range(callers)))  # all callers are there
+                runs = lambda: found.extend(pool.map(liftmesh.delaunay, clouds))
+                found = []
+                most = begun(runs)[1]
+            print(most, all(np.array_equal(a.simplices, b) for a, b in zip(found, expected)))
+        """
+        most, is_right = output(program, tmp_path, **{VARIABLE: str(limit)}).split()
+        assert is_right == "True"
+        assert 1 <= int(most) <= limit - 1
 
 
 def threads_alive() -> int:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 import os
+import pickle
 import resource
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -60,6 +60,16 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("source") / "points.npy"
     np.save(path, POINTS)
     return path
+
+
+def rest(client: Client) -> None:
+    """Wait until no worker is at a task, however long it takes."""
+
+    def executing(dask_worker: Any) -> int:
+        return int(dask_worker.state.executing_count)
+
+    while any(client.run(executing).values()):
+        time.sleep(0.05)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -149,17 +159,15 @@ def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) 
     liftmesh.write(tmp_path / "cloud.ply", cloud)
     options: dict[str, Any] = {"tile_rows": 1_000, "duplicates": "mean", "neighbors": True}
     alone = liftmesh.tile_surface(tmp_path / "cloud.ply", tmp_path / "alone", **options)
-    victims = [*client.run(os.getpid).values()]
+    victims = [*client.run(os.getpid).values()][:1]
 
-    def kill_one() -> None:
-        wait_for(tmp_path / "out", 4)
-        os.kill(victims[0], signal.SIGKILL)
+    def kill_one(share: float) -> None:
+        if share > 0.6 and victims:  # in the middle of the tiles
+            os.kill(victims.pop(), signal.SIGKILL)
 
-    thread = threading.Thread(target=kill_one)
-    thread.start()
     source, out = tmp_path / "cloud.ply", tmp_path / "out"
-    found = liftmesh.dask.triangulate(source, out, client=client, **options)
-    thread.join()
+    found = liftmesh.dask.triangulate(source, out, client=client, progress=kill_one, **options)
+    assert not victims
     assert contents(tmp_path / "out") == contents(tmp_path / "alone")
     assert repr(found) == repr(alone)
     check(found, liftmesh.triangulate(source, duplicates="mean"))
@@ -187,44 +195,34 @@ def test_surfaces_of_frames_and_arrays(client: Client, tmp_path: Path) -> None:
         liftmesh.dask.triangulate(points, tmp_path / "b", duplicates="error", client=client)
 
 
-def wait_for(folder: Path, files: int) -> None:
-    deadline = time.monotonic() + 60
-    while (
-        len(list(folder.glob(".liftmesh-tiles/*-records.npy"))) < files
-        and time.monotonic() < deadline
-    ):
-        time.sleep(0.002)
-
-
 def test_a_worker_is_killed_in_the_middle(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
     killed: list[int] = []
 
-    def kill_one() -> None:
-        wait_for(tmp_path, 4)
-        victim = next(iter(before.values()))
-        os.kill(victim, signal.SIGKILL)
-        killed.append(victim)
+    def kill_one(share: float) -> None:
+        if share > 0.4 and not killed:  # in the middle of the tiles
+            killed.append(next(iter(before.values())))
+            os.kill(killed[0], signal.SIGKILL)
 
     before = client.run(os.getpid)
-    thread = threading.Thread(target=kill_one)
-    thread.start()
-    liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
-    thread.join()
+    liftmesh.dask.delaunay(source, tmp_path, client=client, progress=kill_one, **OPTIONS)
     assert contents(tmp_path) == expected
     client.wait_for_workers(2, timeout=120)
     assert killed[0] not in client.run(os.getpid).values()
 
 
 PROGRAM = """
-import sys
+import pickle, sys
 from dask.distributed import Client
 import liftmesh.dask
-with Client(sys.argv[1]) as client:
-    liftmesh.dask.delaunay(
-        sys.argv[2], sys.argv[3], tile_rows=2000, shards="parquet", neighbors=True, client=client
-    )
+options = {"tile_rows": 2000, "shards": "parquet", "neighbors": True}
+def wait(share):
+    if share > 0.5:
+        print("in the middle", flush=True)
+        sys.stdin.readline()
+with Client(sys.argv[1], security=pickle.loads(bytes.fromhex(sys.stdin.readline()))) as client:
+    liftmesh.dask.delaunay(*sys.argv[2:], client=client, progress=wait, **options)
 """
 
 
@@ -232,10 +230,15 @@ def test_a_client_dies_and_comes_back(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
     address = client.scheduler.address
-    child = subprocess.Popen([sys.executable, "-c", PROGRAM, address, str(source), str(tmp_path)])
-    wait_for(tmp_path, 6)
-    child.kill()
-    child.wait()
+    command = [sys.executable, "-c", PROGRAM, address, str(source), str(tmp_path)]
+    with subprocess.Popen(command, stdin=-1, stdout=-1, text=True) as child:
+        assert child.stdin is not None
+        assert child.stdout is not None
+        child.stdin.write(pickle.dumps(client.security).hex() + "\n")
+        child.stdin.flush()
+        assert child.stdout.readline() == "in the middle\n"
+        child.kill()
+    rest(client)  # the tasks that it had submitted
     assert not (tmp_path / "manifest.json").exists()
     done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
     assert done
@@ -254,17 +257,13 @@ def test_files_of_workers_are_cut_off_as_by_a_full_disk(
     def limit(size: int) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 
-    def executing(dask_worker: Any) -> int:
-        return int(dask_worker.state.executing_count)
-
     options: dict[str, Any] = {"tile_rows": TILE_ROWS, "client": client}
     client.run(limit, 60_000)
     try:
         with pytest.raises(OSError, match="File too large"):
             liftmesh.dask.delaunay(source, tmp_path, **options)
     finally:
-        while any(client.run(executing).values()):  # what runs when another task fails goes on
-            time.sleep(0.05)
+        rest(client)  # what runs when another task fails goes on
         client.run(limit, resource.RLIM_INFINITY)
     names = {path.name for path in tmp_path.rglob("*")}
     assert {"job.json", "run-00011-03.npy"} <= names
@@ -279,19 +278,16 @@ def test_the_scheduler_is_lost_and_started_again(
     source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
     options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "processes": False}
-    options |= {"dashboard_address": ":0", "silence_logs": logging.CRITICAL}
+    options |= {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
     quick = dask.config.set({"distributed.comm.timeouts.connect": "300ms"})
     with quick, LocalCluster(**options) as first, Client(first) as client:
 
-        def close() -> None:
-            wait_for(tmp_path, 6)
-            first.sync(first.scheduler.close)
+        def close(share: float) -> None:
+            if share > 0.4 and first.scheduler.status.name == "running":
+                first.sync(first.scheduler.close)
 
-        thread = threading.Thread(target=close)
-        thread.start()
         with pytest.raises(ConnectionError, match=r"Dask has dropped the tasks .*: what is done"):
-            liftmesh.dask.delaunay(source, tmp_path, client=client, **OPTIONS)
-        thread.join()
+            liftmesh.dask.delaunay(source, tmp_path, client=client, progress=close, **OPTIONS)
     assert not (tmp_path / "manifest.json").exists()
     done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
     assert done
@@ -321,17 +317,20 @@ def test_the_first_error_ends_the_run_and_is_not_tried_again(
     def task(number: int) -> None:
         with (tmp_path / str(number)).open("a") as stream:
             stream.write("x")
-        time.sleep(0.03)
         if number == 0:
             raise InputError("no point")
         if number == 1:
             raise OSError("no disk")
+        while not (tmp_path / "told").exists():  # what has begun lasts until the error was seen
+            time.sleep(0.01)
 
     workers = liftmesh.dask._Workers(client, None)
     with pytest.raises(InputError, match="no point"):
         workers.each("scan", task, [(number,) for number in (0, *range(2, 60))])
     assert (tmp_path / "0").read_text() == "x"
-    assert len(list(tmp_path.iterdir())) < 30
+    assert len(list(tmp_path.iterdir())) < 6  # that one, and what the two workers had begun
+    (tmp_path / "told").touch()
+    rest(client)
     workers = liftmesh.dask._Workers(client, None)
     with pytest.raises(OSError, match="no disk"):
         workers.each("scan", task, [(1,)])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +17,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, FormatError, InputError, NonFiniteError
-from liftmesh.tiles import plan, run
+from liftmesh.tiles import claim, plan, run
 
 POINTS = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 ROWS = 100
@@ -152,6 +154,138 @@ def test_two_runs_in_one_folder(tmp_path: Path) -> None:
     assert liftmesh.open_tiled(tmp_path / "out").is_sound()
 
 
+class Paused(threading.Thread):
+    """A run that stops before a step of claiming its folders, or at work, until it may go on."""
+
+    def __init__(self, step: str, out: Path) -> None:
+        super().__init__(daemon=True)
+        self.step, self.out = step, out
+        self.is_there, self.may_go = threading.Event(), threading.Event()
+        self.error: BaseException | None = None
+        self.start()
+        self.is_there.wait()
+
+    def run(self) -> None:
+        try:
+            liftmesh.tile(POINTS[:40], self.out, tile_rows=16, progress=lambda _: self.at("work"))
+        except BaseException as error:  # noqa: BLE001 - looked at by the test
+            self.error = error
+        self.is_there.set()
+
+    def at(self, step: str) -> None:
+        if step == self.step and not self.is_there.is_set():
+            self.is_there.set()
+            self.may_go.wait()
+
+    def finish(self) -> None:
+        self.may_go.set()
+        self.join()
+
+
+STEPS = ("_make_folders", "_lock", "_take", "_make", "save_json", "work")
+
+
+@pytest.mark.parametrize("first", STEPS)
+def test_two_runs_begun_together_in_a_new_folder(
+    first: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One waits before any step, the other begins and gets to any step: whoever goes on first."""
+
+    def watched(name: str, call: Callable[..., Any]) -> Callable[..., Any]:
+        def watching(*arguments: Any, **options: Any) -> Any:
+            run = threading.current_thread()
+            if isinstance(run, Paused):
+                run.at(name)
+            return call(*arguments, **options)
+
+        return watching
+
+    monkeypatch.setattr(os, "fsync", lambda _: None)  # it takes most of the time
+    for name in STEPS[:-1]:
+        monkeypatch.setattr(claim, name, watched(name, getattr(claim, name)))
+    for turn, second in itertools.product((1, -1), STEPS):
+        out = tmp_path / f"{second}{turn}" / "out"
+        runs = [Paused(first, out), Paused(second, out)]
+        for each in runs[::turn]:
+            each.finish()
+        refused = [each.error for each in runs if each.error is not None]
+        assert len(refused) < 2
+        for error in refused:
+            assert isinstance(error, InputError)
+            assert "out is being written by" in str(error)
+        assert liftmesh.open_tiled(out).is_sound()
+        assert not [*out.glob(".*")]
+
+
+def test_links_that_others_have_planted_are_not_followed(tmp_path: Path) -> None:
+    """Not in the folder of the result, nor in that for scratch."""
+    mine = tmp_path / "mine.txt"
+    mine.write_text("forty pages")
+    for number, (link, name) in enumerate(
+        itertools.product((Path.symlink_to, Path.hardlink_to), (mine.name, "missing.txt"))
+    ):
+        out = tmp_path / f"out{number}"
+        out.mkdir()
+        if name == mine.name or link is Path.symlink_to:
+            link(out / ".liftmesh-run", tmp_path / name)
+            with pytest.raises(InputError, match=r"\.liftmesh-run was not made by a run"):
+                liftmesh.tile(POINTS, out, tile_rows=ROWS)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "out" / "scratch").mkdir(parents=True)
+    (tmp_path / "out" / ".liftmesh-tiles").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(InputError, match=r"\.liftmesh-tiles is a link: remove it"):
+        liftmesh.tile(POINTS, tmp_path / "out", tile_rows=ROWS)
+    assert [path.name for path in tmp_path.glob("*.txt")] == ["mine.txt"]
+    assert mine.read_text() == "forty pages"
+    assert [*(tmp_path / "elsewhere").iterdir()] == []
+
+
+@pytest.mark.parametrize("name", ["hull.npy", "tile-00000.npy", "manifest.json", "plan.json"])
+def test_links_in_the_place_of_our_files_are_replaced(name: str, tmp_path: Path) -> None:
+    """A claim that is all right lets a run go on among them."""
+    out, mine = tmp_path / "out", tmp_path / "mine.txt"
+    stopped(POINTS, out)
+    mine.write_text("forty pages")
+    for place in (mine, tmp_path / "missing.txt"):
+        (out / name).unlink(missing_ok=True)
+        (out / name).symlink_to(place)
+        if name == "manifest.json" and place == mine:
+            with pytest.raises(FormatError, match="not valid JSON"):
+                liftmesh.tile(POINTS, out, tile_rows=ROWS)
+            (out / name).unlink()
+            continue
+        liftmesh.tile(POINTS, out, tile_rows=ROWS)
+        assert not (out / name).is_symlink()
+        stopped(POINTS, out, resume=False)
+    assert mine.read_text() == "forty pages"
+    assert not (tmp_path / "missing.txt").exists()
+
+
+@pytest.mark.parametrize(
+    "text", ["forty pages", "[]", "{}", '{"holder": "me"}', '{"holder": "me", "scratch": 5}']
+)
+def test_a_claim_that_no_run_has_made(text: str, tmp_path: Path) -> None:
+    (tmp_path / ".liftmesh-run").write_text(text)
+    for resume in (True, False):
+        with pytest.raises(InputError, match=r"\.liftmesh-run was not made by a run"):
+            liftmesh.tile(POINTS, tmp_path, tile_rows=ROWS, resume=resume)
+    assert (tmp_path / ".liftmesh-run").read_text() == text
+
+
+def test_a_claim_that_names_the_scratch_folder_of_another_run(tmp_path: Path) -> None:
+    """Nothing is removed there, though it is one of ours."""
+    stopped(POINTS, tmp_path / "other", scratch=tmp_path / "scratch")
+    before = contents(tmp_path / "scratch")
+    (tmp_path / "out").mkdir()
+    (named,) = (tmp_path / "scratch").iterdir()
+    claimed = {"holder": "me", "scratch": str(named)}
+    (tmp_path / "out" / ".liftmesh-run").write_text(json.dumps(claimed))
+    with pytest.raises(InputError, match="holds a run that works in"):
+        liftmesh.tile(POINTS, tmp_path / "out", tile_rows=ROWS)
+    liftmesh.tile(POINTS, tmp_path / "out", tile_rows=ROWS, resume=False)
+    assert contents(tmp_path / "scratch") == before
+
+
 def test_what_cannot_be_resumed_leaves_no_scratch(tmp_path: Path) -> None:
     line = np.arange(800.0).repeat(2).reshape(-1, 2)
     bad = np.concatenate((POINTS, [[np.nan, 0]]))
@@ -221,7 +355,8 @@ def test_files_that_a_kill_left_without_names_are_removed(tmp_path: Path) -> Non
     written_now = tmp_path / ".liftmesh-fedcba9876543210"
 
     def also_write(share: float) -> None:
-        written_now.touch()
+        if share < 0.5:  # not in the end, when what was left has been removed
+            written_now.touch()
 
     liftmesh.tile(points, tmp_path, tile_rows=100, progress=also_write)
     assert not left.exists()

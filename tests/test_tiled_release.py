@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -296,6 +297,39 @@ def test_tiles_that_were_cut_again_and_are_done(
     assert left.items() <= kept.items()  # nothing was sorted by the plan before it was cut again
     made("triangles", source, out)
     assert contents(out) == contents(tmp_path / "expected")
+
+
+def test_rows_go_when_the_names_of_records_are_on_the_disk(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A loss of power must not take both the rows of a group and what its tiles have done."""
+    unsure: set[str] = set()  # names in the scratch folder for which nobody has waited
+    removed: list[str] = []
+    scratch = tmp_path / "out" / ".liftmesh-tiles"
+    sync, replace, unlink = os.fsync, os.replace, os.unlink
+
+    def syncing(file: int) -> None:
+        sync(file)
+        if Path(f"/proc/self/fd/{file}").resolve() == scratch:
+            unsure.clear()
+
+    def replacing(old: str, new: str, **folders: int) -> None:
+        replace(old, new, **folders)
+        if Path(f"/proc/self/fd/{folders['dst_dir_fd']}").resolve() == scratch:
+            unsure.add(new)
+
+    def unlinking(path: Any, **folder: int) -> None:
+        name = Path(path).name
+        if name.startswith("run-") and not (scratch.parent / "manifest.json").exists():
+            assert not {each for each in unsure if each.endswith(".json")}, name
+            removed.append(name)
+        unlink(path, **folder)
+
+    monkeypatch.setattr(os, "fsync", syncing)
+    monkeypatch.setattr(os, "replace", replacing)
+    monkeypatch.setattr(os, "unlink", unlinking)
+    made("triangles", source, tmp_path / "out")
+    assert len(removed) == 5 * ROWS // TILE_ROWS
 
 
 def test_rows_that_are_needed_are_not_removed(tmp_path: Path) -> None:

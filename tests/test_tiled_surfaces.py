@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from commands import liftmesh as command
 from tiled_surfaces import POLICIES, check, steep_cloud
 
 import liftmesh
@@ -150,6 +151,39 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
     assert found.manifest["surface"]["reading"] == {"classes": [1, 3], "bbox": [0, 0, 18, 21]}
     assert [each["rows"] for each in found.manifest["source"]] == [len(each) for each in clouds]
     assert found.verify().canonical
+
+
+def lidar(folder: Path, name: str, rows: slice, classes: list[int]) -> Path:
+    points = POINTS[rows]
+    found = np.resize(np.array(classes, np.uint8), len(points))
+    liftmesh.write(folder / name, Cloud(points, attributes={"classification": found}))
+    return folder / name
+
+
+def test_the_ground_of_lidar_files_is_taken_as_by_triangulate(tmp_path: Path) -> None:
+    """By the library and the command, for one file and for several."""
+    one = lidar(tmp_path, "a.laz", slice(0, 500), [2, 5, 1])
+    other = lidar(tmp_path, "b.las", slice(500, None), [5, 2])
+    bare = lidar(tmp_path, "c.las", slice(0, 300), [0])
+    found = liftmesh.tile_surface(one, tmp_path / "one", tile_rows=100)
+    alone = liftmesh.triangulate(one)
+    check(found, alone)
+    assert found.report.classes == alone.report.classes == {2: 167}
+    assert liftmesh.open_tiled(tmp_path / "one").verify().canonical
+    both = liftmesh.tile_surface([one, other], tmp_path / "both", tile_rows=100)
+    ground = liftmesh.merge([liftmesh.read(each, classes=2) for each in (one, other)])
+    assert both.classes == {2: len(ground)}
+    assert both.npoints == len(ground)
+    assert both.verify([one, other]).canonical
+    every = liftmesh.tile_surface(one, tmp_path / "all", classes="all", tile_rows=100)
+    assert every.report.classes == {1: 166, 2: 167, 5: 167}
+    assert liftmesh.tile_surface(bare, tmp_path / "bare", tile_rows=100).classes == {0: 300}
+    with pytest.raises(InputError, match=r"c\.las: no ground \(class 2\), while other files"):
+        liftmesh.tile_surface([one, bare], tmp_path / "mixed", tile_rows=100)
+    assert not (tmp_path / "mixed").exists()
+    done = command("tile", one, tmp_path / "cli", "--surface", "--tile-rows", 100)
+    assert "2 ground 167" in done.stdout
+    assert liftmesh.open_tiled(tmp_path / "cli").compute().tolist() == found.compute().tolist()
 
 
 @pytest.mark.parametrize("policy", POLICIES)

@@ -36,6 +36,16 @@ def test_lloyd_lowers_the_energy_to_centroidal_cells(domain) -> None:
     assert found.cells.areas.std() < 0.3 * found.cells.areas.mean()
 
 
+@pytest.mark.parametrize("tolerance", [0.1, 0.01])
+def test_lloyd_ends_at_the_first_move_within_a_share_of_a_cell(tolerance: float) -> None:
+    points = RNG.random((100, 2))
+    found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tolerance=tolerance)
+    steps = len(found.energies) - 2  # one less
+    before = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tolerance=tolerance, steps=steps)
+    assert (found.converged, before.converged) == (True, False)
+    assert found.largest_move <= 0.1 * tolerance < before.largest_move  # the side of a cell is 0.1
+
+
 def test_lloyd_tells_what_it_has_not_done() -> None:
     points = RNG.random((40, 2))
     found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), steps=2)
@@ -119,3 +129,21 @@ def test_bad_input_is_named() -> None:
         liftmesh.lloyd(pair, domain=(0, 0, 1e200, 1e200))
     with pytest.raises(liftmesh.InputError, match="exceeds float64"):
         liftmesh.transport(pair, [1, 1], domain=(0, 0, 1e200, 1e200))
+
+
+@pytest.mark.parametrize("spread", [1e-3, 1e-6, 1e-8, 1e-12])
+@pytest.mark.parametrize("exponent", [0, 4])
+def test_rows_close_together_share_the_domain(spread: float, exponent: int) -> None:
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        points = [0.3, 0.4] + spread * rng.random((14, 2))
+        masses = 10.0 ** rng.uniform(0, exponent, 14)
+        found = liftmesh.transport(points, masses, domain=(0, 0, 1, 1))
+        assert found.converged
+        assert abs(found.cells.areas - masses / masses.sum()).sum() < 4e-8
+
+
+def test_two_groups_of_close_rows_share_the_domain() -> None:
+    near = 1e-8 * np.random.default_rng(2).random((7, 2))
+    points = np.concatenate([near + 0.2, near + 0.8])
+    assert liftmesh.transport(points, np.ones(14), domain=(0, 0, 1, 1)).converged

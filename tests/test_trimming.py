@@ -28,6 +28,16 @@ HOLE = [[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]
 POINTS = np.array([[0.5, 0.5], [1.5, 1.5], [3.0, 3.0], [5.0, 1.0]])
 
 
+def is_inside(rings: list[np.ndarray], point: list[float]) -> bool:
+    """Whether a ray to the right crosses the rings an odd number of times, in rationals."""
+    at, crossed = exact_point(point), 0
+    for ring in rings:
+        for ends in zip(ring.tolist(), np.roll(ring, -1, axis=0).tolist(), strict=True):
+            low, high = sorted(map(exact_point, ends), key=lambda end: end[1])
+            crossed += low[1] <= at[1] < high[1] and turn(low, high, at) > 0
+    return crossed % 2 == 1
+
+
 def meadow(n: int = 400, seed: int = 1) -> np.ndarray:
     """Points with a pond in the middle and a bay at the side."""
     points = np.random.default_rng(seed).random((n, 3)) * (100, 100, 10)
@@ -321,6 +331,21 @@ class TestPolygons:
         one, other = (contains(as_polygons(each), points) for each in parts)
         np.testing.assert_array_equal(contains(as_polygons(tree), points), one | other)
         assert (one & other).any()
+
+    @pytest.mark.parametrize("few", [1, 64])
+    @pytest.mark.parametrize("seed", range(24))
+    def test_any_rings_by_definition(self, monkeypatch, few: int, seed: int) -> None:
+        """In narrow strips or in one, crossing rings, corners on points, the largest numbers."""
+        monkeypatch.setattr("liftmesh.terrain.polygons._FEW", few)
+        monkeypatch.setattr("liftmesh.terrain.polygons._NEAR", 0 if few == 1 else 16)
+        monkeypatch.setattr("liftmesh.terrain.polygons._LONG", 8 if seed % 8 > 3 else 4096)
+        rng = np.random.default_rng(seed)
+        corners, count = rng.integers(3, 90), rng.integers(1, 60)
+        grid = [0.0, 1.0, 3.0, -7.0, 5e-324, 1e-300, 1e308, -1e308]
+        choices = [np.arange(6.0), rng.random(5000), 1e8 + np.arange(40) / 7, grid]
+        drawn = [rng.choice(choices[seed % 4], (k, 2)) for k in (corners, 5, count)]
+        found = contains([drawn[:2]], drawn[2])
+        assert found.tolist() == [is_inside(drawn[:2], point) for point in drawn[2].tolist()]
 
     def test_a_mark_of_the_encoding_is_no_part_of_the_text(self, tmp_path) -> None:
         path = tmp_path / "area.geojson"

@@ -12,6 +12,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.arrays import read_only
 from liftmesh.cells.columns import common_crs, frame_of, free_name
 from liftmesh.cells.parts import binary_scale, parts_of
+from liftmesh.crs import looked_up
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -252,7 +253,7 @@ class ClippedCells:
         ------
         InputError
             A column has not one value for each row; or the systems of `data`, of the cells and
-            `crs` differ.
+            `crs` differ, or one is unknown.
         MissingDependencyError
             geopandas is missing.
 
@@ -266,9 +267,9 @@ class ClippedCells:
         geopandas = load("geopandas", extra="shapes")
         frame = frame_of(data, len(self.points))
         frame[free_name("area", frame)] = self.areas
-        shapes = geopandas.GeoSeries(
-            self.to_shapely(), frame.index, crs=common_crs(data, crs, self.crs)
-        )
+        text = common_crs(data, crs, self.crs)
+        system = None if text is None else looked_up(load("pyproj", extra="shapes"), text)
+        shapes = geopandas.GeoSeries(self.to_shapely(), frame.index, crs=system)
         name = free_name("geometry", frame)
         frame[name] = shapes
         return geopandas.GeoDataFrame(frame, geometry=name)

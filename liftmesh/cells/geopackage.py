@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cells.columns import free_name
-from liftmesh.errors import FormatError
+from liftmesh.crs import looked_up
+from liftmesh.errors import FormatError, InputError
 from liftmesh.io.geopackage_writer import write_shapes
 from liftmesh.optional import load
 
@@ -57,9 +58,8 @@ def _signed(name: str, values: Array) -> Array:
     return values.astype(np.int64)
 
 
-def _known(crs: str | None) -> Any:
-    pyproj = load("pyproj", extra="shapes")
+def _known(crs: str | None) -> str | None:
     try:
-        return None if crs is None else pyproj.CRS.from_user_input(crs)
-    except pyproj.exceptions.CRSError:
+        return crs if crs is None or looked_up(load("pyproj", extra="shapes"), crs) else None
+    except InputError:
         return None

@@ -39,6 +39,7 @@ from liftmesh.same_crs import system_of
 
 _SHORTEST = 2.0**-40  # share of a step
 _LEAST = 2.0**-200  # share of the whole
+_SMALL = 2.0**-20  # share of the mean
 _HALF, _RATIO, _LEAST_RATIO = 0.5, 4.0, 1.4  # of what is spread: the first share, and by what less
 _SYMMETRIC = {
     "permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True},
@@ -144,9 +145,9 @@ def transport(
 
     Notes
     -----
-    Newton's method needs a start at which no cell is empty. If the Voronoi cells are no such start,
-    the cells of the sites moved and shrunk into a circle inside the domain are: these are power
-    cells of the sites where they are, by other weights.
+    Newton's method needs a start at which no cell is empty, or next to it. If the Voronoi cells are
+    no such start, the cells of the sites moved and scaled into a circle inside the domain are:
+    these are power cells of the sites where they are, by other weights.
 
     Steps are short where masses differ by factors of a million, and a hundred may not suffice:
     `converged` and the errors tell. A density that is 0 in most places takes tens of steps for
@@ -154,7 +155,8 @@ def transport(
 
     Areas come from corners in float64. A domain of side 1 at an offset of 1e8 has corners rounded
     to 1.5e-8, and `stalled` is True if that is too coarse for the tolerance: subtract the offset,
-    or give a larger tolerance.
+    or give a larger tolerance. So are weights where some rows are much nearer to each other than
+    to the rest, by a factor of 1e8 or more.
 
     Examples
     --------
@@ -178,11 +180,13 @@ def transport(
 
 
 def _start(dual: Dual, domain: Domain, density: Density | None) -> tuple[Measure, Floats]:
-    """Cells that all have an area, and their weights."""
+    """Cells that all have an area, not much less than others, and their weights."""
     start, weights = Cells(dual, domain), np.zeros(len(dual.points))
-    if start.areas.min() <= 0:
-        weights = _feasible(dual.points, domain)
-        start = _clipped(dual.points, weights, domain)
+    if start.areas.min() <= _SMALL * start.areas.mean():
+        spread = _feasible(dual.points, domain)
+        trial = _clipped(dual.points, spread, domain)
+        if trial.areas.min() > start.areas.min():
+            start, weights = trial, spread
     if start.areas.min() <= 0:
         row = int(start.areas.argmin())
         raise InputError(

@@ -239,9 +239,9 @@ def _loops(ring: _Ring) -> Iterable[_Ring]:
 
 
 def _without_straight(ring: _Ring) -> _Ring:
-    """Leave out added corners between two pieces of one side."""
+    """Leave out added corners within edges of the domain; on ridges, the cell beyond has them."""
     return [
         b for a, (b, c) in zip(ring[-1:] + ring[:-1], _sides(ring), strict=True)
-        if not (b.is_added and a.beyond == b.beyond and turn(a.at, b.at, c.at) == 0
+        if not (b.is_added and a.beyond == b.beyond < 0 and turn(a.at, b.at, c.at) == 0
                 and is_within(b.at, a.at, c.at))
     ]  # fmt: skip

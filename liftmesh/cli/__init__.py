@@ -18,7 +18,11 @@ from liftmesh.cli import exit_codes
 from liftmesh.cli.memory import out_of_memory
 from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.cli.signals import Ending
-from liftmesh.cli.standard_streams import discard_stdout, open_closed
+from liftmesh.cli.standard_streams import (
+    discard_stdout,
+    discard_unprinted_errors,
+    open_closed,
+)
 from liftmesh.cli.watchdog import Watchdog
 from liftmesh.errors import LiftmeshError
 
@@ -46,6 +50,7 @@ def program() -> int:
     if ending.told:
         watchdog.end(code)
     watchdog.stop()
+    discard_unprinted_errors()
     return code
 
 
@@ -132,7 +137,8 @@ def _fail(error: BaseException, *, debug: bool) -> int:
     if debug:
         import traceback  # noqa: PLC0415 - slow, and rarely needed
 
-        traceback.print_exc()
+        with suppress(OSError):  # a full disk, as below
+            traceback.print_exc()
     code, message = _explain(error)
     if message:
         _print_error(message)

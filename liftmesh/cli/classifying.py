@@ -9,6 +9,7 @@ import typer
 
 from liftmesh.choices import GroundMethod
 from liftmesh.cli import groups
+from liftmesh.cli.files import without_warnings
 from liftmesh.cli.options import parse_length
 from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import InputError
@@ -131,11 +132,12 @@ def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, 
         Coordinates are degrees, no row is ground, or no row is left.
     """
     from liftmesh.io.selection import Selector, checked, selected  # noqa: PLC0415 - help does without
-    from liftmesh.terrain.ground import classify_ground  # noqa: PLC0415 - as above
+    from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
 
     with stage(f"finding the ground among {len(cloud):,} rows"):
         try:
-            found = classify_ground(cloud, **ground)
+            with without_warnings():
+                found = classify_ground(cloud, **ground)
         except InputError as error:
             said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
             error.args = (said,)
@@ -149,6 +151,9 @@ def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, 
         f"{counts['resolution']:g} m, rigidness {counts['rigidness']}{unit}); where ground is "
         "sparse, it may hold low vegetation and roofs"
     )
+    if lost := bare_warning(counts):
+        remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
+        note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
     chosen = checked(**selection)
     found = found if chosen is None else selected(found, Selector(chosen, "the cloud"))
     if not len(found):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,8 @@ import typer
 from liftmesh.cli import (
     exit_codes,
     files,
+    inputs,
+    lidar,
     options,
     outputs,
     rows,
@@ -92,7 +95,8 @@ def run(
     files.check_target(lower)
     files.check_target(hull)
     files.check_apart(source, lower, hull)
-    cloud = files.read_ground(source, source_format, limit, table, selection=selection)
+    read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
+    cloud = inputs.merged([source], read, selection)
     with files.about(source):
         result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)
     if lower is not None:
@@ -101,7 +105,7 @@ def run(
         outputs.write(hull, result.trimesh_hull())
     with standard_streams.after_writing(lower, None if result.error else hull):
         if json:
-            terminal.as_json(_values(result))
+            terminal.as_json(_values(result) | lidar.provenance(cloud))
         else:
             _print_result(result, hull)
     if not result.agrees:

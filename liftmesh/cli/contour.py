@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from liftmesh.cli import files, options, standard_streams, surfaces, terminal
+from liftmesh.cli import files, lidar, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.values import checked
@@ -89,7 +89,8 @@ def run(
         path = lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
     if json:
-        values = {"lines": len(lines), "levels": heights, "length": length}
+        values: dict[str, Any] = {"lines": len(lines), "levels": heights, "length": length}
+        values |= {} if source.is_dir() else lidar.provenance(surface)
         terminal.as_json({"path": str(path), **values})
     else:
         terminal.sentence(

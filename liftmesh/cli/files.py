@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from liftmesh.cli import systems, tiled_surfaces
+from liftmesh.cli.python_options import as_on_command_line
 from liftmesh.cli.standard_streams import check_stdout
 from liftmesh.cli.terminal import note, reading, stage
 from liftmesh.errors import (
@@ -122,35 +123,29 @@ def read_ground(
 
     Raises
     ------
-    InputError
-        The conditions leave no row.
     FormatError, typer.BadParameter
         As for `read`.
     """
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.surface_rows import for_surface  # noqa: PLC0415 - help does without
 
-    kind = file_format or suffix_of(path.name)
-    if kind and find_format(kind, str(path)).name == "las":
-        selection = {"classes": "ground", "withheld": False, **selection}
-    cloud = read(path, file_format, max_bytes, table, color_depth, selection)
-    counts = found_selection(cloud)
-    if counts and counts["rows"] and not counts["selected"]:
-        raise InputError(f"{path}: none of {counts['rows']:,} rows meets the conditions")
-    return cloud
+    selection = for_surface(path, selection, file_format)
+    return read(path, file_format, max_bytes, table, color_depth, selection)
 
 
-def found_selection(cloud: Cloud) -> dict[str, int]:
-    """Return the counts of rows that were selected and left out; empty if all were read."""
-    counts = cloud.metadata.get("selection")
-    if not isinstance(counts, dict) or not {"rows", "selected"} <= counts.keys():
-        return {}
-    return counts
+def counts_of(cloud: Cloud) -> dict[str, int] | None:
+    """Return the counts of rows that were selected and left out; None if all were read."""
+    if "selection" not in cloud.metadata:
+        return None
+    from liftmesh.io.selection import found_selection  # noqa: PLC0415 - most files are read whole
+
+    return found_selection(cloud.metadata) or None
 
 
 def _read_quietly(source: Any, **choices: Any) -> Cloud:
     """Read without warnings: they are among the notes."""
     from liftmesh.crs import check_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.io import files as io_files  # noqa: PLC0415 - as above
+    from liftmesh.same_crs import adds_heights  # noqa: PLC0415 - as above
 
     with without_warnings():
         if CRS_OF_OTHERS not in choices:
@@ -158,7 +153,7 @@ def _read_quietly(source: Any, **choices: Any) -> Cloud:
         crs, target = choices.pop(CRS_OF_OTHERS), choices.pop("to_crs", None)
         check_system(crs)
         cloud = io_files.read(source, **choices)
-        return io_files.placed(cloud, crs if cloud.crs is None else None, target)
+        return io_files.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
 
 
 @contextmanager
@@ -189,18 +184,20 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     first = (*_about_rows(cloud), *systems.notes(cloud, is_transformed=is_transformed))
     names = found_columns(cloud.metadata)
     if not names:
-        said = cloud.metadata.get("notes") if "raster" in cloud.metadata else ()
+        is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
+        said = cloud.metadata.get("notes") if is_told else ()
         return (*first, *said) if isinstance(said, tuple) else first
     from liftmesh.io.tables.columns import described  # noqa: PLC0415 - few files are tables
 
     said = described(names)
-    return (*first, *([said] if said else []), *cloud.metadata.get("notes", ()))
+    told = map(as_on_command_line, cloud.metadata.get("notes", ()))
+    return (*first, *([said] if said else []), *told)
 
 
 def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     """Say which rows were selected, and which of lidar are among them."""
-    counts = found_selection(cloud)
-    if not counts:
+    counts = counts_of(cloud)
+    if counts is None:
         return ()
     from liftmesh.cli.lidar import flagged  # noqa: PLC0415 - most files are read whole
     from liftmesh.io.selection import described  # noqa: PLC0415 - as above
@@ -405,14 +402,21 @@ def check_content(
     InputError
         A colour is outside its range.
     """
+    from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
     found = find_format(file_format or path.suffix, str(path))
     check_before(replace(found, check=None) if "unit" in writing else found, cloud)
-    if cloud.crs is None and "unit" not in writing and found.name in _TAKEN_UNITS:
+    if "unit" in writing or found.name not in _TAKEN_UNITS:
+        return
+    system = system_of(cloud)
+    if cloud.crs is None:
         unit = _TAKEN_UNITS[found.name]
         note(f"{path}: no coordinate system says the unit: {found.name} states {unit}")
+    elif system is not None and system.units[2] is None and system.units[0] is not None:
+        unit = system.units[0].name
+        note(f"{path}: nothing says the unit of heights: {found.name} states {unit} for them, too")
 
 
 def check_place(path: Path | None) -> None:

@@ -74,10 +74,12 @@ def merged(
     Raises
     ------
     InputError
-        Two have different coordinate systems.
+        Two have different coordinate systems, only some have ground, or no row is selected.
     """
+    from liftmesh.io.surface_rows import check_some  # noqa: PLC0415 - help does without
+
     if len(sources) == 1:
-        return read(sources[0], selection=selection)
+        return check_some(read(sources[0], selection=selection), sources[0])
     for path in sources:
         if not files.is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
@@ -97,7 +99,7 @@ def merged(
     new = [name for name in files.parts_not_read(cloud) if name not in before]
     if new:
         note(f"merged without {files.listed([each.partition(' (')[0] for each in new])}")
-    return cloud
+    return check_some(cloud, files.listed([str(each) for each in sources]))
 
 
 def _say_parts(cloud: Cloud) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
+    from liftmesh.terrain.surface import Surface
 
 # ASPRS, LAS Specification 1.4-R15, tables 9 and 17.
 CLASSES = {
@@ -47,16 +48,12 @@ def counted(cloud: Cloud) -> dict[str, Any]:
     """
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
-    from liftmesh.io.selection import class_column  # noqa: PLC0415 - as above
+    from liftmesh.io.surface_rows import bytes_of, classes_of  # noqa: PLC0415 - as above
 
-    found: dict[str, Any] = {}
-    names = (("classes", class_column(cloud.attributes)), ("returns", "return_number"))
-    for key, name in names:
-        values = cloud.attributes.get(name) if name else None
-        values = None if values is None else _as_bytes(values)
-        if values is not None:
-            numbers, counts = np.unique(values, return_counts=True)
-            found[key] = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
+    returns = cloud.attributes.get("return_number")
+    counts = {"classes": classes_of(cloud.attributes)}
+    counts |= {} if returns is None else {"returns": bytes_of(returns)}
+    found: dict[str, Any] = {key: each for key, each in counts.items() if each}
     found |= _about_file(cloud)
     layout = cloud.metadata.get("las")
     if isinstance(layout, dict):
@@ -100,13 +97,31 @@ def _as_date(seconds: float) -> str | float:
     return found.isoformat(" ", "seconds")
 
 
-def _as_bytes(values: Any) -> Any:
-    """Return whole numbers as bytes, whatever their type, or None if they are no such."""
-    if values.ndim != 1 or values.dtype.kind not in "iuf" or not len(values):
-        return None
-    if not ((values >= 0) & (values < 256)).all() or (values % 1 != 0).any():
-        return None
-    return values.astype("u1")
+def provenance(held: Cloud | Surface) -> dict[str, Any]:
+    """Return for JSON which classes the rows of a cloud or a surface are of, and their way here.
+
+    Parameters
+    ----------
+    held : Cloud or Surface
+        The rows.
+
+    Returns
+    -------
+    dict
+        "classes", rows by number, and "transformation", None if there was none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from liftmesh.cloud import Cloud
+    >>> provenance(Cloud(np.eye(3)))
+    {'classes': {}, 'transformation': None}
+    """
+    from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.transformation import told_of  # noqa: PLC0415 - as above
+
+    told = told_of(held.metadata) or None
+    return {"classes": classes_of(held.attributes), "transformation": told}
 
 
 def lines(found: dict[str, Any]) -> list[tuple[str, str]]:

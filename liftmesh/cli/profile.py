@@ -13,6 +13,7 @@ import typer
 from liftmesh.choices import shown
 from liftmesh.cli import (
     files,
+    lidar,
     options,
     outputs,
     shapes,
@@ -186,6 +187,7 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
                 "highest": float(heights.max()),
                 "unit": plane,
                 "height_unit": upright,
+                **lidar.provenance(surface),
             }
         )
         return

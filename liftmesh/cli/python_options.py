@@ -10,9 +10,9 @@ import re
 import shlex
 
 _NAMES = (
-    "band", "cell", "color_depth", "columns", "decimal", "delimiter", "duplicates", "encoding",
-    "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale", "skip_rows",
-    "to_crs", "unit",
+    "band", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
+    "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
+    "skip_rows", "to_crs", "unit",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
@@ -29,6 +29,7 @@ _PHRASES = {
     "with tile_rows ": "with --tile-rows ",
     "fewer tile_rows": "fewer --tile-rows",
     "dtype='float64'": "--double",
+    "find the ground with classify_ground": "find the ground with triangulate --ground csf",
     "flat=True": "--flat",
     "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
         "give --to-crs, which transforms both"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import RasterQuantity, SampleMethod, shown
-from liftmesh.cli import files, options, standard_streams, surfaces, terminal
+from liftmesh.cli import files, lidar, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.cli.tiled_surfaces import opened
 from liftmesh.cli.trimming import trimmed
@@ -17,6 +17,8 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
+
+_ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
 HELP = (
@@ -105,6 +107,8 @@ def run(
     files.check_apart(reading.polygon, source, target)
     if source.is_dir():
         tiled = opened(source, reading, crs=crs)
+        if quantity in _ANGLES:
+            surfaces.note_units(source, tiled, factor)
         values: dict[str, Any] = {"quantity": quantity, "z_factor": factor, "bounds": covered}
         values |= {"method": method, "cog": cog}
         values |= {"dtype": "float64" if double else "float32", "compress": packing}
@@ -114,6 +118,8 @@ def run(
     surface = reading.untrimmed(source)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
     surface = trimmed(surface, reading.trimming)
+    if quantity in _ANGLES:
+        surfaces.note_units(source, surface, factor)
     with terminal.stage("scanning faces"):
         found = surface.raster(
             steps if len(steps) > 1 else steps[0],
@@ -126,7 +132,7 @@ def run(
         )
     with terminal.stage(f"writing {target.name}"):
         path = found.save(target, cog=cog, compress=packing)
-    _say(path, found, as_json=json)
+    _say(path, found, lidar.provenance(surface), as_json=json)
 
 
 def _check(
@@ -190,14 +196,14 @@ def _numbers(option: str, text: str) -> list[float]:
     return [number for number in found if number is not None]
 
 
-def _say(path: Path, found: Any, *, as_json: bool) -> None:
+def _say(path: Path, found: Any, rows_of: dict[str, Any], *, as_json: bool) -> None:
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
     rows_, columns = found.values.shape
     known = int(np.count_nonzero(~np.isnan(found.values)))
     if as_json:
         place = {"transform": list(found.transform), "crs": found.crs}
-        counts = {"rows": rows_, "columns": columns, "known": known}
+        counts = {"rows": rows_, "columns": columns, "known": known, "unit": found.unit, **rows_of}
         terminal.as_json({"path": str(path), "quantity": found.quantity, **counts, **place})
         return
     terminal.sentence(

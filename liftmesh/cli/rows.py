@@ -51,7 +51,7 @@ def parse(
             "--from-crs",
             metavar="CRS",
             help="The coordinate system of the file, as EPSG:25832, in place of what it states; of "
-            "several, of those that state none.",
+            "several, of those that state none, or the same without heights.",
         ),
     ] = None,
     to_crs: Annotated[

@@ -13,6 +13,7 @@ import typer
 from liftmesh.choices import SampleMethod, shown
 from liftmesh.cli import (
     files,
+    lidar,
     options,
     outputs,
     rows,
@@ -116,7 +117,8 @@ def run(
     place = redirect_stdout(sys.stderr) if path is None else standard_streams.dispensable_stdout()
     with place, standard_streams.after_writing(path):
         if json:
-            counts = {"points": len(asked), "known": known}
+            counts: dict[str, Any] = {"points": len(asked), "known": known}
+            counts |= lidar.provenance(surface)
             terminal.as_json({"path": str(path or "-"), "method": method, **counts})
         else:
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")

@@ -12,7 +12,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates
-from liftmesh.cli import files, inputs, options, outputs, rows, standard_streams, tables, terminal
+from liftmesh.cli import (
+    files,
+    inputs,
+    lidar,
+    options,
+    outputs,
+    rows,
+    standard_streams,
+    tables,
+    terminal,
+)
 from liftmesh.cli.triangulate import bar_steps
 
 if TYPE_CHECKING:
@@ -168,7 +178,8 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
                 "triangles": len(surface.faces),
                 **told,
                 "notes": list(files.notes(cloud)),
-                "selection": files.found_selection(cloud) or None,
+                "selection": files.counts_of(cloud),
+                **lidar.provenance(surface),
                 "seconds": seconds,
             }
         )

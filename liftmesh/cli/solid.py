@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Pinched
-from liftmesh.cli import files, options, outputs, standard_streams, surfaces, terminal
+from liftmesh.cli import files, lidar, options, outputs, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
@@ -94,10 +94,12 @@ def run(
     outputs.check_options(target, target_format, writing)
     files.check_apart(reading.polygon, source, target)
     surface = reading.surface(source)
+    if wanted["longest"] is not None:
+        surfaces.note_units(source, surface, wanted["z_factor"])
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         found = surface.solid(**wanted, pinched=pinched)
     written = outputs.write(target, found, target_format, writing)
-    _say(written, found, _left_out(surface, found), as_json=json)
+    _say(written, found, _left_out(surface, found), lidar.provenance(surface), as_json=json)
 
 
 def _left_out(surface: Surface, found: Cloud) -> list[str]:
@@ -108,11 +110,19 @@ def _left_out(surface: Surface, found: Cloud) -> list[str]:
     return [*(name for name in values if values[name] is not None), *sorted(surface.attributes)]
 
 
-def _say(written: Written, found: Cloud, left_out: list[str], *, as_json: bool) -> None:
+def _say(
+    written: Written,
+    found: Cloud,
+    left_out: list[str],
+    rows_of: dict[str, Any],
+    *,
+    as_json: bool,
+) -> None:
     faces = 0 if found.faces is None else len(found.faces)
     size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
     if as_json:
         volume = {"triangles": faces, "volume": _volume(found), "size": size}
+        volume |= rows_of
         dropped = {"dropped": [*left_out, *written.dropped]}
         terminal.as_json({**outputs.values(written), **dropped, **volume})
         return

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 _NAMES = ("stdin", "stdout", "stderr")
 
@@ -108,5 +108,17 @@ def after_writing(*paths: Path | None) -> Iterator[None]:
 
 def discard_stdout() -> None:
     """Redirect stdout to the null device, so that Python closes it without an error at exit."""
+    _discard(sys.stdout)
+
+
+def discard_unprinted_errors() -> None:
+    """Redirect stderr likewise if it cannot be written to: Python would exit with another code."""
+    try:
+        sys.stderr.flush()
+    except OSError:
+        _discard(sys.stderr)
+
+
+def _discard(stream: TextIO) -> None:
     with suppress(OSError, ValueError):  # no file, or closed
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.choices import NonFinite
-from liftmesh.cli import files, terminal
+from liftmesh.cli import files, inputs, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
+    from liftmesh.tiles.tiled_surface import TiledSurface
 
 Source: TypeAlias = Annotated[
     Path,
@@ -62,7 +64,8 @@ def read(
     """
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
-    cloud = files.read_ground(source, file_format, max_bytes, table, selection=selection)
+    read = partial(files.read_ground, file_format=file_format, max_bytes=max_bytes, table=table)
+    cloud = inputs.merged([source], read, selection)
     with files.about(source), files.without_warnings():  # the notes say it
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):
@@ -75,6 +78,27 @@ def read(
             except InputError as error:
                 error.args = (f"{source}: {error}", *error.args[1:])
                 raise
+
+
+def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
+    """Say on stderr that heights are taken to be in the unit of x and y where nothing says so.
+
+    Parameters
+    ----------
+    source : Path
+        The file of the surface.
+    surface : Surface or TiledSurface
+        The surface.
+    factor : float, optional
+        What the caller says that heights are to be multiplied by.
+    """
+    from liftmesh.terrain.units import metres_of  # noqa: PLC0415 - help and --version do without
+
+    if factor is None and metres_of(surface) is None:  # type: ignore[arg-type]
+        terminal.note(
+            f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "
+            "and y (--z-factor says another)"
+        )
 
 
 def parse_number(option: str, text: str | None, *, positive: bool = False) -> float | None:

@@ -24,14 +24,18 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Sentences: of a system in place of another one, of degrees, of units that differ.
+        Sentences: of a system in place of another one, of a transformation, of degrees, of units
+        that differ.
     """
     from liftmesh.crs import is_system, named, warnings_of  # noqa: PLC0415 - help does without
     from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
+    from liftmesh.transformation import sentence, told_of  # noqa: PLC0415 - as above
 
     crs, found = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")
-    taken = (f"states {named(stated)}; taken as {named(crs)}",) if isinstance(stated, str) else ()
+    taken = [f"states {named(stated)}; taken as {named(crs)}"] if isinstance(stated, str) else []
+    told = told_of(cloud.metadata)
+    taken += [sentence(told)] if told else []
     if crs is None or found is not None:
         words = "name a projected system with" if is_transformed else "transform them with"
         change = "transform them with to_crs=", f"{words} --to-crs"

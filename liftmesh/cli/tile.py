@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.choices import Duplicates, ShardFormat
-from liftmesh.cli import files, inputs, options, standard_streams, terminal
+from liftmesh.cli import files, inputs, lidar, options, standard_streams, terminal
 from liftmesh.cli.python_options import of_reading
 from liftmesh.cli.rows import with_options as with_rows
 from liftmesh.cli.tables import with_options as with_table
@@ -228,8 +228,8 @@ def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
 
 @contextmanager
 def _client(workers: str | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
-    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.tiles.cluster import local_cluster  # noqa: PLC0415 - as above
 
     if scheduler is not None:
         distributed = load("dask.distributed", extra="dask")
@@ -272,16 +272,17 @@ def _say(found: Tiled, *, json: bool) -> None:
     if "surface" in found.manifest:
         counts["overhangs"] = found.manifest["surface"]["overhangs"]
         counts["duplicates"] -= counts["overhangs"]
+    classes: dict[int, int] = getattr(found, "classes", {})
     if json:
-        terminal.as_json(
-            {"folder": str(found.directory), **counts, "merges": dict(found.manifest["merges"])}
-        )
+        said = {"folder": str(found.directory), **counts, "classes": classes}
+        terminal.as_json({**said, "merges": dict(found.manifest["merges"])})
         return
     merges = found.manifest["merges"]
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
             *((name, f"{count:,}") for name, count in counts.items()),
+            *lidar.lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
             ("shards", f"{len(found.shards):,} in {found.directory}"),
         ]

@@ -17,6 +17,7 @@ from liftmesh.cli import (
     classifying,
     files,
     inputs,
+    lidar,
     options,
     outputs,
     rows,
@@ -228,10 +229,11 @@ def _print_report(
             "notes": [*files.notes(cloud), *replaced],
             "not_read": list(files.parts_not_read(cloud)),
             "triangulated_by": cloud.metadata.get("triangulated_by"),
-            "selection": files.found_selection(cloud) or None,
+            "selection": files.counts_of(cloud),
             "merged": cloud.metadata.get("merged"),
             "ground": cloud.metadata.get("ground"),
             "thinning": cloud.metadata.get("thinning"),
+            **lidar.provenance(cloud),
             "trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }
         terminal.as_json(_values(written, report, seconds) | notes)
@@ -245,6 +247,7 @@ def _print_report(
     if surface.mask is not None:
         counts["trimmed"] = int(surface.mask.sum())
     rows = [(name, f"{count:,}") for name, count in counts.items()]
+    rows += lidar.lines({"classes": report.classes})
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import options, standard_streams, surfaces, terminal
+from liftmesh.cli import lidar, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
@@ -76,6 +76,7 @@ def run(
         raise typer.BadParameter("--level goes with one surface, not with two")
 
     surface = reading.surface(source)
+    rows_of = lidar.provenance(surface)
     if other is None:
         with terminal.stage(f"measuring {len(surface.faces):,} faces"):
             values = _values(surface.volume(height or 0.0, polygon=within))
@@ -86,12 +87,13 @@ def run(
                 values["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = reading.surface(other)
+        rows_of["after"] = lidar.provenance(after)
         with terminal.stage("laying the surfaces over each other"):
             values = _changes(surface.cut_and_fill(after, polygon=within))
             if within is not None:
                 works = surface.cut_and_fill_by_polygon(after, within)
                 values["polygons"] = _by_name({key: _changes(work) for key, work in works.items()})
-    _print(values, as_json=json)
+    _print(values, rows_of, as_json=json)
 
 
 def _values(found: Volume) -> dict[str, Any]:
@@ -124,17 +126,14 @@ def _by_name(parts: dict[str | int, dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def _print(values: dict[str, Any], *, as_json: bool) -> None:
+def _print(values: dict[str, Any], rows_of: dict[str, Any], *, as_json: bool) -> None:
     """Print numbers, those of volumes with their unit."""
     if as_json:
-        terminal.as_json(values)
+        terminal.as_json(values | rows_of)
         return
     unit, polygons = values.pop("cubic_metres"), values.pop("polygons", [])
     terminal.table(
-        [
-            (name.replace("_", " "), _volume(value, unit) if name in _VOLUMES else f"{value:.10g}")
-            for name, value in values.items()
-        ]
+        [(name.replace("_", " "), _shown(name, value, unit)) for name, value in values.items()]
     )
     if len(polygons) > 1:
         terminal.blank()
@@ -144,6 +143,13 @@ def _print(values: dict[str, Any], *, as_json: bool) -> None:
 def _line(part: dict[str, Any]) -> str:
     """Print the measures of one polygon, in the units of the whole."""
     return "  ".join(f"{name.replace('_', ' ')} {value:.10g}" for name, value in part.items())
+
+
+def _shown(name: str, value: float, unit: float | None) -> str:
+    if name in _VOLUMES:
+        return _volume(value, unit)
+    is_doubtful = name == "surface_area" and unit is None
+    return f"{value:.10g}" + ("  (z taken to be in the unit of x and y)" if is_doubtful else "")
 
 
 def _volume(value: float, unit: float | None) -> str:

@@ -18,7 +18,7 @@ from liftmesh.comparison.evidence import Evidence
 from liftmesh.comparison.hull_facets import trimesh_hull
 from liftmesh.comparison.report import Comparison
 from liftmesh.errors import InputError
-from liftmesh.io.files import read_cloud
+from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import resolve_q
 from liftmesh.planar.member import options_of
@@ -40,7 +40,7 @@ def compare(
     Parameters
     ----------
     source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
-        The points, or their triangulation.
+        The points, or their triangulation; of a file, the rows that `triangulate` takes.
     q : "median", "origin" or (qx, qy), default "median"
         Vertex of the paraboloid. With the median, the heights |p - q|^2 are small wherever the
         points lie, which is the best case for Qhull, which rounds; with the origin, the heights of
@@ -123,7 +123,7 @@ def _triangulate(
         _refuse_members(source)
         again, seconds = _timed(source.points, "skip")
         return again if source.simplices.flags.writeable else source, seconds
-    cloud = read_cloud(source)
+    cloud = read_rows(source)
     return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
 
 

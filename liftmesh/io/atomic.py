@@ -4,8 +4,9 @@ A reader of the target sees the old file or the new one, never a part, and an er
 leaves the old file as it was and no other file. On systems that support it, the temporary file has
 no name, so that not even a killed process leaves a part behind; elsewhere it is a hidden file in
 the same folder until it is complete. The new file has the permissions of any new file, or those of
-the file it replaces; if the target is a symbolic link, the file it points to is replaced. A target
-that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and is written directly.
+the file it replaces. If the target is a symbolic link that the user has named, the file it points
+to is replaced; a target that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and
+is written directly. What has a name that liftmesh chose is replaced itself, be it a link or a pipe.
 """
 
 from __future__ import annotations
@@ -41,13 +42,15 @@ _ATTEMPTS = 3  # at removing a folder in which another thread may still make fil
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+def replacing(path: str | os.PathLike[str], *, follow_links: bool = True) -> Iterator[BinaryIO]:
     """Open a binary stream whose bytes become the file at ``path`` if the block succeeds.
 
     Parameters
     ----------
     path : str or path
         The file to create or to replace.
+    follow_links : bool
+        False for a name that the user has not chosen: links and devices of that name are replaced.
 
     Yields
     ------
@@ -71,9 +74,11 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     >>> target.read_bytes()
     b'hello'
     """
-    check_writable(path)
-    target = Path(os.path.realpath(path))
-    is_special = target.exists() and not target.is_file()
+    if follow_links or not Path(path).is_symlink():
+        check_writable(path)
+    folder, name = os.path.split(os.path.realpath(path) if follow_links else path)
+    target = Path(os.path.realpath(folder)) / name
+    is_special = follow_links and target.exists() and not target.is_file()
     with _named(target), target.open("wb") if is_special else _new_file(target) as stream:
         yield stream
 
@@ -133,7 +138,7 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
             yield stream
             stream.flush()
             _check_place(target, folder)
-            _keep_permissions(target, stream)
+            _keep_permissions(target.name, folder, stream)
             check()
             _give_name(stream, temporary, folder)
         check()
@@ -178,9 +183,11 @@ def _create(temporary: str, folder: int) -> BinaryIO:
     return os.fdopen(os.open(temporary, flags, 0o666, dir_fd=folder), "w+b")
 
 
-def _keep_permissions(target: Path, stream: BinaryIO) -> None:
-    if target.exists():
-        os.fchmod(stream.fileno(), stat.S_IMODE(target.stat().st_mode))
+def _keep_permissions(name: str, folder: int, stream: BinaryIO) -> None:
+    with suppress(FileNotFoundError):
+        before = os.stat(name, dir_fd=folder, follow_symlinks=False)
+        if stat.S_ISREG(before.st_mode):
+            os.fchmod(stream.fileno(), stat.S_IMODE(before.st_mode))
 
 
 def _give_name(stream: BinaryIO, temporary: str, folder: int) -> None:

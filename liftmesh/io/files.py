@@ -14,15 +14,17 @@ from liftmesh.choices import Returns, as_count
 from liftmesh.color_depth import check_depth
 from liftmesh.crs import check_system, described
 from liftmesh.errors import FormatError, InputError
-from liftmesh.height_units import height_factors
+from liftmesh.height_units import height_factors, steps_in
 from liftmesh.interruption import kept
 from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.format import configured
+from liftmesh.io.metadata import TRANSFORMATION, Label
 from liftmesh.io.places import PathOrStream, at_home, format_of, name_of, opened
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.io.tables.columns import DEGREES
 from liftmesh.same_crs import is_same
-from liftmesh.transformation import transformed, with_heights
+from liftmesh.transformation import Operation, transformed, with_heights
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -95,7 +97,10 @@ def read(  # noqa: PLR0913 - options are keywords
     to_crs : str, optional
         Another coordinate system, WKT or ``EPSG:n``, that coordinates are transformed to, by
         pyproj; conditions on rows are in the units of the file. Heights keep their unit, and their
-        system is added to the other one, unless that says what heights are.
+        system is added to the other one, unless that says what heights are; then the file has to
+        say it, too, or `crs`. Of the operations for the first row the most accurate one that is
+        installed transforms all; ``metadata["transformation"]`` has the "operation", its "accuracy"
+        in metres, and a "better" one with its "grid", if that is missing.
     **options
         Options of the format. Tables as text take:
 
@@ -258,7 +263,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     pieces = _chunks(place, found, partial(chunks, name=name, rows=rows), name)
     if chosen is not None:
         pieces = _selected_chunks(pieces, Selector(chosen, name))
-    return (_changed(each, color_depth, crs, to_crs, name) for each in pieces)
+    known: dict[str, Operation] = {}
+    return (_changed(each, color_depth, crs, to_crs, name, known) for each in pieces)
 
 
 def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
@@ -330,17 +336,27 @@ def _selecting(reader: Reader, found: Format, chosen: Selection | None) -> Reade
 
 
 def _changed(
-    cloud: Cloud, depth: int | None, crs: str | None, target: str | None, name: str
+    cloud: Cloud,
+    depth: int | None,
+    crs: str | None,
+    target: str | None,
+    name: str,
+    chosen: dict[str, Operation] | None = None,
 ) -> Cloud:
     """Set the depth of colours and the system of coordinates, if given; errors name the file."""
     try:
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
-        return placed(cloud, crs, target)
+        return placed(cloud, crs, target, chosen)
     except InputError as error:
         raise InputError(f"{name}: {error}") from error
 
 
-def placed(cloud: Cloud, crs: str | None, target: str | None) -> Cloud:
+def placed(
+    cloud: Cloud,
+    crs: str | None,
+    target: str | None,
+    chosen: dict[str, Operation] | None = None,
+) -> Cloud:
     """Set the coordinate system of a cloud in place of what its file states, or transform it.
 
     Parameters
@@ -351,11 +367,14 @@ def placed(cloud: Cloud, crs: str | None, target: str | None) -> Cloud:
         Their system.
     target : str, optional
         The system that they are to have.
+    chosen : dict, optional
+        As for `transformed`.
 
     Returns
     -------
     Cloud
-        The rows; ``metadata["stated_crs"]`` is the system that was replaced, if it was another.
+        The rows; ``metadata["stated_crs"]`` is the system that was replaced, if it was another, and
+        ``metadata["transformation"]`` says how they were transformed.
 
     Raises
     ------
@@ -371,29 +390,34 @@ def placed(cloud: Cloud, crs: str | None, target: str | None) -> Cloud:
     check_system(target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
-    points = _raised(transformed(_raised(cloud.points, before), cloud.crs, target), after)
-    return replace(cloud, points=points, crs=target, metadata=_moved(cloud.metadata, target))
+    found, told = transformed(_raised(cloud.points, before), cloud.crs, target, chosen)
+    metadata = {**_moved(cloud, target), TRANSFORMATION: told}
+    return replace(cloud, points=_raised(found, after), crs=target, metadata=metadata)
 
 
 def _raised(points: Floats, factor: float) -> Floats:
     return points if factor == 1 else points * (1, 1, factor)
 
 
-def _moved(metadata: Mapping[str, Any], target: str) -> dict[str, Any]:
+def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
     """Return what still holds of coordinates in another system."""
-    stale: dict[str, tuple[str, ...]] = {"las": ("scale", "offset")}
+    entries = dict(cloud.metadata)
+    if isinstance(las := entries.get("las"), Mapping):
+        kept = {key: each for key, each in las.items() if key not in ("scale", "offset")}
+        scale = steps_in(las.get("scale"), cloud.crs, target)
+        entries["las"] = kept | ({} if scale is None else {"scale": scale})
+    if isinstance(notes := entries.get("notes"), tuple):
+        entries["notes"] = tuple(each for each in notes if each != DEGREES)
     system = described(target)
-    if system is not None and system.units[2] is not None:  # then heights are in that unit
-        stale["raster"] = ("unit",)
-    entries = dict(metadata)
-    for name, keys in stale.items():
-        if isinstance(held := metadata.get(name), Mapping):
-            entries[name] = {key: each for key, each in held.items() if key not in keys}
+    has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
+    if has_unit and isinstance(raster := entries.get("raster"), Mapping):
+        entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
     return entries
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
-    return replace(cloud, metadata={**cloud.metadata, "source": name, "format": found.name})
+    labels = {"source": Label(name), "format": Label(found.name)}
+    return replace(cloud, metadata={**cloud.metadata, **labels})
 
 
 def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:

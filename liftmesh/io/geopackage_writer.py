@@ -8,11 +8,12 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Mapping
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats
+from liftmesh.crs import looked_up
 from liftmesh.optional import load
 
 
@@ -43,6 +44,8 @@ def write(
 
     Raises
     ------
+    InputError
+        The coordinate system is unknown.
     MissingDependencyError
         geopandas or pyogrio, by which it writes, is not installed.
 
@@ -64,7 +67,7 @@ def write_shapes(
     stream: BinaryIO,
     shapes: Array,
     columns: Mapping[str, Array],
-    crs: Any,
+    crs: str | None,
     layer: str,
     **options: str,
 ) -> None:
@@ -78,8 +81,8 @@ def write_shapes(
         The geometries.
     columns : mapping of str to (k,) ndarray
         The properties.
-    crs : object, optional
-        WKT, a number or a system of pyproj.
+    crs : str, optional
+        WKT or a number.
     layer : str
         The name of the layer.
     **options : str
@@ -87,6 +90,8 @@ def write_shapes(
 
     Raises
     ------
+    InputError
+        The coordinate system is unknown.
     MissingDependencyError
         geopandas or pyogrio, by which it writes, is not installed.
 
@@ -100,7 +105,8 @@ def write_shapes(
     """
     load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
     geopandas = load("geopandas", extra="shapes")
-    frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=crs)
+    system = None if crs is None else looked_up(load("pyproj", extra="shapes"), crs)
+    frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=system)
     content = io.BytesIO()
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*'crs' was not provided", UserWarning)

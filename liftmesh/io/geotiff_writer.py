@@ -20,7 +20,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.choices import shown
-from liftmesh.crs import is_system
+from liftmesh.crs import without_files
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import check_writable, replacing
 from liftmesh.io.working_folder import working_folder
@@ -38,6 +38,7 @@ def write(
     transform: Sequence[float],
     crs: str | None,
     *,
+    unit: str | None = None,
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
@@ -52,7 +53,9 @@ def write(
     transform : sequence of float
         a, b, c, d, e and f of the corners of pixels.
     crs : str, optional
-        WKT or ``EPSG:n``.
+        WKT or ``EPSG:n``; GDAL takes the unit of its heights for that of the band.
+    unit : str, optional
+        What the band states instead.
     cog : bool
         Whether the file is a cloud optimised GeoTIFF.
     compress : str, optional
@@ -80,11 +83,12 @@ def write(
     with rasterio.Env(**_ALONE), rasterio.MemoryFile() as memory:
         with memory.open(**profile) as file:
             file.write(values, 1)
+            _state_unit(file, unit)
         data = memoryview(memory.getbuffer())
         stream.writelines(data[start : start + _PIECE] for start in range(0, len(data), _PIECE))
 
 
-def write_windows(
+def write_windows(  # noqa: PLR0913 - options are keywords
     path: Path,
     shape: tuple[int, int],
     kind: np.dtype[Any],
@@ -92,6 +96,7 @@ def write_windows(
     transform: Sequence[float],
     crs: str | None,
     *,
+    unit: str | None = None,
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
@@ -111,7 +116,7 @@ def write_windows(
         Of the values.
     windows : iterable
         Rows and columns of each window, and its values; together all pixels, each once.
-    transform, crs, cog, compress
+    transform, crs, unit, cog, compress
         As for `write`.
 
     Raises
@@ -143,6 +148,7 @@ def write_windows(
         with rasterio.Env(**_ALONE), _told(path):
             sums = []
             with rasterio.open(written, "w", **profile) as file:
+                _state_unit(file, unit)
                 for (down, across), values in windows:
                     window = (down.start, down.stop), (across.start, across.stop)
                     file.write(values, 1, window=window)
@@ -152,6 +158,11 @@ def write_windows(
             _check(written, sums)
         with written.open("rb") as source, replacing(path) as stream:
             shutil.copyfileobj(source, stream, _PIECE)
+
+
+def _state_unit(file: Any, unit: str | None) -> None:
+    if unit is not None:
+        file.set_band_unit(1, unit)
 
 
 @contextmanager
@@ -213,11 +224,12 @@ def checked(crs: str | None, compress: str | None) -> Any:
     rasterio = load("rasterio", extra="terrain")
     errors = load("rasterio.errors", extra="terrain")
     unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
-    if not is_system(crs):  # a text of PROJ can name files
+    text = without_files(crs)
+    if text is None:
         raise unknown
     try:
         with rasterio.Env(**_ALONE):  # or GDAL prints what it raises
-            return rasterio.crs.CRS.from_user_input(crs)
+            return rasterio.crs.CRS.from_user_input(text)
     except (errors.CRSError, UnicodeError) as error:
         raise unknown from error
 

@@ -1,10 +1,12 @@
 """Metadata in files: what the user or a file said of a cloud as a whole.
 
 What a reader notes of its own file, such as its name or what it skipped, belongs to that file: it
-is never written, so that bytes are a function of the mesh. All else is stored as JSON, one object
-of one entry each: in comments as ``metadata {"survey": "2024"}``, in NPZ as a text, in glTF as
-extras. An entry is stored if JSON holds it without loss (tuples come back as lists) and it is not
-too long; others are named in `Written.dropped`.
+is never written, so that bytes are a function of the mesh. Its notes have types of their own, by
+which they are known: what a caller or another library says under the same keys is theirs, is not
+stored, and is named. All else is stored as JSON, one object of one entry each: in comments as
+``metadata {"survey": "2024"}``, in NPZ as a text, in glTF as extras. An entry is stored if JSON
+holds it without loss (tuples come back as lists) and it is not too long; others are named in
+`Written.dropped`.
 """
 
 from __future__ import annotations
@@ -15,15 +17,17 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh.io.columns import PARTS
-
 # What readers note; `read` sets "source" and "format" of every cloud.
 _LABELS = ("source", "format")
 _OF_TABLES = ("columns", "notes")  # also of tables in memory, which have no labels
 _NOTES = (
     *_OF_TABLES, "skipped", "polygons", "degenerate_faces", "repeated_vertices", "ignored",
     "origin", "selection", "las_records", "merged", "thinning", "ground", "stated_crs",
+    "transformation",
 )  # fmt: skip
+
+TRANSFORMATION = "transformation"
+"""The entry that says how coordinates were transformed as they were read."""
 
 LIFTED = "triangulated_by"
 """The entry that says by what the points of a mesh were lifted, if not to the paraboloid."""
@@ -41,6 +45,33 @@ _MOST = 1 << 18
 _LINE = 40  # more than the characters around a line that is stated by itself
 
 
+class Label(str):
+    """The name or the format of a file, as `read` notes it."""
+
+    __slots__ = ()
+
+
+class Unread(tuple[str, ...]):
+    """What an object of another library has and its cloud has not."""
+
+    __slots__ = ()
+
+
+class NotedColumns(dict[str, str]):
+    """Which columns of a table are what, as its reader notes it."""
+
+
+def is_read(metadata: Mapping[str, Any]) -> bool:
+    """Whether a cloud was read from a file, whatever its user says of it.
+
+    Examples
+    --------
+    >>> is_read({"source": "survey", "format": "paper"})
+    False
+    """
+    return all(isinstance(metadata.get(each), Label) for each in _LABELS)
+
+
 def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that are not a reader's notes, sorted by their keys.
 
@@ -56,18 +87,24 @@ def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> said({"source": "a.ply", "format": "ply", "survey": 2024})
+    >>> said({"source": Label("a.ply"), "format": Label("ply"), "survey": 2024})
     {'survey': 2024}
     """
-    is_read = all(each in metadata for each in _LABELS)
-    notes = (*_LABELS, *_NOTES) if is_read else _OF_TABLES if found_columns(metadata) else ()
+    of_table = _OF_TABLES if found_columns(metadata) else ()
+    notes = (*_LABELS, *_NOTES) if is_read(metadata) else of_table
     keys = (key for key in sorted(metadata, key=str) if key not in notes)
-    return {key: metadata[key] for key in keys if not _is_skipped(key, metadata[key])}
+    return {key: metadata[key] for key in keys if key != "skipped" or not unread(metadata)}
 
 
-def _is_skipped(key: object, value: object) -> bool:
-    """Whether an entry lists what was not read, of a file or of an object."""
-    return key == "skipped" and isinstance(value, tuple)
+def unread(metadata: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what was not read of a file or of an object.
+
+    >>> unread({"skipped": ("texture",)}), unread({"skipped": Unread(["texture"])})
+    ((), ('texture',))
+    """
+    skipped = metadata.get("skipped")
+    kind = tuple if is_read(metadata) else Unread
+    return skipped if isinstance(skipped, kind) else ()
 
 
 def lifted_by(metadata: Mapping[str, object]) -> dict[str, Any]:
@@ -108,13 +145,11 @@ def _is_matrix(value: object) -> bool:
 def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
     """Return which columns of a table are the coordinates, colours and normals of a cloud.
 
-    >>> found_columns({"columns": {"x": "E", "y": "N"}})
-    {'x': 'E', 'y': 'N'}
+    >>> found_columns({"columns": NotedColumns(x="E")}), found_columns({"columns": {"x": "E"}})
+    ({'x': 'E'}, {})
     """
-    found = metadata.get("columns")  # a file may hold anything of that name
-    if not isinstance(found, dict) or not {*found} <= {*PARTS}:
-        return {}
-    return found if all(isinstance(each, str) for each in found.values()) else {}
+    found = metadata.get("columns")
+    return found if isinstance(found, NotedColumns) else {}
 
 
 def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
@@ -124,14 +159,13 @@ def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> not_read({"skipped": ("texture",)})
+    >>> not_read({"skipped": Unread(("texture",))})
     ('texture',)
-    >>> not_read({"source": "a.ply", "format": "ply", "skipped": ("texture",)})
+    >>> not_read({"source": Label("a.ply"), "format": Label("ply"), "skipped": ("texture",)})
     ()
     """
-    skipped = metadata.get("skipped")
-    is_read = all(each in metadata for each in _LABELS)
-    return skipped if isinstance(skipped, tuple) and not is_read else ()
+    skipped = unread(metadata)
+    return () if is_read(metadata) and not isinstance(skipped, Unread) else skipped
 
 
 def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
@@ -247,7 +281,7 @@ def stated(comments: Iterable[str]) -> dict[str, Any]:
         is_short = text is not comment and len(text) <= min(left, 2 * LONGEST)
         entry = parsed(text) if is_short else None
         left -= len(text) if is_short else 0
-        if entry is None:
+        if not entry:  # or of what a reader notes
             others.append(comment)
         elif isinstance(entry.get("comments"), tuple):
             others += entry.pop("comments")
@@ -312,12 +346,23 @@ def of_extras(extras: Mapping[str, Any]) -> dict[str, Any]:
     --------
     >>> of_extras({"survey": 2024, "metadata": {"crs": 25832}})
     {'survey': 2024, 'crs': 25832}
+    >>> of_extras({"source": "Blender"})
+    {'extras': {'source': 'Blender'}}
     """
+    notes = {key: value for key, value in extras.items() if key in (*_LABELS, *_NOTES)}
+    if notes:  # of other programs: they say nothing of how this file is read
+        extras = {key: value for key, value in extras.items() if key not in notes}
+        return {**of_extras(extras), "extras": {**notes, **_of_notes(extras)}}
     inner = extras.get("metadata")
     if not isinstance(inner, dict) or not inner.keys() <= set(_TAKEN):
         return _with_lines(dict(extras))
     rest = {key: value for key, value in extras.items() if key not in ("metadata", *inner)}
     return _with_lines(rest | inner)
+
+
+def _of_notes(extras: Mapping[str, Any]) -> dict[str, Any]:
+    inner = extras.get("extras")
+    return inner if isinstance(inner, dict) else {}
 
 
 def is_lines(value: object) -> bool:

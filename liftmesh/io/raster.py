@@ -32,6 +32,7 @@ from liftmesh.io.ascii_grid import AsciiGrid, is_grid
 from liftmesh.io.beside_rasters import Transform, system_of, world_of
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.geotiff_blocks import bytes_decoded, check_blocks, without_warnings
+from liftmesh.io.geotiff_citations import without_wkt, wkt_in
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.missing import Missing, Outliers, as_missing
 from liftmesh.io.raster_window import Band, Window, bands_of, window_of
@@ -136,6 +137,7 @@ def read_raster(
     if data[:4] not in _TIFF:
         raise FormatError(f"{name}: neither a TIFF file nor an ASCII grid, which begins with ncols")
     rasterio = load("rasterio", extra="terrain")
+    data = without_wkt(data)
     with (
         _decoding(name),
         rasterio.Env(**_ALONE),
@@ -154,7 +156,7 @@ def _decoding(name: str) -> Iterator[None]:
         with warnings.catch_warnings(), np.errstate(over="ignore", invalid="ignore"):
             warnings.simplefilter("ignore", errors.NotGeoreferencedWarning)  # ours to say
             yield
-    except (errors.RasterioError, inner.CPLE_BaseError) as error:
+    except (errors.RasterioError, errors.CRSError, inner.CPLE_BaseError, UnicodeError) as error:
         cause = _OWN_NAME.sub("the file", " ".join(str(error.__cause__ or error).split()))[:200]
         cause = cause.replace("the file: the file:", "the file: ")
         raise FormatError(
@@ -223,7 +225,7 @@ class _Raster:
         if selector is not None:
             selector.leave_out({"bbox": window.outside, "every": window.between})
             entries["selection"] = selector.counts()
-        return builder.cloud(metadata=entries, crs=self._crs())
+        return builder.cloud(metadata=entries, crs=self._crs(data))
 
     def _check_size(self, window: Window, limit: int) -> None:
         """Compare the rows, and the blocks that are decoded for them, with the limit."""
@@ -327,9 +329,11 @@ class _Raster:
             notes.append(f"no transform but that of {self._world} beside it")
         return tuple(notes)
 
-    def _crs(self) -> str | None:
+    def _crs(self, data: bytes) -> str | None:
         found = self._file.crs
         text = system_of(self._name) if found is None else found.to_wkt()
+        if text is None or text.startswith(("LOCAL_CS", "ENGCRS")):
+            text = wkt_in(data) or text
         return text if is_crs(text) else None
 
 

@@ -385,6 +385,32 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
     return replace(cloud.select(rows), metadata={**cloud.metadata, **entries})
 
 
+def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
+    """Return how many rows of a cloud were selected and left out when it was read.
+
+    Parameters
+    ----------
+    metadata : mapping
+        Of the cloud.
+
+    Returns
+    -------
+    dict
+        As `Selector.counts` returns them; empty if all rows were read.
+
+    Examples
+    --------
+    >>> found_selection({"selection": {"rows": 9, "selected": 3, "every": 6}})["every"]
+    6
+    >>> found_selection({"selection": "of mine"})
+    {}
+    """
+    found = metadata.get("selection")  # a caller may say anything of that name
+    if not isinstance(found, Mapping) or not {"rows", "selected"} <= found.keys():
+        return {}
+    return {**found} if all(isinstance(each, int) for each in found.values()) else {}
+
+
 def described(counts: Mapping[str, int]) -> str:
     """Say in a sentence which rows were selected.
 

@@ -185,7 +185,7 @@ class Results:
         return FormatError(f"{self.path}: {reason}: {_remedy(self.path)}")
 
     def _write(self, lines: Sequence[str]) -> None:
-        with replacing(self.path) as stream:
+        with replacing(self.path, follow_links=False) as stream:
             text = "\n".join([self._heading, ",".join(COLUMNS), *lines])
             stream.write(f"{text}\n".encode())
 

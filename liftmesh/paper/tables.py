@@ -274,7 +274,7 @@ def write_all(folder: Path, results: Results, settings: Settings, command: str) 
     texts["tables.md"] = _page(tables, settings, command)
     texts["paper.json"] = json.dumps(_record(tables, results, settings, command), indent=1) + "\n"
     for name, text in texts.items():
-        with replacing(folder / name) as stream:
+        with replacing(folder / name, follow_links=False) as stream:
             stream.write(text.encode())
     return [folder / name for name in texts]
 

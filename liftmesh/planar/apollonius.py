@@ -196,8 +196,9 @@ def _check_range(disks: Floats, rows: Indices) -> None:
         return
     finest, largest = rows[ends].tolist()
     (small, large) = (tuple(disks[row].tolist()) for row in (finest, largest))
+    named = f"rows {finest} and {largest}, {small} and {large}, span"
     raise InputError(
-        f"rows {finest} and {largest}, {small} and {large}, span {digits} binary digits from the "
-        f"lowest of one to the highest of the other, and {_kernel.WIDEST_RANGE_OF_DISKS} are "
-        "exact: round what is far smaller than the rest"
+        f"{named if finest != largest else f'row {finest}, {small}, spans'} {digits} binary digits "
+        f"from the lowest to the highest, and {_kernel.WIDEST_RANGE_OF_DISKS} are exact: round "
+        "what is far smaller than the rest"
     )

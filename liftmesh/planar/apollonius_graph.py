@@ -47,7 +47,8 @@ class ApolloniusGraph:
         touched from its inside, in the overlap of three disks.
     convex_hull : (h, 2) ndarray of int32
         Pairs of disks with a common tangent that no disk crosses, counter-clockwise, each from the
-        second of the one before to the first of the next. A large disk may occur several times.
+        second of the one before to the first of the next. A large disk may occur several times. Of
+        disks that touch one such tangent from the same side, each makes a pair with the next.
     hidden : (k, ) ndarray of int32
         Rows within a disk of another row, in ascending order: also those that touch its boundary
         from inside. They have no cell.
@@ -130,7 +131,8 @@ class ApolloniusGraph:
         -------
         Certificate
             True if this is a Delaunay graph of the disks; ``canonical`` is whether it is also the
-            one that `apollonius` returns. Its member is "apollonius".
+            one that `apollonius` returns, in whatever order its triangles are and wherever its hull
+            begins. Its member is "apollonius".
 
         Raises
         ------

@@ -12,6 +12,7 @@ from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_pairs, read_only
 from liftmesh.caching import cached_property
 from liftmesh.choices import NonFinite
+from liftmesh.frozen import check_copied
 from liftmesh.planar.barycentric import barycentric_transforms
 from liftmesh.planar.heights import Heights
 from liftmesh.planar.lifting import LowerHull, resolve_q
@@ -135,6 +136,7 @@ class Triangulation:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
+        check_copied(len(self._rows), *self._given())
         self._protect()  # copied and unpickled arrays are writable
 
     @property

@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import as_reals
 from liftmesh.choices import as_count, shown
-from liftmesh.crs import looked_up
 from liftmesh.errors import InputError
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import geojson_writer, geopackage_writer
@@ -238,8 +237,6 @@ class Contours:
         geojson_writer.write(stream, features, self.crs)
 
     def _write_geopackage(self, stream: BinaryIO) -> None:
-        if self.crs is not None:
-            looked_up(load("pyproj", extra="shapes"), self.crs)
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
         geopackage_writer.write(stream, self.points, self.starts, columns, self.crs, "contours")
 

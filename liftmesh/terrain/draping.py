@@ -11,11 +11,9 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud
-from liftmesh.crs import looked_up
 from liftmesh.errors import InputError
 from liftmesh.io import geojson_writer, geopackage_writer
 from liftmesh.io.atomic import replacing
-from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -96,8 +94,6 @@ class Draped:
         }
         with replacing(path) as stream:
             if path.suffix.lower() == ".gpkg":
-                if self.crs is not None:
-                    looked_up(load("pyproj", extra="shapes"), self.crs)
                 geopackage_writer.write(
                     stream, self.points, self.starts, columns, self.crs, "profiles"
                 )

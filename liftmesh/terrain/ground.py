@@ -10,16 +10,18 @@ from __future__ import annotations
 import math
 import os
 import subprocess
+import warnings
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.choices import GroundMethod, as_count, check_option, shown
 from liftmesh.crs import described
-from liftmesh.errors import InputError, LiftmeshError, MissingDependencyError
+from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.files import read_cloud
 from liftmesh.io.interpreter import command
 from liftmesh.io.selection import class_column
@@ -32,6 +34,8 @@ GROUND, _UNCLASSIFIED = 2, 1
 _CLASSES = "classification"
 _NOISE = (7, 18)
 _MOST_NODES = 20_000_000  # of the cloth: CSF takes about 200 bytes for each
+_NODES_OF_CELL, _ROWS_OF_CELL = 5, 5
+_MOST_BARE = 0.1  # share of cells; large roofs leave some
 _MARGIN = 8  # nodes beyond the rows, on both sides together
 
 
@@ -67,7 +71,8 @@ def classify_ground(
         All rows, with their classes in the column that has them (``class``, in any spelling), else
         in the attribute ``classification``: 2 for ground; what was ground and is no more becomes 1,
         as all rows without a class; other classes stay.
-        ``metadata["ground"]`` counts "rows" and "ground", and says how.
+        ``metadata["ground"]`` counts "rows" and "ground", and says how; of the square "cells", five
+        nodes wide, that have five rows or more, "bare_cells" have no ground among them.
 
     Raises
     ------
@@ -78,6 +83,20 @@ def classify_ground(
         The package cloth-simulation-filter is not installed.
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
+
+    Warns
+    -----
+    DataWarning
+        More than a tenth of the cells have no ground: on slopes, a cloth that is too coarse loses
+        most of it.
+
+    Notes
+    -----
+    Of even slopes with 0.7 rows a square metre, a fifth of them in trees, this share of the ground
+    was found, with the default rigidness: with a resolution of 0.5 m 97 % or more up to 35 degrees;
+    with 1 m 99 % at 16 degrees, 96 % at 24 and 68 % at 35; with 2 m 93 % at 8 degrees, 39 % at 16
+    and 3 % at 24. Of hills, tops are lost: at a mean slope of 8 degrees 24 %, 21 % and 76 %. A
+    rigidness of 1 finds more on slopes.
 
     Examples
     --------
@@ -100,12 +119,16 @@ def classify_ground(
     points = np.ascontiguousarray(source.points[rows] * metres, dtype=np.float64)
     points -= points.min(axis=0) if len(points) else 0.0
     _check_size(points, resolution)
-    found = rows[_filtered(points, resolution, rigidness, threshold)]
+    is_ground = _filtered(points, resolution, rigidness, threshold)
+    found = rows[is_ground]
+    cells, bare = _bare_cells(points, is_ground, resolution)
     counts = {
         "rows": len(source), "ground": len(found), "method": method, "resolution": resolution,
         "rigidness": rigidness, "threshold": threshold, "unit_known": is_known,
-        "z_unit_known": is_known_of_z,
+        "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
     }  # fmt: skip
+    if bare > _MOST_BARE * cells:
+        warnings.warn(bare_warning(counts), DataWarning, stacklevel=2)
     return replace(
         source,
         attributes={**source.attributes, **_classes(source, found)},
@@ -172,6 +195,44 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
         cause = " ".join(done.stderr.decode(errors="replace").split())[-200:]
         raise LiftmeshError(f"CSF ended with code {done.returncode}: {cause or 'no message'}")
     return np.frombuffer(done.stdout, np.uint8).astype(np.bool_)
+
+
+def _bare_cells(points: Floats, is_ground: Array, resolution: float) -> tuple[int, int]:
+    """Count the cells that have rows enough, and those of them that have no ground."""
+    places = np.floor(points[:, :2] / (_NODES_OF_CELL * resolution)).astype(np.int64)
+    keys = places[:, 0] * (places[:, 1].max(initial=0) + 1) + places[:, 1]
+    _, which, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    has_ground = np.bincount(which[is_ground], minlength=len(counts)) > 0
+    is_full = counts >= _ROWS_OF_CELL
+    return int(is_full.sum()), int((is_full & ~has_ground).sum())
+
+
+def bare_warning(counts: Mapping[str, Any]) -> str:
+    """Say that the cloth has lost the ground of many cells, and what helps; "" if it has not.
+
+    Parameters
+    ----------
+    counts : mapping
+        As in ``metadata["ground"]``.
+
+    Returns
+    -------
+    str
+        The sentence.
+
+    Examples
+    --------
+    >>> bare_warning({"cells": 400, "bare_cells": 12, "resolution": 2.0})
+    ''
+    """
+    cells, bare = counts["cells"], counts["bare_cells"]
+    if bare <= _MOST_BARE * cells:
+        return ""
+    size = _NODES_OF_CELL * counts["resolution"]
+    return (
+        f"{bare:,} of {cells:,} cells of {size:g} m have no ground: on slopes the cloth has lost "
+        "it, if they are no roofs: give a smaller resolution= to classify_ground, or rigidness=1"
+    )
 
 
 def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:

@@ -22,11 +22,15 @@ from liftmesh.errors import DataWarning, InputError
 from liftmesh.height_units import band_unit
 from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
-from liftmesh.io.metadata import said
+from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, said, unread
+from liftmesh.io.selection import found_selection
+from liftmesh.io.surface_rows import check_grounds
 from liftmesh.same_crs import are_different, is_same
 from liftmesh.terrain.overlap import distances_of, overlap_of
+from liftmesh.transformation import common, told_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
+_FLOWN = "flight_lines"
 _LINE = "point_source_id"  # the flight line
 _POINTS, _NORMALS = 0, 1  # keys beside the names of attributes
 _OF_A_FILE = (
@@ -35,10 +39,9 @@ _OF_A_FILE = (
     "skipped",
     "selection",
     "merged",
-    "flight_lines",
     "las_records",
     "stated_crs",
-    _LAYOUT,
+    TRANSFORMATION,
 )
 
 
@@ -71,7 +74,8 @@ def merge(clouds: Iterable[object]) -> Cloud:
     Raises
     ------
     InputError
-        There is no cloud, or two have different coordinate systems.
+        There is no cloud, two have different coordinate systems, or ``classes="ground"`` was asked
+        of files, and only some have any: the others would be merged with all their rows.
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
 
@@ -86,6 +90,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
         raise InputError("there is no cloud to merge: give one or more")
     names = [_name(each, k) for k, each in enumerate(parts)]
     sizes = [len(each) for each in parts]
+    check_grounds(zip(names, map(_selection, parts), strict=True))
     crs = _common_system(parts, names)
     left_out: list[str] = []
     colors = _colors(parts, names, left_out)
@@ -103,7 +108,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
     values = {key: _stacked(_taken(columns, key), names, key, left_out) for key in keys}
     left_out += ["faces"] if has_faces else []
     if new := left_out[notes:]:
-        entries["skipped"] = tuple(dict.fromkeys([*entries.get("skipped", ()), *new]))
+        entries |= _skipped([*entries.get("skipped", ()), *new])
     entries |= _account(points, sizes, names, values.get(_LINE))
     if crs is None:
         _note_distances(entries["merged"], distances_of(points, sizes))
@@ -185,8 +190,8 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         ):
             raise InputError(
                 f"{first} and {name} have coordinate systems that are the same in the plane, but "
-                f"only {first if _states_heights(crs) else name} states what heights are: give "
-                "to_crs= with heights, such as EPSG:7415"
+                f"only {first if _states_heights(crs) else name} states what heights are: say it "
+                "of the other with crs=, such as EPSG:7415"
             )
         raise InputError(
             f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
@@ -284,7 +289,7 @@ def _is_exact(kind: np.dtype, common: np.dtype) -> bool:
 def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     """Merge metadata: what all say alike, the counts of selections, the scales of lidar."""
     first = parts[0].metadata
-    keys = dict.fromkeys(key for each in parts for key in each.metadata if key not in _OF_A_FILE)
+    keys = dict.fromkeys(key for each in parts for key in _lasting(each.metadata))
     entries: dict[str, Any] = {}
     for key in keys:
         if all(key in each.metadata and _alike(each.metadata[key], first[key]) for each in parts):
@@ -292,19 +297,27 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
         elif any(key in said(each.metadata) for each in parts):
             left_out.append(f"metadata {key}")
     for key in ("source", "format"):
-        labels = dict.fromkeys(str(each.metadata[key]) for each in parts if key in each.metadata)
-        entries |= {key: ", ".join(labels)} if labels else {}
+        labels = [each.metadata[key] for each in parts if is_read(each.metadata)]
+        entries |= {key: Label(", ".join(dict.fromkeys(labels)))} if labels else {}
     layouts = [each.metadata.get(_LAYOUT) for each in parts]
     if all(isinstance(each, Mapping) for each in layouts):
         entries[_LAYOUT] = _common_layout(layouts)  # type: ignore[arg-type]
-    selections = [each.metadata.get("selection") for each in parts]
-    if any(isinstance(each, Mapping) for each in selections):
+    told = common([told_of(each.metadata) for each in parts])
+    entries |= {TRANSFORMATION: told} if told else {}
+    if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)
-    skipped = [each.metadata.get("skipped") for each in parts]
-    before = [word for each in skipped if isinstance(each, tuple) for word in each]
-    if before or left_out:
-        entries["skipped"] = tuple(dict.fromkeys([*before, *left_out]))
-    return entries
+    return entries | _skipped([word for each in parts for word in unread(each.metadata)] + left_out)
+
+
+def _skipped(names: Sequence[str]) -> dict[str, Any]:
+    return {"skipped": Unread(dict.fromkeys(names))} if names else {}
+
+
+def _lasting(metadata: Mapping[str, Any]) -> list[str]:
+    """Return the keys of entries that are no notes about a file, nor about a former merge."""
+    own = said(metadata)
+    notes = [key for key in (_LAYOUT, _FLOWN) if isinstance(metadata.get(key), Mapping)]
+    return [key for key in metadata if key not in notes and (key not in _OF_A_FILE or key in own)]
 
 
 def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
@@ -348,18 +361,17 @@ def _common_layout(layouts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
+def _selection(cloud: Cloud) -> dict[str, int]:
+    return found_selection(cloud.metadata)
+
+
 def _counts(parts: Sequence[Cloud]) -> dict[str, int]:
-    """Add the counts of the rows that were selected; "ground" holds if it does for all."""
-    total: dict[str, int] = {}
-    grounds = []
-    for each in parts:
-        found = each.metadata.get("selection")
-        counts = dict(found) if isinstance(found, Mapping) else {"rows": len(each)}
-        counts.setdefault("selected", len(each))
-        grounds.append(counts.pop("ground", None))
-        for key, count in counts.items():
-            total[key] = total.get(key, 0) + count
-    return total | ({} if None in grounds or len({*grounds}) > 1 else {"ground": grounds[0]})
+    """Add the counts of the rows that were selected; "ground" holds if it does for all rows."""
+    counts = [_selection(each) or {"rows": len(each), "selected": len(each)} for each in parts]
+    keys = dict.fromkeys(key for each in counts for key in each if key != "ground")
+    total = {key: sum(each.get(key, 0) for each in counts) for key in keys}
+    grounds = {each.get("ground", -1) for each in counts if each["selected"]}
+    return total | ({"ground": grounds.pop()} if len(grounds) == 1 and -1 not in grounds else {})
 
 
 def _account(
@@ -373,4 +385,4 @@ def _account(
     if not is_number:
         return {"merged": merged}
     flown = {"lines": found.lines, "overlap": found.between, "cell": found.cell}
-    return {"merged": merged, "flight_lines": flown}
+    return {"merged": merged, _FLOWN: flown}

@@ -18,14 +18,16 @@ from liftmesh.arrays import used_rows
 from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.files import read_cloud
-from liftmesh.io.metadata import lifted_by
+from liftmesh.io.metadata import is_read, lifted_by
 from liftmesh.io.registry import known_formats
+from liftmesh.io.surface_rows import classes_of
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 from liftmesh.planar.weights import named_values
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
+from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
@@ -150,7 +152,7 @@ def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
 
 def _remedy(cloud: Cloud, points: str) -> str:
     """Say what to do about faces; of a format that rounds, why they are not those written."""
-    found = known_formats().get(str(cloud.metadata.get("format")))
+    found = known_formats().get(cloud.metadata["format"]) if is_read(cloud.metadata) else None
     if found is None or "float64" in found.keeps:
         return f"triangulate the {points}"
     return (
@@ -180,4 +182,6 @@ def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
         representatives=np.full(rows - used, -1, dtype=np.int32),
         color_depth=cloud.color_depth,
         unused=rows - used,
+        classes=classes_of(cloud.attributes),
+        transformation=told_of(cloud.metadata),
     )

@@ -21,6 +21,7 @@ from liftmesh.choices import counted, shown
 from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.geometry_files import stated_system
+from liftmesh.io.metadata import Unread
 from liftmesh.terrain.geojson_tree import geometries
 from liftmesh.terrain.shape_files import read_shapes
 
@@ -83,7 +84,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     return Cloud(
         np.column_stack([planar, np.zeros(len(planar))]),
         attributes=columns,
-        metadata={"skipped": skipped} if skipped else {},
+        metadata={"skipped": Unread(skipped)} if skipped else {},
         crs=stated_system(shapes),
     )
 

@@ -11,16 +11,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Indices
 from liftmesh.arrays import as_pairs, as_reals
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.geojson_tree import coordinates_of
+
+_FEW, _NEAR = 64, 16  # points of a strip, and edges near each of them
+_PAIRS = 1 << 20  # of edges and points that are compared at once
+_LONG = 1 << 12  # points that are compared with one edge alone
+_ROUNDING = 2.0**-48  # of the ends of an edge, in a point between them
+_SMALLEST = 2.0**-1070
 
 Polygon: TypeAlias = list[Floats]
 T = TypeVar("T")
@@ -146,22 +153,85 @@ def contains(polygons: list[Polygon], points: Floats) -> Array:
     for rings in polygons:
         heights = np.concatenate([ring[:, 1] for ring in rings])
         first, last = np.searchsorted(lined[:, 1], (heights.min(), heights.max()))
-        is_inside[first:last] |= _is_in(rings, lined[first:last])
+        if first < last:
+            is_inside[first:last] |= _is_in(rings, lined[first:last])
     found = np.empty_like(is_inside)
     found[order] = is_inside
     return found
 
 
 def _is_in(rings: Polygon, lined: Floats) -> Array:
-    """Tell which points, by ascending y, are inside one polygon."""
+    """Tell which points, by ascending y, are inside one polygon.
+
+    Strips of points are halved until few edges are near many of them.
+    """
+    tails = np.concatenate(rings)
+    heads = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    rises = (tails[:, 1] < heads[:, 1])[:, None]
+    low, high = np.where(rises, tails, heads), np.where(rises, heads, tails)
+    first, last = (np.searchsorted(lined[:, 1], each[:, 1]) for each in (low, high))
     is_inside = np.zeros(len(lined), dtype=np.bool_)
-    for ring in rings:
-        for tail, head in zip(ring, np.roll(ring, -1, axis=0), strict=True):
-            low, high = (tail, head) if tail[1] < head[1] else (head, tail)
-            first, last = np.searchsorted(lined[:, 1], (low[1], high[1]))
-            if first < last:
-                is_inside[first:last] ^= orient2d(low, high, lined[first:last]) > 0
+    strips = [(0, len(lined), np.flatnonzero(first < last))]
+    while strips:
+        begin, end, edges = strips.pop()
+        own = edges[(first[edges] < end) & (last[edges] > begin)]
+        bounds = np.clip([first[own] - begin, last[own] - begin], 0, end - begin)
+        left_of = _left_of(low[own], high[own], bounds, lined[begin:end])
+        if left_of is None:
+            middle = (begin + end) // 2
+            strips += [(begin, middle, own), (middle, end, own)]
+        else:
+            is_inside[begin:end] = left_of % 2 == 1
     return is_inside
+
+
+def _left_of(low: Floats, high: Floats, bounds: Indices, strip: Floats) -> Indices | None:
+    """Count the edges to the left of which points are; None if too many pairs are near."""
+    passes = bounds[1] - bounds[0] == len(strip)
+    order = np.argsort(strip[:, 0])
+    points = strip[order]
+    left, right = _extents(low[passes], high[passes], strip[[0, -1], 1])
+    near = np.searchsorted(points[:, 0], left), np.searchsorted(points[:, 0], right, side="right")
+    pairs = (near[1] - near[0]).sum() + np.diff(bounds[:, ~passes], axis=0).sum()
+    if len(strip) > _FEW and pairs > _NEAR * (len(low) + len(strip)):
+        return None
+    counts = len(left) - np.cumsum(np.bincount(near[0], minlength=len(points) + 1))[:-1]
+    counts += _compared(low[passes], high[passes], *near, points)
+    first, last = bounds[:, ~passes]
+    found = _compared(low[~passes], high[~passes], first, last, strip)
+    found[order] += counts
+    return found
+
+
+def _compared(low: Floats, high: Floats, first: Indices, last: Indices, points: Floats) -> Indices:
+    """Count the edges to the left of which points are, each compared with a range of these."""
+    counts, number = np.zeros(len(points), dtype=np.intp), last - first
+    for k in np.flatnonzero(number > _LONG).tolist():
+        own = slice(first[k], last[k])
+        counts[own] += orient2d(low[k], high[k], points[own]) > 0
+        number[k] = 0
+    total = np.cumsum(number)
+    blocks = np.searchsorted(total, np.arange(0, total[-1] if len(total) else 0, _PAIRS))
+    for i, j in pairwise([*blocks.tolist(), len(low)]):
+        edge = np.repeat(np.arange(i, j), number[i:j])
+        shift = first[i:j] - total[i:j] + number[i:j] + (total[i - 1] if i else 0)
+        place = np.arange(len(edge)) + np.repeat(shift, number[i:j])
+        is_left = orient2d(low[edge], high[edge], points[place]) > 0
+        counts += np.bincount(place[is_left], minlength=len(points))
+    return counts
+
+
+def _extents(low: Floats, high: Floats, heights: Floats) -> tuple[Floats, Floats]:
+    """Bound the x that edges have between two heights."""
+    with np.errstate(all="ignore"):
+        across = high - low
+        share = (heights[:, None] - low[:, 1]) / across[:, 1]
+        x = low[:, 0] + np.clip(share, 0, 1) * across[:, 0]
+        margin = _ROUNDING * (np.abs(low[:, 0]) + np.abs(high[:, 0])) + _SMALLEST
+        least, most = x.min(axis=0) - margin, x.max(axis=0) + margin
+    ends = np.stack([low[:, 0], high[:, 0]])
+    is_vague = ~(np.isfinite(across).all(axis=1) & np.isfinite(least) & np.isfinite(most))
+    return np.where(is_vague, ends.min(axis=0), least), np.where(is_vague, ends.max(axis=0), most)
 
 
 def _polygons(described: object) -> list[Polygon]:

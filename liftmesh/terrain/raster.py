@@ -21,9 +21,11 @@ from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io import geotiff_writer
 from liftmesh.io.atomic import replacing
 from liftmesh.io.places import check_suffix
+from liftmesh.same_crs import plane_of
 from liftmesh.terrain.pixels import Layout, Transform, centres_of, layout_of
 from liftmesh.terrain.raster_values import Wanted
 from liftmesh.terrain.sampling import relief_of
+from liftmesh.terrain.units import names_of
 from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 
     from liftmesh.terrain.surface import Surface
 
+_UNITS = {"slope": "degree", "aspect": "degree"}
 _TOGETHER = 1 << 22  # pixels whose gradients are held at a time
 
 
@@ -49,6 +52,8 @@ class Raster:
         The coordinate reference system.
     quantity : str
         What the values are: "height", "slope", "aspect" or "hillshade".
+    unit : str, optional
+        Of the values: that of heights, if the surface says it; degrees; none of shades.
 
     Examples
     --------
@@ -62,6 +67,7 @@ class Raster:
     transform: Transform
     crs: str | None = None
     quantity: str = "height"
+    unit: str | None = None
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -98,7 +104,9 @@ class Raster:
         cog: bool = False,
         compress: str | None = "deflate",
     ) -> Path:
-        """Write a GeoTIFF with transform, coordinate system and NaN as nodata.
+        """Write a GeoTIFF with transform, coordinate system, unit and NaN as nodata.
+
+        Of heights alone the system says what heights are: of others it is that of the plane.
 
         Parameters
         ----------
@@ -139,11 +147,21 @@ class Raster:
         found = Path(path)
         check_name(found)
         is_cog = as_switch("cog", cog)
+        crs = written_system(self.crs, self.quantity)
+        packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
         with replacing(found) as stream:
-            geotiff_writer.write(
-                stream, self.values, self.transform, self.crs, cog=is_cog, compress=compress
-            )
+            geotiff_writer.write(stream, self.values, self.transform, crs, **packed)
         return found
+
+
+def written_system(crs: str | None, quantity: str) -> str | None:
+    """Return the coordinate system of a file: GDAL takes a unit of heights for that of values."""
+    return crs if quantity == "height" else plane_of(crs)
+
+
+def unit_of(surface: Surface, quantity: str) -> str | None:
+    """Return the unit of what a raster holds; None if it is not known, or there is none."""
+    return names_of(surface)[1] if quantity == "height" else _UNITS.get(quantity)
 
 
 def check_name(path: Path) -> None:
@@ -208,7 +226,7 @@ def rasterized(
             block[...] = wanted.of_gradients(gradients)
     wanted.finish(values)
     crs = surface.crs if surface.frame.name == "xy" else None
-    return Raster(values, layout.transform, crs, quantity)
+    return Raster(values, layout.transform, crs, quantity, unit_of(surface, quantity))
 
 
 def _check_range(surface: Surface, wanted: Wanted) -> None:

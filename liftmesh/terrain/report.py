@@ -10,6 +10,7 @@ from liftmesh._typing import Rows
 from liftmesh.choices import counted
 from liftmesh.frozen import constructed_from, freeze
 from liftmesh.io.tables.columns import described
+from liftmesh.transformation import sentence
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +51,11 @@ class Report:
         Rows not used because weights or radii hide them.
     unused : int
         Rows in no face of the mesh that `as_surface` was given.
+    classes : mapping of int to int
+        Rows by class, as lidar has them; empty if the cloud has no classes.
+    transformation : mapping
+        How ``to_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
+        None, and a "better" one with its "grid", if that is missing; empty if they were not.
 
     Examples
     --------
@@ -76,6 +82,8 @@ class Report:
     color_depth: int | None = field(default=None, repr=False)
     hidden: int = 0
     unused: int = 0
+    classes: Mapping[int, int] = field(default_factory=dict, repr=False)
+    transformation: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         freeze(self)
@@ -88,13 +96,22 @@ class Report:
         return (
             f"{counted(self.rows, 'row')}, {self.used:,} of them used in "
             f"{counted(self.triangles, 'triangle')}. "
-            f"Left out: {self._omissions()}. {self._columns()}{self._colors()}"
+            f"Left out: {self._omissions()}. {self._columns()}{self._classes()}{self._colors()}"
+            f"{self._change()}"
             f"{sum(self.seconds.values()):.3f} s: {stages}."
         ).removesuffix(" 0.000 s: .")
 
     def _columns(self) -> str:
         said = described(self.columns)
         return f"Columns: {said}. " if said else ""
+
+    def _classes(self) -> str:
+        said = ", ".join(f"{key} ({count:,})" for key, count in self.classes.items())
+        return f"Rows by class: {said}. " if said else ""
+
+    def _change(self) -> str:
+        said = sentence(self.transformation) if self.transformation else ""
+        return f"{said[:1].upper()}{said[1:]}. " if said else ""
 
     def _colors(self) -> str:
         depth = self.color_depth

@@ -18,8 +18,8 @@ from liftmesh import _kernel
 from liftmesh._typing import Progress, Rows
 from liftmesh.choices import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
 from liftmesh.errors import InputError
-from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import lifted_by
+from liftmesh.io.surface_rows import classes_of, read_rows
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.deviation import Deviation, deviation, of_rows
@@ -28,15 +28,17 @@ from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.triangulate import triangulate
+from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
+    from liftmesh.io.selection import ClassChoice
 
 _WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
 
 
-def simplify(
+def simplify(  # noqa: PLR0913 - options are keywords
     cloud: object,
     *,
     max_error: float | None = None,
@@ -45,6 +47,7 @@ def simplify(
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     duplicates: Duplicates = "first",
     nonfinite: NonFinite = "error",
+    classes: ClassChoice = None,
     progress: Progress | None = None,
 ) -> Surface:
     """Approximate a terrain by few triangles, within a vertical distance of every point.
@@ -63,7 +66,7 @@ def simplify(
     prune : bool, default True
         Whether vertices are removed again that the distance does not need. On rasters this takes
         7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
-    plane, duplicates, nonfinite
+    plane, duplicates, nonfinite, classes
         As for `triangulate`; not for a `Surface`, which has them already.
     progress : callable, optional
         As for `triangulate`.
@@ -117,7 +120,7 @@ def simplify(
     start = time.perf_counter()
     stages = _scaled(progress)
     given: Any = {"plane": plane, "duplicates": duplicates, "nonfinite": nonfinite}
-    whole = _whole(cloud, given, stages(0.0, _DONE_AFTER["triangulate"]))
+    whole = _whole(cloud, classes, given, stages(0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     heights = whole.frame.heights(whole.vertices)
     used, positions, hull = positions_of(whole)
@@ -156,13 +159,15 @@ def _limits(max_error: object, max_points: object) -> tuple[float, int]:
     return bound, min(most, _kernel.MOST_ROWS)
 
 
-def _whole(cloud: object, given: dict[str, Any], progress: Progress | None) -> Surface:
+def _whole(
+    cloud: object, classes: ClassChoice, given: dict[str, Any], progress: Progress | None
+) -> Surface:
     """Return the surface that is to be simplified; raise if it does not cover its hull."""
-    if isinstance(cloud, Surface):
+    if isinstance(cloud, Surface) and classes is None:
         if cloud.mask is not None:
             raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
         return cloud
-    source = read_cloud(cloud)
+    source = read_rows(cloud, classes)
     whole = triangulate(source, **given, progress=progress)
     if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
         _check_faces(source, given["plane"])
@@ -229,6 +234,8 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
         representatives=nothing,
         columns=whole.report.columns,
         color_depth=whole.report.color_depth,
+        classes=classes_of(cloud.attributes),
+        transformation=told_of(cloud.metadata),
     )
     return Surface(
         vertices=cloud.points,

@@ -21,8 +21,8 @@ from liftmesh.arrays import check_finite, non_finite
 from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.crs import described, warnings_of
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
-from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import found_columns
+from liftmesh.io.surface_rows import classes_of, read_rows
 from liftmesh.shapes import of_one_array
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.lifting import Lifting, lifting_of
@@ -30,9 +30,11 @@ from liftmesh.terrain.parts import with_parts
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
+from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
     from liftmesh.cloud import Cloud
+    from liftmesh.io.selection import ClassChoice
     from liftmesh.io.tables.options import ColumnChoice
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
@@ -59,6 +61,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     progress: Progress | None = None,
     columns: ColumnChoice = None,
     flat: bool = False,
+    classes: ClassChoice = None,
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
     metric: ArrayLike | None = None,
@@ -114,6 +117,11 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         the name of each, as ``"x,y,z,red,green,blue"``.
     flat : bool, default False
         Whether the heights of a table do not matter, as for `read`.
+    classes : int, iterable of int, "ground" or "all", optional
+        Of a file, the classes of the rows to read, as for `read`. Of LAS, LAZ and COPC by default
+        "ground": class 2 if any row has it, else all rows; rows that the file flags as withheld are
+        left out whatever the classes. Of a `Cloud` or another object all rows count, as they are.
+        The report says which classes were taken.
     weights, radii : (n,) array_like or str, optional
         The faces are those of the regular triangulation, as from `regular`, of the planar points
         with these weights, or radii: numbers, or the name of values of the cloud, such as a column
@@ -177,7 +185,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
-    source = with_parts(read_cloud(cloud, **_table_options(columns, flat)), given)
+    source = with_parts(read_rows(cloud, classes, **_table_options(columns, flat)), given)
     lifting = lifting_of(source, weights, radii, metric, method)
     source = lifting.cloud
     stages.finish("read")
@@ -396,4 +404,6 @@ def _report(
         columns=found_columns(cloud.metadata),
         color_depth=cloud.color_depth,
         hidden=len(hidden),
+        classes=classes_of(cloud.attributes),
+        transformation=told_of(cloud.metadata),
     )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from liftmesh.arrays import as_reals
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
-from liftmesh.height_units import system_of
+from liftmesh.height_units import band_unit, system_of
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -76,8 +76,11 @@ def names_of(surface: Surface) -> tuple[str | None, str | None]:
     """
     system = system_of(surface)
     axes = _AXES.get(surface.frame.name)
-    if system is None or axes is None:
+    if axes is None:
         return None, None
+    if system is None:
+        band = band_unit(surface) if axes[2] == 2 else None
+        return None, None if band is None else band.name
     x, y, z = (None if unit is None else unit.name for unit in (system.units[k] for k in axes))
     return (x if x == y else None), z
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.arrays import non_finite
 from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.io.surface_rows import classes_of
 from liftmesh.tiles.clouds import read_part
 from liftmesh.tiles.repeated import set_apart
 from liftmesh.tiles.runs import load_plan, stem_of
@@ -35,12 +36,15 @@ class Scanned:
     digest: str
     sample: Floats
     values: str = ""
+    classes: Mapping[int, int] = field(default_factory=dict)
 
     @property
     def as_chunk(self) -> dict[str, Any]:
         """What a manifest says of the part."""
         said: dict[str, Any] = {"rows": self.rows, "sha256": self.digest}
-        return said | ({"values": self.values} if self.values else {})
+        said |= {"values": self.values} if self.values else {}
+        classes = {str(each): rows for each, rows in self.classes.items()}
+        return said | ({"classes": classes} if classes else {})
 
 
 def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
@@ -80,7 +84,13 @@ def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
     pool = rows if is_whole else rows[finite]
     rng = np.random.default_rng(int(digest[:16], 16))
     drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
-    return Scanned(len(rows), digest, pool[np.sort(drawn)] + 0.0, others)
+    classes = {} if values is None else classes_in(values)
+    return Scanned(len(rows), digest, pool[np.sort(drawn)] + 0.0, others, classes)
+
+
+def classes_in(values: Array) -> dict[int, int]:
+    """Count the rows of each class of lidar, as a `Report` does; empty if there are none."""
+    return classes_of({name: values[name] for name in values.dtype.names or ()})
 
 
 def digests_of(rows: Floats, values: Array | None) -> tuple[str, str]:

@@ -7,16 +7,14 @@ the faces whose circles reach a box answer in it as the whole.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
-from liftmesh.tiles.store import mapped
-from liftmesh.tiles.surface_files import faces_name, vertices_name
-from liftmesh.tiles.windows import apart
+from liftmesh.tiles.windows import apart, mesh_of
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
@@ -35,9 +33,9 @@ class Circles:
     """
 
     def __init__(self, tiled: TiledSurface) -> None:
-        self._folder = tiled.directory
-        self._names = [shard["file"] for shard in tiled.manifest["shards"]]
-        self._boxes = [_boxes(*self._read(name)[1:]) for name in self._names]
+        self._tiled = tiled
+        self._shards = tiled.manifest["shards"]
+        self._boxes = [_boxes(*self._read(shard)[1:]) for shard in self._shards]
 
     def near(self, box: Bounds) -> Iterator[tuple[Any, Rows]]:
         """Yield the faces whose circles may have a point of a box inside, shard by shard.
@@ -55,21 +53,20 @@ class Circles:
             Numbers of them.
         """
         window = np.array([box])
-        for name, boxes in zip(self._names, self._boxes, strict=True):
+        for shard, boxes in zip(self._shards, self._boxes, strict=True):
             meet = (boxes[:, :2] <= window[:, 2:]) & (boxes[:, 2:] >= window[:, :2])
             blocks = np.flatnonzero(meet.all(axis=1))
             if not len(blocks):
                 continue
-            vertices, points, faces = self._read(name)
+            vertices, points, faces = self._read(shard)
             held = [_reaching(points, faces[i * _BLOCK : (i + 1) * _BLOCK], window) for i in blocks]
             found = np.concatenate(held)
             if len(found):
                 yield apart(vertices, found)
 
-    def _read(self, name: str) -> tuple[Any, Floats, Rows]:
+    def _read(self, shard: Mapping[str, Any]) -> tuple[Any, Floats, Rows]:
         """Return the vertices of a shard, where they are, and its faces."""
-        vertices: Any = mapped(self._folder / vertices_name(name))
-        faces: Rows = mapped(self._folder / faces_name(name)).view(np.int32)
+        vertices, faces = mesh_of(self._tiled, shard)
         return vertices, np.stack([vertices["x"], vertices["y"]], axis=1), faces
 
 

@@ -15,6 +15,7 @@ import json
 import os
 import re
 import socket
+import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -44,6 +45,8 @@ _NOTE = re.compile(
     r"|(tile|seam)-\d{5,}-(duplicates|records|rim|hull|links|edges|values|heights)\.npy"
     rf"|(job|plan|(run|tile|seam)-\d{{5,}})\.json|{_TEMPORARY}"
 )
+_ATTEMPTS = 100  # at making folders that other runs remove, which had made them
+_CLAIM_BYTES = 1 << 16
 _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
@@ -89,13 +92,10 @@ def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
     if folders.out.exists() and not folders.out.is_dir():
         reason = "cannot write tiles here: this is a file, not a folder"
         raise NotADirectoryError(errno.ENOTDIR, reason, str(folders.out))
-    missing = [*_missing(folders.scratch), *_missing(folders.out)]
+    made: list[Path] = []
     try:
-        folders.out.mkdir(parents=True, exist_ok=True)
-        if not (folders.out / CLAIM).exists():
-            _check_out(folders.out)
-        with _locked(folders.out / CLAIM) as lock:
-            _take(lock, folders, anew=anew)
+        with _locked(folders.out, made) as lock:
+            _take(lock, folders, made, anew=anew)
             try:
                 yield
             except BaseException as error:
@@ -105,15 +105,19 @@ def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
             _remove_unnamed(folders.out, os.fstat(lock).st_mtime_ns)
             _leave(folders)
     except BaseException:
-        for folder in missing:
-            with suppress(OSError):  # it was not made, or holds something
+        for folder in reversed(made):
+            with suppress(OSError):  # it holds something, perhaps of another run
                 folder.rmdir()
         raise
 
 
-def _missing(folder: Path) -> list[Path]:
-    """List the folders that have to be made for this one, the innermost first."""
-    return [each for each in (folder, *folder.parents) if not os.path.lexists(each)]
+def _make_folders(folder: Path, made: list[Path]) -> None:
+    """Make a folder and those above it; list which of them no other run has made."""
+    for each in (*reversed(folder.parents), folder):
+        if not each.is_dir():
+            with suppress(FileExistsError):
+                each.mkdir()
+                made.append(each)
 
 
 def check_apart(folders: Folders, parts: Sequence[Part]) -> None:
@@ -207,24 +211,42 @@ def _remove_unnamed(out: Path, began: int) -> None:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[int]:
-    """Lock a file, which is made if it is missing; file systems without locks do without."""
+def _locked(out: Path, made: list[Path]) -> Iterator[int]:
+    """Lock the claim of a folder; both are made if they are missing."""
+    path = out / CLAIM
     while True:
-        lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        lock = _opened(path, made)
         try:
             _lock(lock, path)
             if path.exists() and os.path.samestat(path.stat(), os.fstat(lock)):
+                _check_claim(lock, path)
                 yield lock
                 return
         finally:  # it may have been removed between the two calls: then once more
             os.close(lock)
 
 
+def _opened(path: Path, made: list[Path], attempts: int = _ATTEMPTS) -> int:
+    """Open a claim, never through a link; another run may remove the folders that it has made."""
+    try:
+        _make_folders(path.parent, made)
+        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    except FileNotFoundError:
+        if attempts == 0:
+            raise
+        return _opened(path, made, attempts - 1)
+    except OSError as error:
+        if path.is_symlink():
+            raise _not_ours(path) from error
+        raise
+
+
 def _lock(lock: int, path: Path) -> None:
+    """Lock a file; file systems without locks do without."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        holder = _claim(path).get("holder", "another process")
+        holder = _claim(lock).get("holder", "another process")
         raise InputError(
             f"{path.parent} is being written by {holder}: wait for it, or choose another folder"
         ) from None
@@ -233,50 +255,84 @@ def _lock(lock: int, path: Path) -> None:
             raise
 
 
-def _claim(path: Path) -> dict[str, str]:
+def _check_claim(lock: int, path: Path) -> None:
+    """Raise if the file is not what a run leaves; nothing has been written to it."""
+    found = os.fstat(lock)
+    is_alone = stat.S_ISREG(found.st_mode) and found.st_nlink == 1
+    if not is_alone or (found.st_size and {*_claim(lock)} != {"holder", "scratch"}):
+        raise _not_ours(path)
+
+
+def _not_ours(path: Path) -> InputError:
+    return InputError(
+        f"{path} was not made by a run of liftmesh: remove it, or choose another folder"
+    )
+
+
+def _claim(lock: int) -> dict[str, str]:
+    """Read what the holder of a lock says; nothing if it says nothing."""
     try:
-        return load_json(path)
-    except (FormatError, FileNotFoundError):
+        said = json.loads(os.pread(lock, _CLAIM_BYTES, 0))
+    except (ValueError, RecursionError, OSError):
         return {}
+    return said if isinstance(said, dict) and all(map(_is_text, said.values())) else {}
 
 
-def _take(lock: int, folders: Folders, *, anew: bool) -> None:
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and "\0" not in value
+
+
+def _take(lock: int, folders: Folders, made: list[Path], *, anew: bool) -> None:
     """Say whose the folders are; a scratch folder that was used before must be known."""
+    before = os.fstat(lock).st_size
     try:
-        _take_scratch(folders, anew=anew)
+        if not before:
+            _check_out(folders.out)
+        _take_scratch(Path(_claim(lock).get("scratch", folders.scratch)), folders, made, anew=anew)
     except BaseException:
-        if os.fstat(lock).st_size == 0:  # the claim is new
+        if not before:  # the claim is new
             (folders.out / CLAIM).unlink()
         raise
     holder = f"process {os.getpid()} on {socket.gethostname()}"
     text = json.dumps({"holder": holder, "scratch": str(folders.scratch)})
-    os.ftruncate(lock, 0)
-    os.pwrite(lock, text.encode(), 0)
+    os.pwrite(lock, text.encode().ljust(before), 0)  # it is never empty again
 
 
-def _take_scratch(folders: Folders, *, anew: bool) -> None:
-    before = Path(_claim(folders.out / CLAIM).get("scratch", folders.scratch))
-    if before != folders.scratch and (before / MARKER).exists():
+def _take_scratch(before: Path, folders: Folders, made: list[Path], *, anew: bool) -> None:
+    if before != folders.scratch and (before / MARKER).is_file():
         if not anew:
             raise InputError(
                 f"{folders.out} holds a run that works in {before}: give the same scratch folder, "
                 "or begin anew with resume=False"
             )
-        _remove(before)
-    _make(folders.scratch)
+        if _out_of(before) == os.path.realpath(folders.out):
+            _remove(before)
+    _make(folders, made)
     if anew:
         _remove(folders.scratch)
-        _make(folders.scratch)
+        _make(folders, made)
 
 
-def _make(scratch: Path) -> None:
-    scratch.mkdir(parents=True, exist_ok=True)
+def _out_of(scratch: Path) -> object:
+    """Return the folder that a run in this scratch folder writes to: a claim may name any other."""
+    try:
+        return load_json(scratch / MARKER).get("out")
+    except FormatError:
+        return None
+
+
+def _make(folders: Folders, made: list[Path]) -> None:
+    scratch = folders.scratch
+    if scratch.is_symlink():
+        raise InputError(f"{scratch} is a link: remove it, or choose another scratch folder")
+    _make_folders(scratch, made)
     others = [path for path in scratch.iterdir() if not re.fullmatch(_TEMPORARY, path.name)]
     if others and not (scratch / MARKER).is_file():
         raise InputError(
             f"{scratch} was not made by liftmesh: move it, or choose another scratch folder"
         )
-    save_json(scratch / MARKER, {"kind": "scratch folder of liftmesh"})
+    marker = {"kind": "scratch folder of liftmesh", "out": os.path.realpath(folders.out)}
+    save_json(scratch / MARKER, marker)
 
 
 def _remove(scratch: Path) -> None:

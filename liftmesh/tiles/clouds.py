@@ -21,6 +21,7 @@ from liftmesh.frozen import FrozenDict
 from liftmesh.io.files import read_chunks
 from liftmesh.io.registry import as_cloud
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
+from liftmesh.tiles.las import readings
 from liftmesh.tiles.parquet import parquet_clouds
 from liftmesh.tiles.ranges import kind_of, values_of
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
@@ -233,8 +234,9 @@ def valued_parts(
     """
     files = files_of(source)
     if files is not None:
+        given = readings([f.source for f in files], reading)
         each = (
-            valued_parts_of_file(f, f.source, rows, scratch, reading, nth(show, k, len(files)))
+            valued_parts_of_file(f, f.source, rows, scratch, given[k], nth(show, k, len(files)))
             for k, f in enumerate(files)
         )
         return alike([part for parts in each for part in parts])

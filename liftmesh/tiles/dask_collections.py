@@ -68,7 +68,9 @@ class Collections:
         """
         delayed = load("dask", extra="dask").delayed
         return [
-            delayed(read_shard)(path, dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}")
+            delayed(read_shard)(
+                path, shard, dask_key_name=f"triangles-{path.stem}-{shard['sha256'][:16]}"
+            )
             for path, shard in zip(self.shards, self.manifest["shards"], strict=True)
         ]
 

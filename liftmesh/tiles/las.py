@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,8 +13,10 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
 from liftmesh.io.las.header import stated
+from liftmesh.io.surface_rows import for_chunks
 
 if TYPE_CHECKING:
+    from liftmesh.tiles.clouds import Reading
     from liftmesh.tiles.sources import Origin
 
 
@@ -89,3 +92,33 @@ def las_parts(origin: Origin, name: str, rows: int) -> list[LasPart] | None:
         )
         for first in range(0, found.points, rows)
     ]
+
+
+def readings(names: Sequence[str], reading: Reading) -> list[Reading]:
+    """Say how each file of a surface is read: of lidar its ground, unless the caller says more.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The files.
+    reading : Reading
+        What the caller says.
+
+    Returns
+    -------
+    list of Reading
+        For each file; it may be read for that.
+
+    Raises
+    ------
+    InputError
+        Some files of lidar have ground, and others have rows, but none.
+    FormatError, OSError
+        A file cannot be read.
+    """
+    found = [reading] * len(names)
+    lidar = [k for k, name in enumerate(names) if name.lower().endswith((".las", ".laz"))]
+    chosen = for_chunks([names[k] for k in lidar], reading.options)
+    for k, options in zip(lidar, chosen, strict=True):
+        found[k] = replace(reading, options=options)
+    return found

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from liftmesh.errors import FormatError
+from liftmesh.tiles.manifest_shape import wrong_part
 from liftmesh.tiles.store import load_json, seal
 
 MANIFEST = "manifest.json"
@@ -42,4 +43,7 @@ def manifest_of(folder: Path) -> dict[str, Any]:
         raise FormatError(f"{place}: not the manifest of tiles of version {VERSION}")
     if manifest.pop("seal", None) != seal(manifest):
         raise FormatError(f"{place}: damaged or changed: move it, and tile the source again")
+    wrong = wrong_part(manifest)
+    if wrong is not None:
+        raise FormatError(f"{place}: {wrong} is not what tile writes: tile the source again")
     return manifest

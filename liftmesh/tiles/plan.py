@@ -17,6 +17,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Integers, Rows
+from liftmesh.errors import FormatError
 
 _EVERYWHERE = (-np.inf, -np.inf, np.inf, np.inf)
 _LEVELS = 5  # of cuts, below which the boxes of tiles count by themselves
@@ -239,12 +240,36 @@ class Plan:
         -------
         Plan
             The same plan.
+
+        Raises
+        ------
+        FormatError
+            It is none.
         """
-        return cls(
-            np.array(lists["axes"], dtype=np.uint8),
-            np.array(lists["at"], dtype=np.float64).reshape(-1, 2),
-            np.array(lists["children"], dtype=np.int32).reshape(-1, 2),
-            np.array(lists.get("repeated", []), dtype=np.float64).reshape(-1, 2),
+        try:
+            found = cls(
+                np.array(lists["axes"], dtype=np.uint8),
+                np.array(lists["at"], dtype=np.float64).reshape(-1, 2),
+                np.array(lists["children"], dtype=np.int32).reshape(-1, 2),
+                np.array(lists.get("repeated", []), dtype=np.float64).reshape(-1, 2),
+            )
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise FormatError(f"no plan of tiles ({error}): tile the source again") from error
+        if not found.is_tree:
+            raise FormatError("no plan of tiles (its cuts are no tree): tile the source again")
+        return found
+
+    @property
+    def is_tree(self) -> bool:
+        """Whether each cut but the first, and each tile, is below one earlier cut."""
+        cuts, below = len(self.axes), self.children.reshape(-1)
+        names = np.arange(~cuts, cuts)
+        return (
+            self.axes.shape == (cuts,) == self.at.shape[:1] == self.children.shape[:1]
+            and bool((self.axes < 2).all() and np.isfinite(self.at).all())
+            and bool(np.isfinite(self.repeated).all())
+            and bool(np.array_equal(np.sort(below), names[names != 0]) if cuts else True)
+            and bool(((below < 0) | (below > np.repeat(np.arange(cuts), 2))).all())
         )
 
 

@@ -30,6 +30,7 @@ from liftmesh.tiles.claim import (
 )
 from liftmesh.tiles.groups import Groups
 from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of
+from liftmesh.tiles.manifest_shape import wrong_job
 from liftmesh.tiles.plan import Plan, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.release import released
@@ -300,7 +301,7 @@ class Run:
         record = self.folders.scratch / JOB
         if record.exists():
             job = load_record(record, "")
-            if job is None:
+            if wrong_job(job) is not None:
                 raise InputError(f"{record}: damaged: begin anew with resume=False")
             self._check_options(job, "a run", identity)
             self._check_chunks(job["chunks"], identity["chunks"])
@@ -349,7 +350,8 @@ class Run:
 
 def _earlier_rows(folders: Folders) -> int | None:
     """Return how many rows the tiles of a run have that was begun, or is finished."""
-    job = load_record(folders.scratch / JOB, "")
+    record = load_record(folders.scratch / JOB, "")
+    job = None if wrong_job(record) else record
     if job is None and (folders.out / MANIFEST).exists():
         job = manifest_of(folders.out)
     return None if job is None else int(job["tile_rows"])

@@ -8,7 +8,7 @@ compression.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.ply import read_ply
 from liftmesh.io.ply.writer import write_ply
 from liftmesh.optional import load
-from liftmesh.tiles.store import mapped, save_array, saving
+from liftmesh.tiles.store import damaged, mapped, save_array, saving, sound
 
 _COLUMNS = ("a", "b", "c")
 _GROUP = 1 << 20  # triangles of a row group
@@ -80,13 +80,15 @@ def save_shard(path: Path, triangles: Integers, records: Integers) -> str:
     return _FORMATS[path.suffix].save(path, triangles, records)
 
 
-def read_shard(path: Path) -> Integers:
+def read_shard(path: Path, stated: Mapping[str, Any] | None = None) -> Integers:
     """Read the triangles of a shard.
 
     Parameters
     ----------
     path : Path
         What `save_shard` has written.
+    stated : mapping, optional
+        What the manifest says of it, which has to be so.
 
     Returns
     -------
@@ -100,16 +102,20 @@ def read_shard(path: Path) -> Integers:
     OSError
         It cannot be read.
     """
-    return _checked(path, _FORMATS[path.suffix].read(path))
+    if stated is not None:
+        sound(path, stated["sha256"])
+    return _checked(path, _FORMATS[path.suffix].read(path), stated)
 
 
-def open_shard(path: Path) -> Integers:
+def open_shard(path: Path, stated: Mapping[str, Any] | None = None) -> Integers:
     """Map the triangles of a shard if its format allows, and read them otherwise.
 
     Parameters
     ----------
     path : Path
         What `save_shard` has written.
+    stated : mapping, optional
+        As for `read_shard`.
 
     Returns
     -------
@@ -121,7 +127,11 @@ def open_shard(path: Path) -> Integers:
     FormatError, OSError
         As for `read_shard`.
     """
-    return _checked(path, mapped(path)) if path.suffix == ".npy" else read_shard(path)
+    if path.suffix != ".npy":
+        return read_shard(path, stated)
+    if stated is not None:
+        sound(path, stated["sha256"])
+    return _checked(path, mapped(path), stated)
 
 
 def vertices_of(path: Path) -> Integers | None:
@@ -149,14 +159,12 @@ def vertices_of(path: Path) -> Integers | None:
     return np.column_stack((cloud.attributes["row"].astype(np.int64), points))
 
 
-def _checked(path: Path, triangles: Array) -> Integers:
+def _checked(path: Path, triangles: Array, stated: Mapping[str, Any] | None) -> Integers:
     if triangles.dtype != np.int64 or triangles.shape[1:] != (3,):
-        raise _damaged(path, "not rows of three 64-bit integers")
+        raise damaged(path, "not rows of three 64-bit integers")
+    if stated is not None and len(triangles) != stated["triangles"]:
+        raise damaged(path, f"{len(triangles):,} triangles, not {stated['triangles']:,}")
     return triangles
-
-
-def _damaged(path: Path, reason: object) -> FormatError:
-    return FormatError(f"{path}: damaged ({reason}): tile the source again")
 
 
 def _save_npy(path: Path, triangles: Integers, _: Integers) -> str:
@@ -187,14 +195,22 @@ def _read_parquet(path: Path) -> Array:
     arrow, parquet = load("pyarrow", extra="dask"), load("pyarrow.parquet", extra="dask")
     try:
         with parquet.ParquetFile(path) as file:
-            found = np.empty((file.metadata.num_rows, 3), dtype=np.int64)
-            at = 0
-            for group in file.iter_batches(_GROUP, columns=[*_COLUMNS], use_threads=False):
-                for k, column in enumerate(group.columns):
-                    found[at : at + len(column), k] = column.to_numpy()
-                at += group.num_rows
+            return _columns(file, arrow.int64())
     except (arrow.ArrowException, ValueError, KeyError) as error:
-        raise _damaged(path, str(error).splitlines()[0]) from error
+        raise damaged(path, str(error).splitlines()[0]) from error
+
+
+def _columns(file: Any, kind: Any) -> Array:
+    if any(file.schema_arrow.field(name).type != kind for name in _COLUMNS):
+        raise ValueError("the columns hold no 64-bit integers")
+    found = np.empty((file.metadata.num_rows, 3), dtype=np.int64)
+    at = 0
+    for group in file.iter_batches(_GROUP, columns=[*_COLUMNS], use_threads=False):
+        for k, column in enumerate(group.columns):
+            found[at : at + len(column), k] = column.to_numpy()  # refuses missing values
+        at += group.num_rows
+    if at != len(found):
+        raise ValueError(f"{at:,} rows of {len(found):,}")
     return found
 
 
@@ -222,9 +238,9 @@ def _read_cloud(path: Path) -> Cloud:
         try:
             cloud = read_ply(stream, str(path))
         except FormatError as error:
-            raise _damaged(path, error) from error
+            raise damaged(path, error) from error
     if cloud.faces is None or "row" not in cloud.attributes:
-        raise _damaged(path, "it has no faces, or no rows")
+        raise damaged(path, "it has no faces, or no rows")
     return cloud
 
 

@@ -16,6 +16,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -75,7 +76,7 @@ def saving(path: Path) -> Iterator[Hashed]:
     OSError
         The file cannot be written.
     """
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         yield Hashed(stream)
         _to_disk(stream)
 
@@ -141,7 +142,7 @@ def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) 
         The file cannot be written.
     """
     header = {"descr": "<i8", "fortran_order": False, "shape": shape}
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         np.lib.format.write_array_header_1_0(stream, header)
         for block in blocks:
             stream.write(np.ascontiguousarray(block, dtype="<i8").data)
@@ -171,12 +172,21 @@ def mapped(path: Path) -> Integers:
     try:
         found: Integers = np.load(path, mmap_mode="r")
     except (ValueError, EOFError) as error:
-        raise FormatError(f"{path}: damaged ({error}): tile the source again") from error
+        raise damaged(path, error) from error
     except OSError as error:
         if error.errno == errno.ENOMEM:  # no room for the map
             raise MemoryError from error
         raise
     return found
+
+
+def within(numbers: Array, least: int, end: int) -> bool:
+    """Whether all numbers of an array, which may be empty, are in a range.
+
+    >>> within(np.array([0, 2]), 0, 3), within(np.array([-1]), 0, 3)
+    (True, False)
+    """
+    return not numbers.size or (least <= int(numbers.min()) and int(numbers.max()) < end)
 
 
 def concatenated(parts: Sequence[Array]) -> Array:
@@ -211,7 +221,7 @@ def save_json(path: Path, content: Mapping[str, Any]) -> None:
     OSError
         The file cannot be written.
     """
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         stream.write(json.dumps(content, indent=1, sort_keys=True).encode() + b"\n")
         _to_disk(stream)
 
@@ -351,6 +361,58 @@ def digest_of(path: Path) -> str:
     except FileNotFoundError:
         return ""
     return digest.hexdigest()
+
+
+def sound(path: Path, digest: str) -> Path:
+    """Raise if a file is not as it was written; one that stays as it is is read once for that.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    digest : str
+        Its SHA-256.
+
+    Returns
+    -------
+    Path
+        The same.
+
+    Raises
+    ------
+    FormatError
+        It was changed.
+    OSError
+        It cannot be read.
+    """
+    state = path.stat()
+    known = (state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
+    if _digest_in(path, known) != digest:
+        raise damaged(path, "its SHA-256 is not that of the manifest")
+    return path
+
+
+@lru_cache(maxsize=1 << 14)
+def _digest_in(path: Path, _state: tuple[int, ...]) -> str:
+    return digest_of(path)
+
+
+def damaged(path: Path, reason: object) -> FormatError:
+    """Return the error for a file that does not hold what it was written to hold.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    reason : object
+        What is wrong.
+
+    Returns
+    -------
+    FormatError
+        To be raised.
+    """
+    return FormatError(f"{path}: damaged ({reason}): tile the source again")
 
 
 def is_sound(folder: Path, digests: Mapping[str, str]) -> bool:

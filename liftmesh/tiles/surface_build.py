@@ -75,7 +75,9 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         As for `tile`.
     **reading
         Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bbox``,
-        ``to_crs``, ``columns`` and so on. Rows are numbered as they are read.
+        ``to_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and COPC,
+        the ground (class 2) is taken, or all rows if no file has any, and no withheld rows, as by
+        `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were taken.
 
     Returns
     -------

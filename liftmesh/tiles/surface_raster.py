@@ -21,7 +21,7 @@ from liftmesh._typing import Array, Floats, Progress
 from liftmesh.choices import RasterQuantity, SampleMethod, as_switch, check_progress
 from liftmesh.io import geotiff_writer
 from liftmesh.terrain.pixels import Layout, centres_of, layout_of
-from liftmesh.terrain.raster import Raster, check_name
+from liftmesh.terrain.raster import Raster, check_name, unit_of, written_system
 from liftmesh.terrain.raster_values import Wanted
 from liftmesh.tiles.circles import Circles
 from liftmesh.tiles.windows import part_of, touching
@@ -167,7 +167,7 @@ class Rasterizing:
         values = np.empty((layout.rows, layout.columns), wanted.kind)
         for (down, across), found in windows.values(progress):
             values[down.start : down.stop, across.start : across.stop] = found
-        return Raster(values, layout.transform, self.crs, quantity)
+        return Raster(values, layout.transform, self.crs, quantity, unit_of(self, quantity))
 
     def save_raster(  # noqa: PLR0913 - options are keywords
         self: Any,
@@ -243,7 +243,8 @@ class Rasterizing:
             wanted.kind,
             windows.values(progress),
             layout.transform,
-            self.crs,
+            written_system(self.crs, quantity),
+            unit=unit_of(self, quantity),
             cog=is_cog,
             compress=compress,
         )

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Integers
+from liftmesh._typing import Array, Integers
 from liftmesh.choices import as_folder
 from liftmesh.errors import FormatError, InputError
 from liftmesh.frozen import freeze
@@ -19,7 +20,7 @@ from liftmesh.tiles.adjacency import as_pairs, neighbors_of
 from liftmesh.tiles.dask_collections import Collections
 from liftmesh.tiles.manifest import manifest_of
 from liftmesh.tiles.shards import open_shard
-from liftmesh.tiles.store import is_sound, mapped
+from liftmesh.tiles.store import damaged, is_sound, mapped, sound, within
 
 if TYPE_CHECKING:
     from liftmesh._typing import Progress
@@ -81,17 +82,17 @@ class Tiled(Collections):
     @property
     def duplicates(self) -> Integers:
         """Rows at the position of a lower row, and that row: (k, 2) int64, ascending; mapped."""
-        return self._mapped("duplicates.npy")
+        return self._mapped("duplicates.npy", np.int64, self.manifest["duplicates"], 2)
 
     @property
     def skipped(self) -> Integers:
         """Rows skipped because they are not finite: (j,) int64, ascending; mapped."""
-        return self._mapped("skipped.npy")
+        return self._mapped("skipped.npy", np.int64, self.manifest["skipped"])
 
     @property
     def convex_hull(self) -> Integers:
         """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
-        hull = self._mapped("hull.npy")
+        hull = self._mapped("hull.npy", np.int64, self.manifest["hull"])
         return np.stack([hull, np.roll(hull, -1)], axis=1)
 
     @property
@@ -152,8 +153,8 @@ class Tiled(Collections):
         >>> [block.tolist() for block in tiled.blocks()]
         [[[0, 1, 2]]]
         """
-        for path in self.shards:
-            yield open_shard(path)
+        for path, stated in zip(self.shards, self.manifest["shards"], strict=True):
+            yield open_shard(path, stated)
 
     def compute(self) -> Integers:
         """Read all triangles into memory: 24 bytes each.
@@ -165,6 +166,8 @@ class Tiled(Collections):
 
         Raises
         ------
+        FormatError
+            A file is damaged.
         OSError
             A file cannot be read.
         MemoryError
@@ -250,7 +253,14 @@ class Tiled(Collections):
             raise InputError(
                 f"{self.directory} has no neighbours: tile again with neighbors=True, resume=False"
             )
-        rows, links = map(self._mapped, neighbors_of(self.shards[shard].name))
+        names, counts = neighbors_of(self.shards[shard].name), np.array(self._counts)
+        rows = self._mapped(names[0], np.int32, self._counts[shard], 3)
+        links = self._mapped(names[1], np.int64, None, 3)
+        side, beyond, there = links.T
+        is_right = (side >= 0) & (side < 3 * len(rows)) & (beyond >= 0) & (beyond < len(counts))
+        is_right &= (there >= 0) & (there < counts[np.where(is_right, beyond, 0)])
+        if not is_right.all() or not within(rows, -1, len(rows)):
+            raise damaged(self.directory / names[0], "neighbours that are not there")
         return as_pairs(shard, rows, links)
 
     def is_sound(self) -> bool:
@@ -275,8 +285,7 @@ class Tiled(Collections):
         >>> tiled.is_sound()
         False
         """
-        written = {file: each["sha256"] for file, each in self._written().items()}
-        return is_sound(self.directory, written)
+        return is_sound(self.directory, self._digests)
 
     def verify(
         self,
@@ -347,8 +356,17 @@ class Tiled(Collections):
     def _counts(self) -> list[int]:
         return [each["triangles"] for each in self.manifest["shards"]]
 
-    def _mapped(self, name: str) -> Integers:
-        return mapped(self.directory / name)
+    @cached_property
+    def _digests(self) -> dict[str, str]:
+        return {file: each["sha256"] for file, each in self._written().items()}
+
+    def _mapped(self, name: str, kind: Any, count: int | None, *shape: int) -> Array:
+        """Map a file that is as the manifest says."""
+        found = mapped(sound(self.directory / name, self._digests[name]))
+        counted = found.shape[:1] if count is None else (count,)
+        if found.dtype != kind or found.shape != (*counted, *shape):
+            raise damaged(self.directory / name, f"{found.shape} of {found.dtype}")
+        return found
 
 
 def open_tiled(directory: str | os.PathLike[str]) -> Tiled:

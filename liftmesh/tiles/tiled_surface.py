@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +11,8 @@ import numpy as np
 
 from liftmesh._typing import Array, Rows
 from liftmesh.terrain.plane import resolve_plane
-from liftmesh.tiles.schema import Schema, cloud_from
-from liftmesh.tiles.store import mapped
+from liftmesh.tiles.schema import POSITION, ROW, Schema, cloud_from
+from liftmesh.tiles.store import damaged, within
 from liftmesh.tiles.surface_files import faces_name, vertices_name
 from liftmesh.tiles.surface_lines import Contouring
 from liftmesh.tiles.surface_raster import Rasterizing
@@ -95,7 +96,16 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
             policy=said["duplicates"],
             columns=self.schema.columns,
             color_depth=self.schema.color_depth,
+            classes=self.classes,
         )
+
+    @property
+    def classes(self) -> dict[int, int]:
+        """The rows of each class of lidar that were taken; empty if the source has no classes."""
+        found: Counter[int] = Counter()
+        for chunk in self.manifest["chunks"]:
+            found.update({int(each): rows for each, rows in chunk.get("classes", {}).items()})
+        return dict(sorted(found.items()))
 
     def vertices(self) -> Iterator[Array]:
         """Yield the vertices of one shard after the other.
@@ -108,6 +118,8 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
 
         Raises
         ------
+        FormatError
+            A file is damaged.
         OSError
             A file cannot be read.
 
@@ -119,8 +131,7 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
         >>> [each["z"].tolist() for each in tiled.vertices()]
         [[5.0, 6.0, 7.0]]
         """
-        for path in self.shards:
-            yield mapped(self.directory / vertices_name(path.name))
+        yield from map(self._vertices, self.manifest["shards"])
 
     def faces(self) -> Iterator[Rows]:
         """Yield the triangles of one shard after the other, as numbers of its vertices.
@@ -132,6 +143,8 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
 
         Raises
         ------
+        FormatError
+            A file is damaged.
         OSError
             A file cannot be read.
 
@@ -143,8 +156,7 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
         >>> [each.tolist() for each in tiled.faces()]
         [[[0, 1, 2]]]
         """
-        for path in self.shards:
-            yield mapped(self.directory / faces_name(path.name)).view(np.int32)
+        yield from map(self._faces, self.manifest["shards"])
 
     def meshes(self) -> Iterator[Cloud]:
         """Yield each shard as a mesh of its own.
@@ -157,6 +169,8 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
 
         Raises
         ------
+        FormatError
+            A file is damaged.
         OSError
             A file cannot be read.
 
@@ -172,3 +186,14 @@ class TiledSurface(Rasterizing, Contouring, Tiled):
             cloud = cloud_from(vertices, self.schema)
             values = {**cloud.attributes, "row": np.ascontiguousarray(vertices["row"])}
             yield replace(cloud, attributes=values, faces=np.array(faces))
+
+    def _vertices(self, shard: Mapping[str, Any]) -> Array:
+        kind = np.dtype([ROW, *POSITION, *self.schema.fields])
+        return self._mapped(vertices_name(shard["file"]), kind, shard["vertices"])
+
+    def _faces(self, shard: Mapping[str, Any]) -> Rows:
+        name = faces_name(shard["file"])
+        faces: Rows = self._mapped(name, np.int32, shard["triangles"], 3)
+        if not within(faces, 0, shard["vertices"]):
+            raise damaged(self.directory / name, "corners that are no vertices")
+        return faces

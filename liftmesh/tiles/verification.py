@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Progress
+from liftmesh._typing import Array, Integers, Progress
 from liftmesh.choices import as_folder, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.working_folder import working_folder
@@ -21,13 +21,14 @@ from liftmesh.tiles.chunks import digests_of
 from liftmesh.tiles.clouds import Reading, planar_of, valued_parts
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
+from liftmesh.tiles.shards import open_shard
 from liftmesh.tiles.sources import files_of, parts_of, planar
-from liftmesh.tiles.store import concatenated, digest_of, load_json
+from liftmesh.tiles.store import concatenated, damaged, digest_of, load_json, mapped
 from liftmesh.tiles.surface_proof import proof_of
+from liftmesh.tiles.tiled import Tiled
 
 if TYPE_CHECKING:
     from liftmesh.tiles.proof import Proof
-    from liftmesh.tiles.tiled import Tiled
 
 _MANY = 1 << 30  # rows: enough for any number of threads
 _READ = 0.3  # the share of the work before the first tile
@@ -55,6 +56,7 @@ def verified(
         What was found.
     """
     check_progress(progress)
+    tiled = _Unproved(tiled.directory, tiled.manifest)
     count, _ = as_threads(threads, _MANY)
     show = progress if progress is not None else lambda _: None
     source = _source_of(tiled) if points is None else points
@@ -70,6 +72,19 @@ def verified(
             show(_READ + (1 - _READ) * number / (2 * plan.tiles))
     _check_files(tiled, proof)
     return _certificate(tiled, proof, skipped, digest)
+
+
+class _Unproved(Tiled):
+    """A folder whose files may be damaged: that is a finding, and no error."""
+
+    def blocks(self) -> Iterator[Integers]:
+        yield from map(open_shard, self.shards)
+
+    def _mapped(self, name: str, kind: Any, count: int | None, *shape: int) -> Array:  # noqa: ARG002 - a finding
+        found = mapped(self.directory / name)
+        if found.dtype != kind or found.shape != (*found.shape[:1], *shape):
+            raise damaged(self.directory / name, f"{found.shape} of {found.dtype}")
+        return found
 
 
 def _plan_of(tiled: Tiled) -> Plan:

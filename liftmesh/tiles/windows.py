@@ -8,18 +8,17 @@ within the box, the part answers as the whole.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.errors import FormatError, InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
-from liftmesh.tiles.store import mapped
-from liftmesh.tiles.surface_files import faces_name, vertices_name
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
@@ -74,7 +73,13 @@ def part_of(
     points = np.concatenate([_points_of(each) for each in corners])[first]
     begins = np.cumsum([0, *(len(each) for each in corners)])
     parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
-    return _surface(points, np.concatenate(parts), tiled.crs, threads)
+    try:
+        return _surface(points, np.concatenate(parts), tiled.crs, threads)
+    except InputError as error:  # a folder whose manifest was made to fit
+        raise FormatError(
+            f"{tiled.directory}: the shards hold no faces of a triangulation ({error}): tile the "
+            "source again"
+        ) from error
 
 
 def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
@@ -98,8 +103,7 @@ def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
         west, south, _, east, north, _ = shard["extent"]
         if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
             continue
-        vertices: Any = mapped(tiled.directory / vertices_name(shard["file"]))
-        faces: Rows = mapped(tiled.directory / faces_name(shard["file"])).view(np.int32)
+        vertices, faces = mesh_of(tiled, shard)
         xs, ys = (np.ascontiguousarray(vertices[name]) for name in ("x", "y"))
         for begin in range(0, len(faces), _BLOCK):
             block = np.array(faces[begin : begin + _BLOCK])
@@ -107,6 +111,26 @@ def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
             touches &= _overlaps(ys[block], box[1], box[3])
             if touches.any():
                 yield apart(vertices, block[touches])
+
+
+def mesh_of(tiled: TiledSurface, shard: Mapping[str, Any]) -> tuple[Any, Rows]:
+    """Map a shard.
+
+    Parameters
+    ----------
+    tiled : TiledSurface
+        The whole.
+    shard : mapping
+        What the manifest says of it.
+
+    Returns
+    -------
+    vertices : structured ndarray
+        As from `TiledSurface.vertices`.
+    faces : (m, 3) ndarray of int32
+        As from `TiledSurface.faces`.
+    """
+    return tiled._vertices(shard), tiled._faces(shard)  # noqa: SLF001 - one of its parts
 
 
 def apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
@@ -149,7 +173,7 @@ def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None)
     solved = delaunay(frame.planar(points), threads=threads)
     mask = ~np.isin(_names(solved.simplices), _names(faces))
     if len(mask) - np.count_nonzero(mask) != len(faces):
-        raise RuntimeError("faces are no part of the triangulation of their corners: a bug")
+        raise InputError("some are no part of the triangulation of their corners")
     return Surface(
         vertices=points,
         faces=solved.simplices[~mask],

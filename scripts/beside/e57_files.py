@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,13 +20,14 @@ _TABLE: list[int] = []
 class Scan:
     """Values by field; those of "scaled" are stored as whole numbers of steps and an offset.
 
-    A third number bounds these whole numbers on both sides.
+    A third number bounds these whole numbers on both sides. Limits are those of groups of fields.
     """
 
     values: Mapping[str, Any]
     name: str = "a scan"
     pose: tuple[Sequence[float], Sequence[float]] | None = None
     scaled: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 def e57(*scans: Scan, crs: str = "") -> bytes:
@@ -54,6 +56,11 @@ def _write(file: Any, group: Any, scan: Scan) -> None:
     node.set("name", libe57.StringNode(file, scan.name))
     if scan.pose is not None:
         node.set("pose", _pose(file, *scan.pose))
+    for group_name, bounds in scan.limits.items():
+        limits = libe57.StructureNode(file)
+        for key, bound in bounds.items():
+            limits.set(key, libe57.FloatNode(file, bound))
+        node.set(group_name, limits)
     arrays = {key: np.ascontiguousarray(each) for key, each in scan.values.items()}
     for key, each in arrays.items():
         prototype.set(key, _kind(file, each.dtype, scan.scaled.get(key)))
@@ -89,6 +96,22 @@ def _kind(file: Any, dtype: np.dtype, scale: Sequence[float] | None) -> Any:
         return libe57.FloatNode(file, 0.0, precision)
     bounds = np.iinfo(dtype)
     return libe57.IntegerNode(file, 0, int(bounds.min), int(bounds.max))
+
+
+def with_xml(data: bytes, before: str, after: str) -> bytes:
+    """Replace a part of the description, which is at the end, by one of any length."""
+    place, length = struct.unpack_from("<2Q", data, 24)
+    plain = b"".join(data[k : k + PAGE - 4] for k in range(0, len(data), PAGE))
+    start = place - place // PAGE * 4
+    xml = plain[start : start + length].decode()
+    assert before in xml
+    text = xml.replace(before, after, 1).encode()
+    whole = bytearray(plain[:start] + text)
+    whole += bytes(-len(whole) % (PAGE - 4))
+    struct.pack_into("<Q", whole, 16, len(whole) // (PAGE - 4) * PAGE)
+    struct.pack_into("<Q", whole, 32, len(text))
+    pages = (whole[k : k + PAGE - 4] + bytes(4) for k in range(0, len(whole), PAGE - 4))
+    return with_checksums(b"".join(pages))
 
 
 def with_checksums(data: bytes) -> bytes:

@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis.strategies import SearchStrategy
 
 from liftmesh import Cloud
+from liftmesh.io.metadata import Label, NotedColumns, Unread
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -24,8 +25,29 @@ NAMES = (
 )
 TYPES = ("?", *("i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8"), *("f2", "f4", "f8"), ">i4", ">f8")
 OTHERS = ("U3", "M8[D]", "c16", "f16", "S2")
-KEYS = ("survey", "Höhe", "comments", "obj_info", "metadata", "origin", "crs", "liftmesh", "notes",
-        "skipped", "source", "columns", "format", "file_name", "name", "")  # fmt: skip
+KEYS = ("survey", "Höhe", "comments", "obj_info", "metadata", "extras", "crs", "liftmesh", "name",
+        "node", "processed", "flight_lines", "simplification", "")  # fmt: skip
+# What readers note, and other libraries leave: each key with the values that it has there.
+NOTES: dict[str, tuple[Any, ...]] = {
+    "source": ("survey 2024", Label("tile.laz")),
+    "format": ("paper", Label("las"), "las"),
+    "skipped": (("texture",), Unread(["texture"]), ["a"], ("a", 1)),
+    "columns": (NotedColumns(x="E", y="N"), {"x": "E", "y": "N"}, "x,y"),
+    "notes": (("x is 'E'",), "by hand", 5),
+    "origin": ([1.0, 2.0, 0.0], (0, 0, 0)),
+    "selection": ({"rows": 9, "selected": 3, "ground": 1}, {"rows": "9"}),
+    "merged": ([{"source": "a", "rows": 3, "overlap": 0}], "twice"),
+    "ground": ({"rows": 9, "ground": 3}, "clay"),
+    "thinning": ({"rows": 9, "kept": 3}, True),
+    "transformation": ({"operation": "noop", "accuracy": None}, "by hand"),
+    "stated_crs": ("EPSG:25832",),
+    "polygons": (3, "none"),
+    "degenerate_faces": (1,),
+    "triangulated_by": ({"metric": [[1, 0], [0, 1]]}, {"weights": "w"}, "hand"),
+    "file_name": ("a.glb",),
+    "file_path": ("folder/a.glb",),
+    "gltf_extensions": ({}, {"KHR_x": {}}),
+}
 SYSTEMS = ("EPSG:25832", 'PROJCRS["ETRS89 / Gauß",\n  "two lines\\and \x07"]', " ", "\ud800")
 
 _SPECIAL = (0.0, -0.0, 1.0, 0.1, -9999.0, 5e-324, 1e-310, 1e308, 450000.123, 5.2e6 + 1 / 3, 2.0**53)
@@ -71,9 +93,20 @@ def clouds(draw: st.DrawFn, *, most: int = 5) -> Cloud:
         normals=draw(st.none() | _normals(rows)),
         attributes=draw(st.dictionaries(_names(), _attributes(rows), max_size=3)),
         faces=draw(st.none() | _faces(rows)) if rows > 2 else None,
-        metadata=draw(st.dictionaries(st.sampled_from(KEYS), _entries(), max_size=2)),
+        metadata=draw(_metadata()),
         crs=draw(st.none() | st.sampled_from(SYSTEMS)),
     )
+
+
+@st.composite
+def _metadata(draw: st.DrawFn) -> dict[str, Any]:
+    """Entries of a caller, and those of readers and libraries: any, or as `read` leaves them."""
+    found = draw(st.dictionaries(st.sampled_from(KEYS), _entries(), max_size=2))
+    keys = draw(st.lists(st.sampled_from([*NOTES]), max_size=3))
+    found |= {key: draw(st.sampled_from(NOTES[key]) | _entries()) for key in keys}
+    if draw(st.integers(0, 3)) == 0:
+        found |= {"source": Label("tile.laz"), "format": Label("las")}
+    return found
 
 
 def _names() -> SearchStrategy[str]:

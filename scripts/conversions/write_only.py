@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 
 from liftmesh import Cloud, InputError
+from liftmesh.io.metadata import Label
 from liftmesh.io.origin import checked_origin, with_origin
 
 _LANDXML = "{http://www.landxml.org/schema/LandXML-1.2}"
@@ -54,7 +55,7 @@ def three_mf(data: bytes) -> Cloud:
     faces = np.array([each.Indices[:] for each in found.GetTriangleIndices()], np.int32)
     notes = model.GetMetaDataGroup()
     stated = [notes.GetMetaData(k).GetValue() for k in range(notes.GetMetaDataCount())]
-    cloud = Cloud(points, faces=faces, metadata={"source": "stream", "format": "3mf"})
+    cloud = Cloud(points, faces=faces, metadata={"source": Label("stream"), "format": Label("3mf")})
     origin = [float(word) for word in stated[0].split()] if stated else None
     return cloud if origin is None else with_origin(cloud, checked_origin(origin, "a.3mf"))
 

@@ -70,6 +70,18 @@ def hub(n: int) -> Points:
     return np.column_stack([planar, random().random(n)])
 
 
+def all_corners(n: int) -> Points:
+    """Every point is a corner of the hull, to begin with: one by one, each would meet them all."""
+    along = np.linspace(-1, 1, n)
+    return np.column_stack([along, along**2, np.sin(9 * along)])
+
+
+def saw(n: int) -> Points:
+    """Two rows of points, all equally far from their approximation."""
+    along = np.arange(n) / n
+    return np.column_stack([along, np.arange(n) % 2 * 1e-4, np.arange(n) % 2])
+
+
 def subjects() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families."""
     whole = on_points(lambda p: liftmesh.DynamicTriangulation(p).to_triangulation())
@@ -80,7 +92,8 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "DynamicTriangulation.remove", PLANAR, removed, ("uniform", *fans, *EXACT)
     yield "DynamicTriangulation.find", PLANAR, looked_up, ("uniform",)
     yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()
-    yield "simplify", SPATIAL, simplified, TERRAIN
+    hard = named(all_corners, saw)
+    yield "simplify", {**SPATIAL, **hard}, simplified, (*TERRAIN, *hard)
     yield "thin adaptively", {**SPATIAL, **named(hub)}, thinned, (*TERRAIN, "hub")
     yield "simplify a surface", SPATIAL, on_surface(few_vertices), ("random heights",)
 

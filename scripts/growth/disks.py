@@ -41,6 +41,13 @@ def around_a_large_one(n: int) -> Disks:
     return disks
 
 
+def beside_a_large_one(n: int) -> Disks:
+    """A large disk on the circle of the others hides some: its star is not searched for these."""
+    disks = around_a_large_one(n)
+    disks[0] = 1, 0, 0.4
+    return disks
+
+
 def lattice_of_two_radii(n: int) -> Disks:
     """Many disks touch each circle: exact signs, and the rule for ties."""
     side = isqrt(n)
@@ -73,8 +80,8 @@ def nearly_hidden(n: int) -> Disks:
 
 
 DISKS = named(
-    disjoint, overlapping, around_a_large_one, lattice_of_two_radii, growing_in_a_row,
-    tiny_and_far, nearly_hidden,
+    disjoint, overlapping, around_a_large_one, beside_a_large_one, lattice_of_two_radii,
+    growing_in_a_row, tiny_and_far, nearly_hidden,
 )  # fmt: skip
 
 

@@ -104,6 +104,13 @@ def compared(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
+def combed(points: Points) -> Work:
+    """Prepare a trim by as many teeth as there are points, each as high as all of them."""
+    along = np.linspace(0, 1, len(points))
+    ring = np.c_[np.r_[along, 1, 0], np.r_[np.arange(len(points)) % 2 * 2.0 - 0.5, -1, -1]]
+    return on_surface(lambda found: found.trim(polygon=ring, max_radius=1e300))(points)
+
+
 def compared_within(points: Points) -> Work:
     """Prepare two such surfaces, in two polygons."""
     one, other = surface_over(points), surface_over(points[::2])
@@ -156,6 +163,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     square = [[0, 0], [1, 0], [1, 1], [0, 1]]
     within = on_surface(lambda found: found.trim(polygon=square, max_radius=1e300))
     yield "Surface.trim by a polygon", PLANAR, within, ("uniform",)
+    yield "Surface.trim by a comb", PLANAR, combed, ("uniform",)
     yield "Surface.boundary", PLANAR, bounded, FANS, LEAST
     yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
     cut = on_surface(lambda found: found.volume(0.5))

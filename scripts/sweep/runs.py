@@ -6,6 +6,7 @@ its default; then both signals have handlers; once the exit code is decided, bot
 
 from __future__ import annotations
 
+import math
 import random
 import re
 import shutil
@@ -25,7 +26,7 @@ BEFORE, DURING, AFTER = "before the first line", "during the command", "after th
 _MESSAGES = {signal.SIGINT: b"interrupted", signal.SIGTERM: b"terminated by SIGTERM"}
 _LATE = 0.8  # share of the expected time: few commands should take longer
 _TICK = 0.02  # seconds by which a file's time may be late
-_DECIDING = 0.03  # seconds from the decision about the exit code until signals are ignored
+_DECIDING = 0.03  # CPU seconds from the decision about the exit code until signals are ignored
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,9 +95,9 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
         stderr=subprocess.PIPE,
     )
     _wait(child, planned, known)
-    stage, sent = _stage(child), time.time()
+    stage = _stage(child)
     child.send_signal(planned.signals[0])
-    last = time.monotonic()
+    sent, last = time.time(), time.monotonic()
     is_late = stage == DURING and _ignores(child)
     for each in planned.signals[1:]:
         time.sleep(planned.gap)
@@ -141,12 +142,19 @@ def _stage(child: subprocess.Popen[bytes]) -> str:
 
 def _ignores(child: subprocess.Popen[bytes]) -> bool:
     """Whether a process begins to ignore signals: it had just decided about its exit code."""
-    end = time.monotonic() + _DECIDING
-    while time.monotonic() < end:
+    end = _computed(child) + _DECIDING
+    while _computed(child) < end:
         if _stage(child) == AFTER:
             return True
         time.sleep(0.002)
     return False
+
+
+def _computed(child: subprocess.Popen[bytes]) -> float:
+    """The CPU seconds of the main thread, however busy the machine is; infinite at its end."""
+    if child.poll() is not None:
+        return math.inf
+    return int(Path(f"/proc/{child.pid}/schedstat").read_text("ascii").split()[0]) / 1e9
 
 
 def _of_code(planned: Plan, end: _End, known: Known) -> Iterator[str]:

@@ -49,7 +49,7 @@ def started(program: str, *words: object) -> subprocess.Popen[str]:
     )
 
 
-def output(program: str, *words: object, seconds: float = 120) -> str:
+def output(program: str, *words: object, seconds: float = 400) -> str:
     """Return what a program prints; it must end well, and in time."""
     child = started(program, *words)
     try:

@@ -38,7 +38,7 @@ def run(
         stderr=subprocess.PIPE,
         text=True,
         env=PLAIN,
-        timeout=60,
+        timeout=300,
         check=False,
         preexec_fn=limit,
     )
@@ -258,7 +258,7 @@ def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
     target = tmp_path / "mesh.ply"
     command = [sys.executable, "-c", program.replace("\n        ", "\n"), str(target)]
     children = [subprocess.Popen([*command, str(k)]) for k in range(3)]
-    assert [child.wait(timeout=60) for child in children] == [0, 0, 0]
+    assert [child.wait(timeout=300) for child in children] == [0, 0, 0]
     assert [each.name for each in tmp_path.iterdir()] == ["mesh.ply"]
     assert len(liftmesh.read(target)) == 2000
     assert isinstance(liftmesh.read(target), Cloud)

@@ -83,7 +83,7 @@ def test_a_handler_amid_the_making_makes_one_of_its_own() -> None:
             break
     print(*found)
 """
-    assert output(SETUP + program, seconds=60) == "True True True True\n"
+    assert output(SETUP + program) == "True True True True\n"
 
 
 def test_a_child_makes_what_a_thread_of_its_parent_was_making() -> None:

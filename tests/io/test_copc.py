@@ -14,6 +14,7 @@ from lidar import copc, encoded, patched, tile
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
+from liftmesh.io.las.copc import Index
 from liftmesh.io.las.records import Points
 
 COUNT = 4000
@@ -148,3 +149,51 @@ def test_a_damaged_index_is_named_and_not_used(lie: str) -> None:
     found = read(data, bbox=BOX)
     assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
     assert_same_bits(found.points, read(bbox=BOX).points)
+
+
+CENTRE, HALF = struct.unpack_from("<d", DATA, INFO)[0], struct.unpack_from("<d", DATA, INFO + 24)[0]
+MOVED = {
+    "a cube elsewhere": patched(DATA, "<d", INFO, CENTRE + 5000),
+    "a cube a bit off": patched(DATA, "<d", INFO + 8, 5400000 + HALF * 1.1),
+    "a cube that is tiny": patched(DATA, "<d", INFO + 24, 1e-3),
+    "a cube a bit small": patched(DATA, "<d", INFO + 24, HALF * 0.98),
+    "a node elsewhere": patched(DATA, "<i", ROOT + 32 + 4, 2**31 - 1),
+    "a root of another level": patched(DATA, "<i", ROOT, 7),
+}
+
+
+@pytest.mark.parametrize("case", MOVED)
+def test_an_index_that_points_contradict_is_named_and_not_used(case: str) -> None:
+    data = MOVED[case]
+    assert data != DATA
+    for options in ({"bbox": BOX}, {"z_range": (10.0, 20.0)}, {"bbox": BOX, "classes": "ground"}):
+        found, expected = read(data, **options), read(**options)
+        assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+        assert_same_bits(found.points, expected.points)
+        counts = [each.metadata["selection"]["selected"] for each in (found, expected)]
+        assert counts[0] == counts[1] == len(found)
+    with pytest.raises(FormatError, match="COPC: points lie outside the cubes of their nodes"):
+        read(data, resolution=1.0)
+
+
+def test_points_that_decoding_shows_outside(monkeypatch: pytest.MonkeyPatch) -> None:
+    checked = []
+    check = Index.check
+
+    def all_but_the_first(self: Index, *rest: Any) -> None:
+        checked.append(len(rest[1]))
+        if len(checked) > 1:  # first come those that are not compressed
+            check(self, *rest)
+
+    monkeypatch.setattr(Index, "check", all_but_the_first)
+    found = read(MOVED["a cube a bit small"], bbox=BOX)
+    assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+    assert len(checked) > 1
+    monkeypatch.undo()
+    assert_same_bits(found.points, read(bbox=BOX).points)
+
+
+def test_nodes_of_one_name_are_no_index() -> None:
+    same = patched(DATA, "<4i", ROOT + 32, 0, 0, 0, 0)
+    with pytest.raises(FormatError, match="COPC: two nodes are one"):
+        read(same, resolution=1.0)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+import struct
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from beside.e57_files import PAGE, Scan, e57, with_checksums
+from beside.e57_files import PAGE, Scan, e57, with_checksums, with_xml
 from commands import liftmesh
 from file_samples import assert_same_bits
 
@@ -90,6 +91,62 @@ def test_spheres_steps_and_states() -> None:
     assert cloud.points[:, 1].tolist() == steps.tolist()
 
 
+COLORS = ("colorRed", "colorGreen", "colorBlue")
+
+
+def colored(top: float | None, *values: int, kind: str = "u2", name: str = "a scan") -> Scan:
+    """Make a scan of grey points that states its largest colour."""
+    limits = {} if top is None else dict.fromkeys([f"{each}Maximum" for each in COLORS], top)
+    greys = dict.fromkeys(COLORS, np.array(values, kind))
+    places = {key: each[: len(values)] for key, each in PLACES.items()}
+    return Scan({**places, **greys}, name, limits={"colorLimits": limits})
+
+
+DEPTHS = {
+    "8 and 16 bits": ([colored(255, 0, 7, 255), colored(65535, 9)], [0, 7 * 257, 65535, 9]),
+    "8 bits by type": ([colored(None, 7, kind="u1"), colored(65535, 9)], [7 * 257, 9]),
+    "nothing stated": ([colored(None, 7, kind="u1"), colored(None, 300)], [7 * 257, 300]),
+    "8 bits in wide types": ([colored(255, 7, 255), colored(255, 9)], [7, 255, 9]),
+    "dark": ([colored(65535, 7)], [7]),
+    "dark and 8 bits": ([colored(65535, 7), colored(255, 1)], [7, 257]),
+    "10 bits": ([colored(1023, 0, 512, 1023)], [0, 32800, 65535]),
+    "no number of bits": ([colored(200, 7), colored(300, 9)], [7 * 257, 9]),
+    "no limits": ([colored(0, 7), colored(-1, 200)], [7, 200]),
+    "empty": ([colored(255), colored(65535, 9), colored(255)], [9]),
+}
+
+
+@pytest.mark.parametrize("case", DEPTHS)
+def test_colours_of_scans_have_one_depth(case: str) -> None:
+    scans, expected = DEPTHS[case]
+    cloud = read(e57(*scans))
+    depth = 8 if case in {"8 bits in wide types", "no limits"} else 16
+    assert cloud.colors is not None
+    assert_same_bits(
+        cloud.colors, np.repeat(np.array(expected, f"u{depth // 8}"), 3).reshape(-1, 3)
+    )
+    assert "notes" not in cloud.metadata
+
+
+def test_limits_that_scans_do_not_keep_are_said(tmp_path: Path) -> None:
+    data = e57(colored(255, 300, 7, name="wrong"), colored(255, 1, kind="u1"))
+    (tmp_path / "a.e57").write_bytes(data)
+    cloud = read(data)
+    assert cloud.colors is not None
+    assert cloud.colors[:, 0].tolist() == [300, 7, 257]
+    assert cloud.metadata["notes"] == ("colours beyond the limits that scans state: 'wrong'",)
+    done = liftmesh("triangulate", "a.e57", "a.ply", cwd=tmp_path)
+    assert "colours beyond the limits that scans state: 'wrong'" in done.stderr
+    values = {"intensity": np.array([0.5])}
+    places = {key: each[:1] for key, each in PLACES.items()}
+    each = [
+        Scan(places | values, limits={"intensityLimits": {"intensityMaximum": top}})
+        for top in (1.0, 255.0)
+    ]
+    assert "notes" not in read(e57(each[0], each[0])).metadata
+    assert read(e57(*each)).metadata["notes"] == ("intensities of scans have different limits",)
+
+
 def test_the_command_line(tmp_path: Path) -> None:
     (tmp_path / "a.e57").write_bytes(e57(Scan(FEW)))
     done = liftmesh("triangulate", "a.e57", "a.ply", cwd=tmp_path)
@@ -112,8 +169,9 @@ def test_what_is_refused() -> None:
         "the header states .* bytes, but the file has": data[:-100],
         "decoded: checksum mismatch": bytes(flipped),
         "is no XML of UTF-8": with_checksums(declared),
-        "the XML declares a document type": with_checksums(
-            data[:place] + b"<!DOCTYPE" + data[place + 9 :]
+        "the XML is damaged": with_checksums(data[:place] + b"<!DOCTYPE" + data[place + 9 :]),
+        "places the description outside": with_checksums(
+            data[:24] + (PAGE - 2).to_bytes(8, "little") + data[32:]
         ),
         "has neither cartesianX, cartesianY and cartesianZ nor range": wanting,
         "version 2 cannot be read": with_checksums(data[:8] + b"\2" + data[9:]),
@@ -125,6 +183,86 @@ def test_what_is_refused() -> None:
     with pytest.raises(FormatError, match="500 points expands to 12,000 bytes, more than the lim"):
         read(many, max_bytes=11_999)
     assert len(read(many, max_bytes=12_000)) == 500
+
+
+XSI = 'xmlns:x="http://www.w3.org/2001/XMLSchema-instance"'
+ROOT = '<e57Root type="Structure"'
+FOREIGN = {
+    f'{XSI} x:schemaLocation="a http://127.0.0.1:9/s.xsd"': "the attribute schemaLocation of 'http",
+    f'{XSI} x:noNamespaceSchemaLocation="file:///etc/hosts"': "attribute noNamespaceSchemaLocation",
+    f'{XSI} x:type="a"': "has the attribute type of 'http://www.w3.org/2001/XMLSchema-instance'",
+    'xml:base="file:///etc/"': "has the attribute base of",
+    'x:schemaLocation="a b"': "is damaged: unbound prefix",
+}
+DECLARED = {
+    "<!DOCTYPE a [<!ENTITY b SYSTEM 'file:///etc/hosts'>]>": "declares a document type",
+    "<!DOCTYPE\na SYSTEM 'http://127.0.0.1:9/a.dtd'>": "declares a document type",
+    "<!ENTITY a 'b'>": "is damaged",
+}
+ENCODINGS = ("UTF-16", "UTF-7", "ISO-8859-1", "IBM037", "nonsense")
+
+
+def refused_at_once(data: bytes, cause: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read a file that no process may see."""
+    monkeypatch.setattr(decoding.subprocess, "Popen", lambda *_, **__: pytest.fail("started"))
+    with pytest.raises(FormatError, match=f"<stream>: the (XML|descr).*{cause}"):
+        read(data)
+
+
+@pytest.mark.parametrize("attribute", FOREIGN)
+@pytest.mark.parametrize("where", [ROOT, '<data3D type="Vector"', "<guid"])
+def test_no_schema_is_named(attribute: str, where: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = with_xml(e57(Scan(FEW)), where, f"{where} {attribute} ")
+    refused_at_once(data, FOREIGN[attribute], monkeypatch)
+
+
+@pytest.mark.parametrize("text", DECLARED)
+def test_nothing_is_declared(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = with_xml(e57(Scan(FEW)), ROOT, f"{text}{ROOT}")
+    refused_at_once(data, DECLARED[text], monkeypatch)
+
+
+def test_the_description_is_xml_1_0_of_utf_8(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = e57(Scan(FEW))
+    assert len(read(with_xml(data, ' encoding="UTF-8"', ""))) == 50
+    refused_at_once(with_xml(data, 'version="1.0"', 'version="1.1"'), "is XML 1.1", monkeypatch)
+    for each in ENCODINGS:
+        named = with_xml(data, 'encoding="UTF-8"', f'encoding="{each}"')
+        refused_at_once(named, f"is XML 1.0 in {each}", monkeypatch)
+    for each in ("UTF-16-LE", "UTF-16-BE", "UTF-16", "UTF-32", "cp037", "UTF-8-SIG"):
+        found = bytearray(data)
+        place, length = struct.unpack_from("<2Q", data, 24)
+        text = f"<?xml?><!DOCTYPE a []>{'<a/>' * 100}".encode(each)[: min(length, 400)]
+        found[place : place + len(text)] = text
+        refused_at_once(with_checksums(bytes(found)), "is no XML of UTF-8", monkeypatch)
+
+
+NAMES = "".join(f"<a{k}/>" for k in range(99))
+SPACES = " ".join(f"xmlns:a{k}='{k}'" for k in range(9000))
+CROWDS = {
+    "names": "".join(f'<a{k} type="Integer"/>' for k in range(9000)),
+    "spaces": f"<a {SPACES}/>",
+    "types": f'<a type="Vector">{"<b/>" * 9000}</a>',
+    "types of many": f'<a type="Vector">{f"<b>{NAMES}</b>" * 300}</a>',
+    "depth": '<a type="Structure">' * 5000 + "</a>" * 5000,
+}
+
+
+@pytest.mark.parametrize("crowd", CROWDS)
+def test_crowds_of_elements_take_no_quadratic_time(
+    crowd: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = with_xml(e57(Scan(FEW)), "</e57Root>", f"{CROWDS[crowd]}</e57Root>")
+    refused_at_once(data, "has too many elements beside or within", monkeypatch)
+
+
+def test_a_negative_number_of_points() -> None:
+    data = with_xml(e57(Scan(FEW)), 'recordCount="50"', 'recordCount="-1"')
+    with pytest.raises(FormatError, match="<stream>: the scan 'a scan' states -1 points"):
+        read(data)
+    data = with_xml(e57(Scan(FEW)), 'recordCount="50"', 'recordCount="51"')
+    with pytest.raises(FormatError, match="of 51 points of a scan are missing"):
+        read(data)
 
 
 def test_damage_with_the_right_checksums_ends_no_process() -> None:

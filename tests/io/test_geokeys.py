@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import struct
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,9 @@ from lidar import encoded, geo_keys, record, tile, with_records
 from rasterio.transform import Affine
 
 import liftmesh as lm
-from liftmesh import Cloud, InputError
+from liftmesh import Cloud, FormatError, InputError
 from liftmesh.crs import described
+from liftmesh.io.las.parameters import _tiff
 
 PROJECTION = b"LASF_Projection"
 WKT = 'PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89"],UNIT["metre",1]]'
@@ -173,3 +175,61 @@ def test_systems_of_parameters_that_nobody_knows(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(sys.modules, "rasterio", None)
     cloud = read(doubles, k1024=1, k2048=4269, k3072=32767, k3075=8)
     assert "pip install 'liftmesh[terrain]'" in cloud.metadata["skipped"][0]
+
+
+def keys_of(model: int, *others: tuple[int, int, int, int]) -> bytes:
+    rows = sorted([(1024, 0, 1, model), (3072, 0, 1, 32767), *others])
+    return struct.pack("<4H", 1, 1, 0, len(rows)) + b"".join(struct.pack("<4H", *k) for k in rows)
+
+
+def raster(model: int, text: bytes, *others: tuple[int, int, int, int]) -> bytes:
+    """Make a TIFF file of a pixel whose citation of the projected system is a text."""
+    cited = (3073, 34737, len(text), 0)
+    records = {34735: keys_of(model, cited, *others), 34737: text, 34736: struct.pack("<d", 9)}
+    return _tiff(records)
+
+
+ESRI = pyproj.CRS(25832).to_wkt("WKT1_ESRI")
+
+
+def test_the_wkt_of_a_citation_is_read_by_us(tmp_path: Path) -> None:
+    mark = b"ESRI PE String = "
+    (tmp_path / "init").write_text("<1> +proj=utm +zone=33 +datum=WGS84 +no_defs <>\n")
+    data = raster(32767, mark + ESRI.encode() + b"|")
+    cloud = lm.read(io.BytesIO(data), format="tif")
+    assert cloud.crs == ESRI
+    evil = f'{ESRI[:-1]},EXTENSION["PROJ4","+proj=utm +init={tmp_path}/init:1"]]'
+    prefixes = (mark, b"0123456789abcdefg", b"A|")
+    for each in prefixes:
+        text = each + evil.encode() + (b"" if each == mark else mark) + b"|"
+        cloud = lm.read(io.BytesIO(raster(32767, text)), format="tif")
+        assert cloud.crs is not None
+        assert cloud.crs.startswith("LOCAL_CS")
+    with rasterio.MemoryFile(data, ext=".tif") as memory, memory.open() as file:
+        assert file.crs.to_wkt().startswith('PROJCS["ETRS89')  # GDAL takes it for WKT
+
+
+def test_citations_in_other_encodings() -> None:
+    method = (3075, 0, 1, 1)
+    data = raster(1, "Gauß-Krüger, Zone 3|".encode("latin-1"), method)
+    cloud = lm.read(io.BytesIO(data), format="tif")
+    assert cloud.crs is not None
+    assert cloud.crs.startswith('PROJCS["Gau?-Kr?ger, Zone 3"')
+    found = lm.read(io.BytesIO(raster(1, "Gauß|".encode(), method)), format="tif")
+    assert str(found.crs).startswith('PROJCS["Gauß"')
+    cited = record(PROJECTION, 34737, "Gauß-Krüger|".encode("latin-1"))
+    keys = keys_of(1, (3073, 34737, 12, 0), method, (3088, 34736, 1, 0))
+    records = record(PROJECTION, 34735, keys), record(PROJECTION, 34736, struct.pack("<d", 9))
+    las = with_records(encoded(tile(4)), *records, cited)
+    assert str(lm.read(io.BytesIO(las), format="las").crs).startswith('PROJCS["Gau?-Kr?ger"')
+
+
+def test_parameters_that_are_no_numbers() -> None:
+    nan = struct.pack("<d", np.nan)
+    keys = keys_of(1, (3074, 0, 1, 32767), (3075, 0, 1, 27), (3088, 34736, 1, 0))
+    with pytest.raises(FormatError, match="<stream>: the raster cannot be decoded"):
+        lm.read(io.BytesIO(_tiff({34735: keys, 34736: nan})), format="tif")
+    records = record(PROJECTION, 34735, keys), record(PROJECTION, 34736, nan)
+    cloud = lm.read(io.BytesIO(with_records(encoded(tile(4)), *records)), format="las")
+    assert cloud.crs is None
+    assert "that GDAL does not know" in cloud.metadata["skipped"][0]

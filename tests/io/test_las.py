@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import laspy
+import lazrs
 import numpy as np
 import pytest
 from commands import process
@@ -17,7 +18,7 @@ from file_samples import assert_same_bits, assert_same_mesh
 from lidar import UTM, copc, encoded, geo_keys, patched, record, records, tile, with_records
 
 import liftmesh
-from liftmesh import Cloud
+from liftmesh import Cloud, FormatError
 from liftmesh.io.las.points import WAVE_PACKETS
 
 COLORS = ("red", "green", "blue")
@@ -257,7 +258,7 @@ def test_a_fork_reads_laz_too(tmp_path: Path) -> None:
     import subprocess
     import sys
 
-    subprocess.run([sys.executable, program], cwd=tmp_path, check=True, timeout=60)
+    subprocess.run([sys.executable, program], cwd=tmp_path, check=True, timeout=300)
 
 
 @pytest.mark.parametrize("count", [49_999, 50_000, 50_001])
@@ -306,3 +307,35 @@ def test_an_error_of_the_disk_is_no_damage(kind: str, part: float) -> None:
     stream = Failing(data, range(place, place + 1), error)
     with pytest.raises(OSError, match="Input/output error"):
         liftmesh.read(stream, format="las")
+
+
+@pytest.mark.parametrize("number", [1, 30_000])
+def test_a_table_of_more_chunks_than_their_points_is_refused(number: int) -> None:
+    las = tile(10, point_format=6, version="1.4")
+    data = encoded(las, compressed=True)
+    start = struct.unpack_from("<I", data, 96)[0]
+    place = struct.unpack_from("<q", data, start)[0]
+    first, rest = data[start + 8 : place], bytes(200_000)
+    packing = lazrs.LazVlr(data[data.index(b"laszip encoded") + 52 :][: 34 + 12])
+    stream = io.BytesIO()
+    empty = [(50_000, 0)] * (number - 1)
+    lazrs.write_chunk_table(stream, [(50_000, len(first)), *empty], packing)
+    body = patched(data[: start + 8], "<q", start, start + 8 + len(first) + len(rest))
+    lie = body + first + rest + stream.getvalue()
+    if number == 1:
+        assert len(liftmesh.read(io.BytesIO(lie), format="laz")) == 10
+        return
+    with pytest.raises(
+        FormatError, match=r"the table of chunks states 30,000 chunks of 200,\d+ byt"
+    ):
+        liftmesh.read(io.BytesIO(lie), format="laz")
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_extra_bytes_of_no_bytes_are_an_error_of_the_file(compressed: bool) -> None:
+    las = tile(3)
+    las.add_extra_dim(laspy.ExtraBytesParams("a", "u1"))
+    data = encoded(las, compressed=compressed)
+    place = data.index(b"LASF_Spec") + 52 + 2
+    with pytest.raises(FormatError, match="<stream>: the extra bytes 'a' have 0 bytes"):
+        liftmesh.read(io.BytesIO(patched(data, "<2B", place, 0, 0)), format="las")

@@ -407,3 +407,19 @@ def test_the_angle_of_the_scanner_in_another_point_format(before: int, after: in
     else:
         assert np.array_equal(again.scan_angle_rank, degrees)
         assert np.array_equal(again["scan_angle"], np.rint(degrees / 0.006))
+
+
+@pytest.mark.parametrize(("moved", "is_same"), [(2e-9, True), (2e-8, False), (3e-7, False)])
+def test_a_coordinate_is_near_a_decimal_within_the_rounding_of_doubles_only(
+    moved: float, is_same: bool
+) -> None:
+    values = 5400000 + np.arange(1000) / 100
+    values[::7] += moved  # steps of doubles are 9.3e-10 there
+    for known in (None, (0.01, 0.0)):
+        found = steps_of(values, known)
+        assert (found.scale == 0.01) == is_same
+        assert not found.exact
+    points = np.column_stack([values, values, values])
+    near = "last bits of coordinates, whose decimals are the same"
+    dropped = liftmesh.write(io.BytesIO(), Cloud(points), format="las").dropped
+    assert (near in dropped) == is_same

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from file_samples import loaded, saved, small_mesh
 from hypothesis import given, settings, strategies as st
 
@@ -226,3 +227,60 @@ def test_lines_that_look_like_statements_come_back_as_lines(line: str) -> None:
     again = loaded(saved(cloud, "ply", colors="exact"), "ply")
     assert again.metadata["comments"] == (line,)
     assert ([*again.attributes], again.crs) == (["class"], None)
+
+
+NOTES = {"source": "survey", "format": "paper", "columns": {"x": "E"}, "origin": [1, 2, 3]}
+
+
+@pytest.mark.parametrize("kind", ["texture", "face"])
+def test_entries_of_a_user_switch_nothing(kind: str) -> None:
+    visual = {"visual": trimesh.visual.TextureVisuals(uv=np.eye(3)[:, :2])}
+    if kind == "face":
+        visual = {"face_colors": [[255, 0, 0, 255]]}
+    lost = {"texture": "texture", "face": "colors of faces"}[kind]
+    for metadata in ({}, {"skipped": "mine", "processed": "2024", **NOTES}):
+        mesh = trimesh.Trimesh(np.eye(3), [[0, 1, 2]], process=False, metadata=metadata, **visual)
+        for source in (mesh, liftmesh.triangulate(mesh), trimesh.Scene([mesh])):
+            cloud = liftmesh.as_cloud(source)
+            dropped = liftmesh.write(io.BytesIO(), cloud, format="ply").dropped
+            assert any(each.startswith(lost) for each in dropped)
+            named = {each.partition(" of ")[0] for each in dropped}
+            assert {f"metadata {key}" for key in metadata if key != "processed"} <= named
+            assert cloud.metadata.get("processed") == metadata.get("processed")
+    report = liftmesh.triangulate(Cloud(np.eye(3), metadata=NOTES)).report
+    assert (report.columns, report.transformation) == ({}, {})
+
+
+def test_a_mesh_that_was_read_and_textured_later_says_so(tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "a.ply", Cloud(np.eye(3), faces=np.array([[0, 1, 2]], np.int32)))
+    mesh = liftmesh.triangulate(tmp_path / "a.ply").to_trimesh()
+    mesh.visual = trimesh.visual.TextureVisuals(uv=np.eye(3)[:, :2])
+    dropped = liftmesh.write(io.BytesIO(), liftmesh.as_cloud(mesh), format="ply").dropped
+    assert dropped == ("texture",)
+
+
+def test_merging_keeps_what_users_say_under_the_names_of_notes() -> None:
+    clouds = [Cloud(np.eye(3), metadata={**NOTES, "selection": "mine"}) for _ in range(2)]
+    assert {**NOTES, "selection": "mine"}.items() <= liftmesh.merge(clouds).metadata.items()
+    others = [clouds[0], Cloud(np.eye(3), metadata={"source": "another"})]
+    assert "metadata source" in liftmesh.merge(others).metadata["skipped"]
+
+
+def test_extras_of_other_programs_do_not_pose_as_notes() -> None:
+    scene = trimesh.Scene([trimesh.creation.box()])
+    scene.metadata = {"columns": {"x": "E"}, "notes": 5, "source": "Blender", "survey": 2024}
+    data = scene.export(file_type="glb")
+    found = liftmesh.read(io.BytesIO(data), format="glb")
+    assert found.metadata["extras"] == {"columns": {"x": "E"}, "notes": 5, "source": "Blender"}
+    assert found.metadata["survey"] == 2024
+    stream = io.BytesIO()
+    assert liftmesh.write(stream, found, format="glb").dropped == ()
+    again = liftmesh.read(io.BytesIO(stream.getvalue()), format="glb")
+    assert again.metadata["extras"] == found.metadata["extras"]
+
+
+def test_comments_that_pose_as_notes_stay_comments() -> None:
+    head = 'ply\nformat ascii 1.0\ncomment metadata {"selection": {"rows": 1}}\n'
+    body = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    found = liftmesh.read(io.BytesIO((head + body + "1 2 3\n").encode()), format="ply")
+    assert found.metadata["comments"] == ('metadata {"selection": {"rows": 1}}',)

@@ -10,6 +10,7 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, FormatError
+from liftmesh.io.tables.encoding import _BYTES as BLOCK
 
 POINTS = [[1.5, 2.5, 3.5], [4, 5, 6], [7, 8.25, 9]]
 
@@ -345,6 +346,15 @@ def test_columns_without_a_header_are_told_if_there_are_more_than_three() -> Non
     assert told == ("there is no header: columns 1 and 2 are read as x and y",)
     assert "notes" not in read("1 2 3\n").metadata
     assert "notes" not in read("1 2 3 4\n", columns="x,y,z,w").metadata
+
+
+@pytest.mark.parametrize("last", [b"\r\n", b"\r", b"\n", b"\r\r\n"])
+@pytest.mark.parametrize("beyond", range(-1, 4))
+def test_lines_are_skipped_whose_ends_two_blocks_share(last: bytes, beyond: int) -> None:
+    title = b"#" * (BLOCK - len(last) + beyond) + last
+    text = title + b"9 9 9\n7 8 9\n1 2 3\n4 5 6\n"
+    points = read(text, skip_rows=2 + last.count(b"\r\r")).points
+    assert points.tolist() == [[7, 8, 9], [1, 2, 3], [4, 5, 6]]
 
 
 def test_skipping_more_lines_than_there_are_is_refused() -> None:

@@ -35,7 +35,7 @@ void Graph::insert(Site t) {
     if (found.container != at_infinity) {
         state_[t] = disks_[found.container] == disks_[t] ? found.container : is_hidden;
         container_[t] = found.container;
-        last_ = spoke_[found.container];
+        last_ = found.edge;
         return;
     }
     if (conflicts(face_of(found.edge), t)) {
@@ -64,10 +64,12 @@ void Graph::begin(Site t) {
     has_begun_ = true;
 }
 
-// An edge on which the ray from the disk nearest to t, where it starts, leaves the cell of that.
+// An edge on which the ray from the disk nearest to t, where it starts, leaves the cell of that; if
+// the disk contains t by far, the edge at which the walk came to it.
 Edge Graph::locate(const Disk& t, Edge start) const {
     double nearest = distance(t, disks_[tail(start)]);
     for (;;) {
+        if (nearest + t.r < -1e-9 * disks_[tail(start)].r) return start;
         const Edge exit = exit_of(disks_[tail(start)], t, start);
         if (head(exit) == at_infinity) return exit;
         const double other = distance(t, disks_[head(exit)]);

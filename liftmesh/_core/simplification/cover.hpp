@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -110,6 +111,8 @@ class Cover {
         return {{vertices_[corners[0]].sample, vertices_[corners[1]].sample,
                  vertices_[corners[2]].sample}};
     }
+    Status begin_with(const std::vector<std::uint32_t>& chosen, bool are_corners,
+                      Interrupt& interrupt);
     void note(Vertex v, std::uint32_t s, bool is_corner) {
         if (v >= vertices_.size()) vertices_.resize(v + std::size_t{1});
         vertices_[v] = {samples_.at(s).height, s, is_corner};
@@ -126,26 +129,33 @@ class Cover {
 
 template <class Samples>
 Status Cover<Samples>::begin_with_corners(Interrupt& interrupt) {
-    Patience patience(interrupt);
-    Vertex last = ghost;
-    for (const std::uint32_t s : samples_.of_rows(corners_)) {
-        if (patience.ends(64)) return Status::interrupted;
-        last = mesh_.insert(samples_.at(s).point, last);
-        note(last, s, true);
-    }
+    const Status begun = begin_with(samples_.of_rows(corners_), true, interrupt);
+    if (begun != Status::ok) return begun;
     return samples_.deal(mesh_, interrupt) ? Status::ok : Status::interrupted;
 }
 
 template <class Samples>
 Status Cover<Samples>::begin_with_all(Interrupt& interrupt) {
-    std::vector<Point> points(samples_.count());
-    for (std::uint32_t s = 0; s < points.size(); ++s) points[s] = samples_.at(s).point;
+    std::vector<std::uint32_t> all(samples_.count());
+    std::iota(all.begin(), all.end(), std::uint32_t{0});
+    const Status begun = begin_with(all, false, interrupt);
+    if (begun != Status::ok) return begun;
+    std::vector<bool> is_corner(all.size());
+    for (const std::uint32_t s : samples_.of_rows(corners_)) is_corner[s] = true;
+    for (Kept& each : vertices_) each.is_corner = is_corner[each.sample];
+    samples_.clear(mesh_);
+    return Status::ok;
+}
+
+template <class Samples>
+Status Cover<Samples>::begin_with(const std::vector<std::uint32_t>& chosen, bool are_corners,
+                                  Interrupt& interrupt) {
+    std::vector<Point> points(chosen.size());
+    for (std::size_t i = 0; i < chosen.size(); ++i) points[i] = samples_.at(chosen[i]).point;
     std::vector<Vertex> found(points.size());
     const Status status = mesh_.insert(dynamic::input_of(points), found.data(), interrupt);
     if (status != Status::ok) return status;
-    for (std::uint32_t s = 0; s < points.size(); ++s) note(found[s], s, false);
-    for (const std::uint32_t s : samples_.of_rows(corners_)) note(found[s], s, true);
-    samples_.clear(mesh_);
+    for (std::size_t i = 0; i < chosen.size(); ++i) note(found[i], chosen[i], are_corners);
     return Status::ok;
 }
 

@@ -32,10 +32,10 @@ class Greedy {
     bool is_done() const { return heap_.empty(); }
 
  private:
-    // Whether the other one comes first: by distance, then by coordinates.
+    // Whether the other one comes first: by distance, then at random.
     bool is_less(const Candidate& one, const Candidate& other) const {
         if (one.distance != other.distance) return one.distance < other.distance;
-        return cover_.is_before(other.sample, one.sample);
+        return is_drawn_before(cover_.sample(other.sample).point, cover_.sample(one.sample).point);
     }
     Candidate worst_of(TriangleId t);
     Candidate pop();

@@ -8,8 +8,10 @@
 #include <limits>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "base/point.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/sample.hpp"
 
 namespace liftmesh::simplification {
 
@@ -32,6 +34,14 @@ struct Terrain {
 
 // The corners of the hull, from the lexicographically least one, without points between two.
 std::vector<Row> corners_of(const Terrain& terrain);
+
+// A random order of points. Where many cost the same, as on level ground, they do not go in the
+// order of their coordinates: the triangles behind the last one would become ever longer, and each
+// step would look at the samples of a whole row.
+inline bool is_drawn_before(Point p, Point q) {
+    const std::uint64_t of_p = random_number(hash(p), 0), of_q = random_number(hash(q), 0);
+    return of_p != of_q ? of_p < of_q : before_xy(p, q);
+}
 
 // Numbers as multiples of a power of two.
 class Steps {

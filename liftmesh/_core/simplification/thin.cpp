@@ -2,11 +2,9 @@
 #include <utility>
 
 #include "base/floating_point.hpp"
-#include "base/hash.hpp"
 #include "simplification/lists.hpp"
 #include "simplification/removal.hpp"
 #include "simplification/simplify.hpp"
-#include "sorting/sample.hpp"
 
 namespace liftmesh::simplification {
 
@@ -23,13 +21,7 @@ struct BySquares {
         cost += distance * distance;
         return true;
     }
-    // Where vertices cost the same, as on level ground, they go in random order. In the order of
-    // their coordinates the triangles behind the last one would become ever longer: each step would
-    // look at as many samples as a row of a raster has.
-    static bool is_first(Point p, Point q) {
-        const std::uint64_t of_p = random_number(hash(p), 0), of_q = random_number(hash(q), 0);
-        return of_p != of_q ? of_p < of_q : before_xy(p, q);
-    }
+    static bool is_first(Point p, Point q) { return is_drawn_before(p, q); }
     static constexpr bool needs_before = true;
     double cost = 0;
 };

@@ -34,7 +34,8 @@ class Scan:
     """What an E57 file says of a scan.
 
     ``pose`` is the rotation (w, x, y, z) and the translation from its own coordinates to those of
-    the file. ``fields`` are the types by name; ``skipped`` names the fields of other kinds.
+    the file. ``fields`` are the types by name; ``skipped`` names the fields of other kinds;
+    ``limits`` are the bounds of colours and intensities.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Scan:
     pose: tuple[list[float], list[float]] | None
     fields: dict[str, str]
     skipped: list[str]
+    limits: dict[str, float]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,17 @@
 """What stands at the beginning of an E57 file: where its XML is, which describes all else.
 
-The file consists of pages, each with a checksum at its end. The XML is looked at before libE57 sees
-it, since its parser follows what a document type declares: other files, and entities that expand to
-far more than their text.
+The file consists of pages, each with a checksum at its end. The XML is parsed before libE57 sees
+it, since its parser opens what a document type or an attribute of a schema instance names, on the
+disk and the network, and its tree takes quadratic time where elements have very many children.
 """
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import BinaryIO
+from xml.parsers import expat  # opens nothing, and document types are refused
 
 from liftmesh.errors import FormatError
 from liftmesh.io.streams import remaining
@@ -17,7 +20,8 @@ _HEADER = struct.Struct("<8s2I4Q")  # signature, version, size, XML: place and s
 _SIGNATURE = b"ASTM-E57"
 _CHECKSUM = 4  # bytes at the end of a page
 _PAGE = 1024  # bytes, of every file of this version
-_FORBIDDEN = (b"<!DOCTYPE", b"<!ENTITY")
+_MOST_STEPS = 500  # of the tree of libE57 for an element, of about 40 ns
+_FREE_STEPS = 1_000_000
 
 
 def check_header(stream: BinaryIO, name: str) -> int:
@@ -38,8 +42,8 @@ def check_header(stream: BinaryIO, name: str) -> int:
     Raises
     ------
     FormatError
-        It is not E57, its header states what the file does not hold, or the XML has a document
-        type.
+        It is not E57, its header states what the file does not hold, or the XML is damaged, not
+        UTF-8, has a document type or attributes of a namespace, or takes too long.
 
     Examples
     --------
@@ -61,14 +65,83 @@ def check_header(stream: BinaryIO, name: str) -> int:
             f"{name}: the header states {size:,} bytes, but the file has {there:,}: it is "
             "truncated, or damaged"
         )
-    if page != _PAGE or place >= size or length > size:
+    if page != _PAGE or place >= size or length > size or place % _PAGE >= _PAGE - _CHECKSUM:
         raise FormatError(f"{name}: the header places the description outside of the file")
     text = _description(stream, place, length)
     if not text.startswith(b"<?xml") or b"\0" in text:
         raise FormatError(f"{name}: the description at byte {place} is no XML of UTF-8")
-    if any(word in text for word in _FORBIDDEN):
-        raise FormatError(f"{name}: the XML declares a document type, which E57 has not")
+    _Xml(name).check(text)
     return there
+
+
+@dataclass(slots=True)
+class _Element:
+    """An open element: its children, the elements below it, and the most children of one."""
+
+    kind: str
+    children: int = 0
+    nodes: int = 1
+    widest: int = 1
+
+    def steps(self, child: _Element) -> int:
+        """Return what its latest child is compared with: earlier names, or types all through."""
+        each = {"uniform": child.nodes * child.widest, "free": 0}.get(self.kind, 1)
+        return self.children * each
+
+
+class _Xml:
+    """Parses the XML, and counts the steps of the tree that libE57 makes of it."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._open = [_Element("")]
+        self._elements = self._spaces = self._steps = 0
+
+    def check(self, text: bytes) -> None:
+        """Raise for anything but plain elements."""
+        parser = expat.ParserCreate("UTF-8", namespace_separator=" ")
+        parser.XmlDeclHandler = self._declared
+        parser.StartDoctypeDeclHandler = self._typed
+        parser.StartNamespaceDeclHandler = self._spaced
+        parser.StartElementHandler = self._begun
+        parser.EndElementHandler = self._ended
+        try:
+            parser.Parse(text, True)
+        except expat.ExpatError as error:
+            raise self._error(f"is damaged: {error}") from error
+
+    def _declared(self, version: str, encoding: str | None, _: int) -> None:
+        if version != "1.0" or (encoding or "UTF-8").upper() != "UTF-8":
+            raise self._error(f"is XML {version} in {encoding}, and E57 has 1.0 in UTF-8")
+
+    def _typed(self, *_: object) -> None:
+        raise self._error("declares a document type, which E57 has not")
+
+    def _spaced(self, *_: object) -> None:
+        self._spaces += 1
+        self._steps += self._spaces
+
+    def _begun(self, _: str, attributes: Mapping[str, str]) -> None:
+        if found := next((each for each in attributes if " " in each), None):
+            space, _, local = found.rpartition(" ")
+            raise self._error(f"has the attribute {local} of {space[:99]!r}, and E57 has no such")
+        kind = attributes.get("type", "")
+        if kind == "Vector":
+            kind = "free" if attributes.get("allowHeterogeneousChildren") == "1" else "uniform"
+        self._open.append(_Element(kind))
+        self._elements += 1
+
+    def _ended(self, _: str) -> None:
+        child, parent = self._open.pop(), self._open[-1]
+        parent.children += 1
+        parent.nodes += child.nodes
+        parent.widest = max(parent.widest, child.widest, parent.children)
+        self._steps += len(self._open) + parent.steps(child)
+        if self._steps > _FREE_STEPS + _MOST_STEPS * self._elements:
+            raise self._error("has too many elements beside or within one another")
+
+    def _error(self, cause: str) -> FormatError:
+        return FormatError(f"{self._name}: the XML {cause}")
 
 
 def _description(stream: BinaryIO, place: int, length: int) -> bytes:

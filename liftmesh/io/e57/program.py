@@ -42,6 +42,10 @@ except ImportError as error:
 TYPES = {"f4": "f", "f8": "d", "u1": "B", "i1": "b", "u2": "H", "i2": "h", "i8": "q"}
 BOUNDS = {"u1": (0, 255), "i1": (-128, 127), "u2": (0, 65535), "i2": (-32768, 32767)}
 KINDS = libe57.NodeType
+NUMBERS = {
+    KINDS.E57_FLOAT: libe57.FloatNode, KINDS.E57_INTEGER: libe57.IntegerNode,
+    KINDS.E57_SCALED_INTEGER: libe57.ScaledIntegerNode,
+}
 COORDINATES = ("cartesian", "spherical")
 
 def type_of(node, name):
@@ -60,11 +64,7 @@ def type_of(node, name):
     return "i8"
 
 def number(node):
-    kinds = {
-        KINDS.E57_FLOAT: libe57.FloatNode, KINDS.E57_INTEGER: libe57.IntegerNode,
-        KINDS.E57_SCALED_INTEGER: libe57.ScaledIntegerNode,
-    }
-    found = kinds[node.type()](node)
+    found = NUMBERS[node.type()](node)
     return float(found.scaledValue() if hasattr(found, "scaledValue") else found.value())
 
 def pose_of(scan):
@@ -82,6 +82,11 @@ def text_of(structure, name):
     there = structure.isDefined(name) and structure.get(name).type() == KINDS.E57_STRING
     return libe57.StringNode(structure.get(name)).value() if there else ""
 
+def limits_of(scan, name):
+    group = libe57.StructureNode(scan.get(name)) if scan.isDefined(name) else None
+    children = [group.get(k) for k in range(group.childCount())] if group else []
+    return {each.elementName(): number(each) for each in children if each.type() in NUMBERS}
+
 def described(scan):
     points = libe57.CompressedVectorNode(scan.get("points"))
     prototype = libe57.StructureNode(points.prototype())
@@ -91,6 +96,7 @@ def described(scan):
         "name": text_of(scan, "name"), "rows": points.childCount(), "pose": pose_of(scan),
         "fields": {name: kind for name, kind in types.items() if kind},
         "skipped": [name for name, kind in types.items() if not kind],
+        "limits": limits_of(scan, "colorLimits") | limits_of(scan, "intensityLimits"),
     }
 
 def write(points, about, rows):
@@ -105,7 +111,7 @@ def write(points, about, rows):
     while left:
         count = reader.read()
         if count != min(rows, left):
-            sys.exit(f"{left:,} of {about['rows']:,} points of a scan are missing")
+            sys.exit(f"wrong: {left:,} of {about['rows']:,} points of a scan are missing")
         for array in arrays:
             answer.write(array[: len(array) // rows * count])
         left -= count

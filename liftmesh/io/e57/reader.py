@@ -3,8 +3,9 @@
 Coordinates are float64, whatever the file stores. Those given by range and angles are converted to
 x, y and z, and each scan is moved by its pose into the coordinates that all share. Points whose
 position is not valid are left out and counted. Red, green and blue become colours if they are whole
-numbers; all other fields keep their names, and those that some scans do not have are named. The
-attribute ``scan`` says which scan a point is of, if there are several.
+numbers, of the depth that the limits of each scan state: 8-bit scans beside 16-bit ones are scaled;
+all other fields keep their names, and those that some scans do not have are named. The attribute
+``scan`` says which scan a point is of, if there are several.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, POSITION, CloudBuilder
+from liftmesh.io.e57.colors import at_one_depth
 from liftmesh.io.e57.decoding import Decoder, Limits, Scan, decoded
 from liftmesh.io.e57.header import check_header
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
@@ -66,6 +68,7 @@ class _Reader:
         self._scans = decoder.scans
         self._types, self._lost = _common(self._scans, name)
         self._invalid = 0
+        self._notes = _other_intensities(self._scans) if "intensity" in self._types else []
 
     def cloud(self, limit: int, max_bytes: int | None) -> Cloud:
         """Read all scans."""
@@ -74,15 +77,22 @@ class _Reader:
         check_columns(len(self._types), max_bytes, self._name, "its description")
         check_expanded(rows * width, limit, self._name, f"{rows:,} points")
         builder, filled = CloudBuilder(self._types, rows), 0
-        for block in self._blocks():
+        counts = [0] * len(self._scans)
+        for number, block in self._blocks():
             count = len(block["x"])
             builder.fill(slice(filled, filled + count), block)
             filled += count
+            counts[number] += count
         builder.shorten(filled)
+        depth = None
+        if builder.colors is not None:
+            depth, note = at_one_depth(builder.colors, self._scans, counts)
+            self._notes += [note] if note else []
         crs = self._decoder.crs.strip()
-        return builder.cloud(metadata=self._entries(), crs=crs if is_crs(crs) else None)
+        crs_or_none = crs if is_crs(crs) else None
+        return builder.cloud(metadata=self._entries(), crs=crs_or_none, color_depth=depth)
 
-    def _blocks(self) -> Iterator[dict[str, Array]]:
+    def _blocks(self) -> Iterator[tuple[int, dict[str, Array]]]:
         for number, scan in enumerate(self._scans):
             for columns in self._decoder.columns(scan):
                 valid = _is_valid(columns)
@@ -91,7 +101,7 @@ class _Reader:
                 found = {**columns, _SCAN: np.full(len(valid), number)}
                 found |= {_COLORS[key]: columns[key] for key in _COLORS if key in columns}
                 found |= dict(zip(POSITION, points, strict=True))
-                yield {key: found[key][valid] for key in self._types}
+                yield number, {key: found[key][valid] for key in self._types}
 
     def _entries(self) -> dict[str, Any]:
         scans = tuple({"name": each.name, "points": each.rows} for each in self._scans)
@@ -101,12 +111,15 @@ class _Reader:
         if images := self._decoder.images:
             skipped.append(f"{images:,} images")
         entries: dict[str, Any] = {"e57": {"scans": scans}}
-        return entries | ({"skipped": tuple(skipped)} if skipped else {})
+        entries |= {"skipped": tuple(skipped)} if skipped else {}
+        return entries | ({"notes": tuple(self._notes)} if self._notes else {})
 
 
 def _common(scans: list[Scan], name: str) -> tuple[dict[str, np.dtype], list[str]]:
     """Return the types of the columns that all scans have, and the names of others."""
     for each in scans:
+        if each.rows < 0:
+            raise FormatError(f"{name}: the scan {each.name!r} states {each.rows:,} points")
         if not any(set(group) <= each.fields.keys() for group in (_CARTESIAN, _SPHERICAL)):
             raise FormatError(
                 f"{name}: the scan {each.name!r} has neither cartesianX, cartesianY and cartesianZ "
@@ -124,6 +137,13 @@ def _common(scans: list[Scan], name: str) -> tuple[dict[str, np.dtype], list[str
     names = {key for each in own for key in each} - {*keys}
     lost = [f"{key} (of some scans)" for key in sorted(names)]
     return types, [*lost, *sorted({key for each in scans for key in each.skipped})]
+
+
+def _other_intensities(scans: list[Scan]) -> list[str]:
+    """Say that intensities of scans are not of one scale."""
+    keys = ("intensityMinimum", "intensityMaximum")
+    found = {tuple(each.limits.get(key) for key in keys) for each in scans}
+    return ["intensities of scans have different limits"] if len(found) > 1 else []
 
 
 def _is_valid(columns: dict[str, Array]) -> Array:

@@ -3,7 +3,9 @@
 A record tells the cube of the octree, the distance between the points of its root, and where the
 pages are that list the nodes. Each level halves the distance. A node must be a chunk of the table
 that LAZ has anyway, with the same place, length and number of points: that table is checked
-already (`io.las.laz`), so no page can make anyone read anything else.
+already (`io.las.laz`), so no page can make anyone read anything else. The first point of each
+chunk, which is not compressed, and all points that are decoded must lie in the cubes of their
+nodes: else the index is not used.
 
 Source: COPC 1.0, copc.io.
 """
@@ -29,8 +31,13 @@ if TYPE_CHECKING:
 _RECORD = (b"copc", 1)
 _INFO = struct.Struct("<5d2Q")  # centre, half of the size, spacing, place and size of the root page
 _ENTRY = np.dtype([("key", "<i4", (4,)), ("place", "<u8"), ("size", "<i4"), ("points", "<i4")])
+_FIRST = np.dtype([("xyz", "<i4", (3,))])
 _PAGE = -1  # number of points of an entry that is a page
 _DEEPEST = 32
+
+
+class DamagedIndexError(FormatError):
+    """Points lie outside the cubes of their nodes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +74,12 @@ class Index:
             left_out[reason] = int(self.points[kept & ~meets].sum())
             kept &= meets
         return np.flatnonzero(kept), left_out
+
+    def check(self, chunks: Array, points: Array, counts: Array | int, name: str) -> None:
+        """Raise if points of some chunks, so many of each, lie outside the cubes of their nodes."""
+        nodes = np.repeat(np.searchsorted(self.chunks, chunks), counts)
+        if not ((points >= self.low[nodes]) & (points <= self.high[nodes])).all():
+            raise DamagedIndexError(f"{name}: COPC: points lie outside the cubes of their nodes")
 
     def _conditions(self, selection: Selection, *, boxed: bool) -> list[tuple[str, Array]]:
         found: list[tuple[str, Array]] = []
@@ -137,11 +150,24 @@ class _Reading:
         key = found["key"]
         if len(key) and not (key[:, 0].min() >= 0 and key[:, 0].max() <= _DEEPEST):
             raise self._error("a node is of no level from 0 to 32")
+        if len(np.unique(key, axis=0)) < len(key):
+            raise self._error("two nodes are one")
         side = (2 * half / 2.0 ** key[:, 0])[:, None]
         margin = np.abs(self._stated.scales)  # the places of points are rounded
         low = np.array(centre) - half + key[:, 1:] * side
         points = found["points"].astype(np.int64)
-        return Index(spacing, numbers, key[:, 0], low - margin, low + side + margin, points)
+        index = Index(spacing, numbers, key[:, 0], low - margin, low + side + margin, points)
+        index.check(numbers, self._first_points(found["place"].tolist()), 1, self._name)
+        return index
+
+    def _first_points(self, places: list[int]) -> Floats:
+        """Return the first point of each chunk, which stands there as it is."""
+        found = bytearray()
+        for place in places:
+            self._stream.seek(self._begin + place)
+            found += read_exactly(self._stream, _FIRST.itemsize, self._name, "a chunk")
+        with np.errstate(over="ignore"):
+            return np.frombuffer(found, _FIRST)["xyz"] * self._stated.scales + self._stated.offsets
 
     def _entries(self, place: int, size: int) -> Array:
         """Walk over the pages: each once, and all together within the file."""

@@ -120,7 +120,8 @@ def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[
     pairs = _known_steps(said)
     columns = cloud.points.astype("f8", copy=False).T
     if scale is None:
-        return tuple(steps_of(each, pair) for each, pair in zip(columns, pairs, strict=True))
+        coarsest = _coarsest(said)
+        return tuple(map(_steps_at, columns, pairs, coarsest))
     if isinstance(scale, bool) or not isinstance(scale, float | int) or not 0 < scale < math.inf:
         raise InputError(f"scale is {shown(scale)}: give a positive number, as 0.001")
     found = []
@@ -130,6 +131,25 @@ def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[
             steps = _rounding(each, float(scale))
         found.append(steps)
     return tuple(found)
+
+
+def _steps_at(values: Any, known: tuple[float, float] | None, coarsest: float | None) -> Steps:
+    """Choose steps; coordinates that have other digits are rounded to the coarsest, if there is."""
+    if coarsest is None:
+        return steps_of(values, known)
+    steps = steps_of(values, (coarsest, 0.0))
+    try:
+        return steps if steps.scale >= coarsest else _rounding(values, coarsest)
+    except FormatError:  # of more than 32 bits
+        return steps
+
+
+def _coarsest(said: Mapping[str, Any]) -> list[float | None]:
+    """Return the scales of coordinates that were transformed, which have no offset any longer."""
+    found = said.get("scale")
+    if not isinstance(found, list) or len(found) != 3 or "offset" in said:
+        return [None] * 3
+    return [each if isinstance(each, float) and 0 < each < math.inf else None for each in found]
 
 
 def _rounding(values: Any, scale: float) -> Steps:

@@ -33,6 +33,7 @@ _VARIABLE = 0xFFFFFFFF  # points of a chunk, where the table gives them
 _CHUNKED, _LAYERED = 2, 3  # compressors
 _LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}  # of the items of formats 6 to 10; of extra bytes one each
 _EXTRA_BYTES = 14
+_EMPTY = 16  # chunks of nothing, which some programs write
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +131,12 @@ class _Reading:
                 f"{size:,}: it is truncated"
             )
         version, number = self._at(place, _TABLE, "the table of chunks")
-        if version or number > place - start:
-            raise self._error(f"the table of chunks states {number:,} chunks in version {version}")
+        there = place - start - _PLACE.size  # a chunk begins with a point as it is
+        if version or number > there // self._stated.point_size + _EMPTY:
+            raise self._error(
+                f"the table of chunks states {number:,} chunks of {there:,} bytes, in version "
+                f"{version}"
+            )
         return place, number
 
     def _listed(self, record: bytes, size: int, place: int) -> list[tuple[int, int]]:

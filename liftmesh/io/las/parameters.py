@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 from liftmesh.cloud import is_crs
 from liftmesh.errors import MissingDependencyError
+from liftmesh.io.geotiff_citations import without_wkt
 from liftmesh.optional import load
 
 _SHORT, _ASCII, _LONG, _DOUBLE = 3, 2, 4, 12
@@ -46,7 +47,7 @@ def wkt_of(records: Mapping[int, bytes]) -> tuple[str | None, str]:
     except MissingDependencyError as error:
         return None, f"GeoKeys (a system made up of parameters: {error})"
     options = {"GTIFF_REPORT_COMPD_CS": "YES", "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR"}
-    data = _tiff({number: each[:_MOST] for number, each in records.items()})
+    data = without_wkt(_tiff({number: each[:_MOST] for number, each in records.items()}))
     try:
         with (
             rasterio.Env(**options, GDAL_PAM_ENABLED="NO", CPL_DEBUG="OFF"),
@@ -54,7 +55,7 @@ def wkt_of(records: Mapping[int, bytes]) -> tuple[str | None, str]:
             memory.open(driver="GTiff") as file,
         ):
             text = None if file.crs is None else file.crs.to_wkt()
-    except (errors.RasterioError, inner.CPLE_BaseError):
+    except (errors.RasterioError, errors.CRSError, inner.CPLE_BaseError, UnicodeError):
         text = None
     if text is None or not is_crs(text) or text.startswith(("LOCAL_CS", "ENGCRS")):
         return None, "GeoKeys (a system made up of parameters that GDAL does not know)"

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
 from liftmesh.io.las.carried import ENTRY, entry
+from liftmesh.io.las.copc import DamagedIndexError
 from liftmesh.io.las.crs import crs_of, refused
 from liftmesh.io.las.header import stated
 from liftmesh.io.las.own import DEPTH, Said
@@ -76,7 +77,13 @@ def read_las(
 
 def _selected(file: _File, selection: Selection, name: str) -> Cloud:
     """Read the rows that are selected, of COPC the nodes that may have any."""
-    found, has_ground = _part(file, selection, name, boxed=True)
+    try:
+        found, has_ground = _part(file, selection, name, boxed=True)
+    except DamagedIndexError as damage:
+        if file.index is None:
+            raise
+        file.index, file.damage = None, damage
+        return _selected(file, selection, name)
     is_part = file.index is not None and not (selection.bbox is None and selection.z_range is None)
     if selection.classes == "ground" and is_part and not has_ground:
         return _part(file, selection, name, boxed=False)[0]  # is there any beyond the box?

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from liftmesh._typing import Array
 from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.las.copc import Index, index_of
 from liftmesh.io.las.header import PACKING
@@ -75,6 +76,8 @@ class Points:
                 self._source, closefd=False, laz_backend=_backend(laspy, chunks), read_evlrs=False
             )
         self.dimensions: list[Any] = list(self._reader.header.point_format.dimensions)
+        if empty := next((each for each in self.dimensions if not each.num_bits), None):
+            raise FormatError(f"{name}: the extra bytes {empty.name!r} have 0 bytes: it is damaged")
 
     def blocks(self, size: int = BLOCK) -> Iterator[Any]:
         """Decode the points: records of laspy, of at most ``size`` points each."""
@@ -99,11 +102,19 @@ class Points:
             data = b"".join(self._bytes(places[k], table[k][1]) for k in group)
             with self._decoding(f"chunks from {group[0]:,} on"):
                 record = self._decoded(data, [table[k] for k in group])
+            if self.index is not None:
+                counts = np.array([table[k][0] for k in group])
+                self.index.check(np.array(group), _places(record), counts, self._name)
             yield record
 
     def _bytes(self, place: int, size: int) -> bytes:
-        self._stream.seek(self._begin + place)
-        return read_exactly(self._stream, size, self._name, "a chunk")
+        """Read a chunk; the stream goes back to where `blocks` goes on."""
+        begin = self._stream.tell()
+        try:
+            self._stream.seek(self._begin + place)
+            return read_exactly(self._stream, size, self._name, "a chunk")
+        finally:
+            self._stream.seek(begin)
 
     def _decoded(self, data: bytes, table: list[tuple[int, int]]) -> Any:
         laspy, lazrs = load("laspy", extra="las"), load("lazrs", extra="las")
@@ -138,6 +149,13 @@ class Points:
             f"{self._name}: {what} cannot be decoded: the file is damaged "
             f"({type(error).__name__}: {cause})"
         )
+
+
+def _places(record: Any) -> Array:
+    """Return the coordinates of a record of laspy."""
+    numbers = np.column_stack([record.array[each] for each in ("X", "Y", "Z")])
+    with np.errstate(over="ignore"):
+        return np.asarray(numbers * record.scales + record.offsets)
 
 
 def _grouped(nodes: Sequence[int], points: Sequence[int]) -> Iterator[list[int]]:

@@ -25,6 +25,7 @@ from liftmesh.cloud import Cloud
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.colors import as_float, is_opaque
 from liftmesh.io.faces import narrowed
+from liftmesh.io.metadata import Unread
 from liftmesh.io.origin import needed_origin
 from liftmesh.optional import load
 
@@ -198,7 +199,7 @@ def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Clou
 
 def _unread(names: Iterable[str]) -> dict[str, Any]:
     """The metadata that name what a cloud does not hold."""
-    skipped = tuple(names)
+    skipped = Unread(names)
     return {"skipped": skipped} if skipped else {}
 
 

@@ -21,6 +21,7 @@ from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.interruption import kept
 from liftmesh.io.colors import fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.metadata import NotedColumns, Unread
 from liftmesh.io.objects.kinds import FRAMES, RECORDS, classes, is_structured, is_table
 from liftmesh.io.objects.plain import is_array, qualified_name
 from liftmesh.io.tables.columns import Columns, understood, unnamed
@@ -176,7 +177,7 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     points = _points(found, columns, options, len(values[0][1]))
     columns.warn()
     notes = (*columns.notes, *_rounded(columns, values, found))
-    parts = {"columns": columns.mapping(), "notes": notes, "skipped": tuple(unread)}
+    parts = {"columns": NotedColumns(columns.mapping()), "notes": notes, "skipped": Unread(unread)}
     return Cloud(
         points,
         colors=_colors(found),

@@ -19,7 +19,7 @@ from liftmesh.cloud import Cloud, is_crs
 from liftmesh.interruption import kept
 from liftmesh.io.colors import as_uint8, with_alpha
 from liftmesh.io.faces import narrowed
-from liftmesh.io.metadata import NOTE
+from liftmesh.io.metadata import NOTE, Unread, said
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -65,7 +65,8 @@ def to_cloud(source: Any) -> Cloud:
     named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
     described = of_metadata(source.metadata)
     if unread := _unread(source):
-        described["metadata"]["skipped"] = unread
+        own = ("metadata skipped",) if "skipped" in said(described["metadata"]) else ()
+        described["metadata"]["skipped"] = Unread((*unread, *own))
     return Cloud(
         points=arrays.as_rows3(np.asarray(source.vertices)),
         colors=_colors(source),
@@ -212,12 +213,17 @@ def of_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
     >>> of_metadata({"crs": "EPSG:25832", "survey": 2024, "file_name": "a.glb"})
     {'metadata': {'survey': 2024}, 'crs': 'EPSG:25832'}
     """
-    rest = {key: value for key, value in metadata.items() if key not in _OWN}
+    rest = {key: value for key, value in metadata.items() if not _is_own(key, value)}
     crs = rest.get("crs")
     if not is_crs(crs):
         return {"metadata": rest, "crs": None}
     del rest["crs"]
     return {"metadata": rest, "crs": crs}
+
+
+def _is_own(key: str, value: object) -> bool:
+    """Whether trimesh has noted an entry, or we in glTF; of "processed" it says yes or no."""
+    return key in _OWN and (key != "processed" or isinstance(value, bool))
 
 
 def _unread(source: Any) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.cloud import Cloud
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.metadata import not_read, said
+from liftmesh.io.metadata import Unread, not_read, said
 from liftmesh.io.objects.trimesh import of_metadata, to_cloud as of_geometry, transformed
 
 if TYPE_CHECKING:
@@ -66,7 +66,8 @@ def to_cloud(scene: trimesh.Scene) -> Cloud:
     lines = len(placed) - len(parts)
     skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
     if skipped:
-        described["metadata"]["skipped"] = skipped
+        own = ("metadata skipped",) if "skipped" in said(described["metadata"]) else ()
+        described["metadata"]["skipped"] = Unread((*skipped, *own))
     return Cloud(
         np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
         colors=_joined(colors),

@@ -20,6 +20,10 @@ from liftmesh.io.tables.options import LEFT_OUT, TableOptions, is_plain
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 
 _GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
+DEGREES = (  # holds until they are transformed
+    "x and y are degrees: lengths and triangles are distorted, and heights have another unit: "
+    "transform them with crs= and to_crs="
+)
 _CHOOSE = "columns='x=..,y=..,z=..'"
 _LONGEST = 40  # characters of a name in a message
 
@@ -335,10 +339,7 @@ def _notes(names: Sequence[str], found: Sequence[Meaning]) -> Iterator[str]:
     by_part: Mapping[str, Meaning] = dict(zip(names, found, strict=True))
     planar = [by_part[each] for each in ("x", "y")]
     if any(each.part in ("lon", "lat") or each.unit == "degrees" for each in planar):
-        yield (
-            "x and y are degrees: lengths and triangles are distorted, and heights have another "
-            "unit: project the points first"
-        )
+        yield DEGREES
     units = {part: each.unit for part, each in by_part.items() if part in POSITION and each.unit}
     if len({*units.values()} - {"degrees"}) > 1:
         listed = ", ".join(f"{part} in {unit}" for part, unit in units.items())

@@ -110,8 +110,9 @@ def skip_lines(stream: BinaryIO, count: int, name: str) -> None:
             raise FormatError(
                 f"{name}: the file has {count - left:,} lines, and skip_rows={count} skips more"
             )
-        if data.endswith(b"\r"):  # perhaps half of a line end
-            data += stream.read(1)
+        if data.endswith(b"\r") and stream.read(1) == b"\n":  # the other half of a line end
+            data += b"\n"
+        stream.seek(begin + len(data))
         for end in _LINE_END.finditer(data):
             left -= 1
             if not left:

@@ -21,6 +21,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.colors import ColorScale
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
+from liftmesh.io.metadata import NotedColumns
 from liftmesh.io.tables.columns import Columns, understood, unnamed
 from liftmesh.io.tables.doubts import Doubts, check_count
 from liftmesh.io.tables.encoding import as_utf8, skip_lines
@@ -296,9 +297,13 @@ class _Meaning:
         unread |= {k: f"column {given[k]} (empty)" for k in self._empty()}
         for k, text in self.values.text.items():
             unread[k] = f"column {given[k]} (text, line {text.line}: {quoted(text.value)})"
-        mapping = replace(self._columns, names=self._names()).mapping()
+        mapping = NotedColumns(replace(self._columns, names=self._names()).mapping())
         notes = (*self._table.notes, *self._columns.notes, *self._remarks())
-        parts = {"columns": mapping, "notes": notes, "skipped": tuple(unread.values())}
+        parts = {
+            "columns": mapping,
+            "notes": notes,
+            "skipped": tuple(unread.values()),
+        }
         return {name: part for name, part in parts.items() if part}
 
     def _remarks(self) -> Iterator[str]:

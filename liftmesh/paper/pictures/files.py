@@ -57,6 +57,6 @@ def _write(path: Path, figure: Figure, kind: str) -> Path:
     drawn = io.BytesIO()
     with load("matplotlib", extra="plot").rc_context({"svg.hashsalt": path.stem}):
         figure.savefig(drawn, format=kind, dpi=DOTS_PER_INCH, metadata=nothing)
-    with replacing(path) as stream:
+    with replacing(path, follow_links=False) as stream:
         stream.write(drawn.getvalue())
     return path

@@ -1,0 +1,258 @@
+"""Which rows of files a surface takes: one rule for the library, the commands and tiles.
+
+Of files of lidar (LAS, LAZ, COPC) a surface takes the ground and no withheld rows, unless the
+caller says otherwise. Whether there is ground is decided over all files of a surface: trees of the
+one tile without classes would stand among the ground of the others.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.errors import InputError
+from liftmesh.io.columns import POSITION
+from liftmesh.io.files import read_chunks, read_cloud
+from liftmesh.io.registry import find_format, suffix_of
+from liftmesh.io.selection import (
+    GROUND,
+    MOST_CLASSES,
+    ClassChoice,
+    Selection,
+    Selector,
+    checked,
+    class_column,
+    found_selection,
+)
+
+if TYPE_CHECKING:
+    from liftmesh.cloud import Cloud
+
+_BLOCK = 1 << 20  # rows: NumPy counts bytes as words of 64 bits
+_NAMED = 3  # files in a message
+_CONDITIONS = [each.name for each in fields(Selection)]
+_SYSTEMS = ("crs", "to_crs", "color_depth")  # of what is read, not of which rows are
+
+
+def for_surface(
+    name: str | os.PathLike[str], choices: Mapping[str, Any], file_format: str | None = None
+) -> dict[str, Any]:
+    """Return the conditions on the rows of a file that a surface is made of.
+
+    Parameters
+    ----------
+    name : str or path
+        The file.
+    choices : mapping
+        What the caller says, as options of `liftmesh.read`: it counts.
+    file_format : str, optional
+        Its format; by default that of its suffix.
+
+    Returns
+    -------
+    dict
+        Options of `liftmesh.read`.
+
+    Examples
+    --------
+    >>> for_surface("tile.laz", {"classes": "all"}), for_surface("cloud.ply", {})
+    ({'classes': 'all', 'withheld': False}, {})
+    """
+    name = os.fspath(name)
+    kind = file_format or suffix_of(name)
+    if not kind or find_format(kind, name).name != "las":
+        return {**choices}
+    return {"classes": "ground", "withheld": False, **choices}
+
+
+def read_rows(source: object, classes: ClassChoice = None, **options: Any) -> Cloud:
+    """Read the rows of a surface, or convert an object, of which all rows count.
+
+    Parameters
+    ----------
+    source : path or object
+        As for `read_cloud`.
+    classes : int, iterable of int, "ground" or "all", optional
+        Of a file, the classes to read in place of those of `for_surface`.
+    **options
+        Options of tables.
+
+    Returns
+    -------
+    Cloud
+        The rows.
+
+    Raises
+    ------
+    InputError
+        Classes are asked of what is no file, or a file has rows, but none of these classes.
+    FormatError, UnsupportedTypeError, OSError
+        As for `read_cloud`.
+
+    Examples
+    --------
+    >>> len(read_rows([[0, 0, 5], [1, 0, 6]]))
+    2
+    """
+    if isinstance(source, str | os.PathLike):
+        choices = {} if classes is None else {"classes": classes}
+        return check_some(read_cloud(source, **for_surface(source, choices), **options), source)
+    if classes is not None:
+        raise InputError(
+            "classes= is for files: select the rows of a cloud, as "
+            'cloud.select(cloud.attributes["classification"] == 2)'
+        )
+    return read_cloud(source, **options)
+
+
+def for_chunks(
+    names: Sequence[str | os.PathLike[str]], choices: Mapping[str, Any]
+) -> list[dict[str, Any]]:
+    """Return the conditions on the rows of files that are read in chunks.
+
+    A chunk does not say whether its file has ground: files are read until a row of it is found.
+
+    Parameters
+    ----------
+    names : sequence of str or path
+        The files of a surface.
+    choices : mapping
+        What the caller says, as options of `liftmesh.read_chunks`.
+
+    Returns
+    -------
+    list of dict
+        Of each file, options of `liftmesh.read_chunks`, in which "ground" is class 2 or all.
+
+    Raises
+    ------
+    InputError
+        As of `check_grounds`.
+    FormatError, OSError
+        As of `liftmesh.read_chunks`.
+
+    Examples
+    --------
+    >>> for_chunks(["cloud.ply"], {"every": 2})
+    [{'every': 2}]
+    """
+    found = [for_surface(name, choices) for name in names]
+    asked = {k: each for k, each in enumerate(found) if each.get("classes") == "ground"}
+    counts = {k: _ground_of(os.fspath(names[k]), each) for k, each in asked.items()}
+    check_grounds((os.fspath(names[k]), each) for k, each in counts.items())
+    for k, each in asked.items():
+        each["classes"] = GROUND if counts[k]["ground"] else "all"
+    return found
+
+
+def _ground_of(name: str, choices: Mapping[str, Any]) -> dict[str, int]:
+    """Say whether a file has ground, and whether rows would be selected without."""
+    conditions = {key: each for key, each in choices.items() if key in _CONDITIONS}
+    others = {key: each for key, each in choices.items() if key not in (*_CONDITIONS, *_SYSTEMS)}
+    selector = Selector(checked(**conditions) or Selection(), name)
+    for cloud in read_chunks(name, **others):
+        places = dict(zip(POSITION, cloud.points.T, strict=True))
+        selector.rows(len(cloud), {**cloud.attributes, **places})
+        if selector.counts()["ground"]:
+            break
+    return selector.counts()
+
+
+def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
+    """Raise if some files have ground and others have none, of which all rows would be taken.
+
+    Parameters
+    ----------
+    files : iterable of (str, mapping)
+        Name of each file, and how many rows were selected, as `Selector.counts` says.
+
+    Raises
+    ------
+    InputError
+        The message names the files without ground, and what can be done.
+
+    Examples
+    --------
+    >>> with_ground, without = {"ground": 1, "selected": 5}, {"ground": 0, "selected": 9}
+    >>> check_grounds([("a.laz", with_ground), ("b.laz", {"ground": 0, "selected": 0})])
+    >>> check_grounds([("a.laz", with_ground), ("b.laz", without)])
+    Traceback (most recent call last):
+    liftmesh.errors.InputError: b.laz: no ground (class 2), while other files have some: give ...
+    """
+    asked = [(name, counts) for name, counts in files if "ground" in counts]
+    lacking = [name for name, each in asked if each["selected"] and not each["ground"]]
+    if not lacking or not any(each["ground"] for _, each in asked):
+        return
+    rest = f" and {len(lacking) - _NAMED} more" if len(lacking) > _NAMED else ""
+    raise InputError(
+        f"{', '.join(lacking[:_NAMED])}{rest}: no ground (class 2), while other files have some: "
+        "give classes='all' for all rows of each file, classes=2 for none of these, or find the "
+        "ground with classify_ground"
+    )
+
+
+def check_some(cloud: Cloud, name: str | os.PathLike[str]) -> Cloud:
+    """Return a cloud; raise if conditions on rows have left none.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        What was read.
+    name : str or path
+        The file, or what is merged.
+
+    Raises
+    ------
+    InputError
+        There were rows, and none was selected.
+    """
+    rows = found_selection(cloud.metadata).get("rows")
+    if rows and not len(cloud):
+        raise InputError(f"{os.fspath(name)}: none of {rows:,} rows meets the conditions")
+    return cloud
+
+
+def classes_of(attributes: Mapping[str, Array]) -> dict[int, int]:
+    """Count the rows of each class.
+
+    Parameters
+    ----------
+    attributes : mapping of str to (n, ...) ndarray
+        Values by name, as `Cloud.attributes`.
+
+    Returns
+    -------
+    dict of int to int
+        Rows by class, increasing; empty without a column of classes from 0 to 255.
+
+    Examples
+    --------
+    >>> classes_of({"classification": np.array([2, 9, 2], np.uint8)})
+    {2: 2, 9: 1}
+    """
+    name = class_column(attributes)
+    return {} if name is None else bytes_of(attributes[name])
+
+
+def bytes_of(values: Array) -> dict[int, int]:
+    """Count whole numbers from 0 to 255; empty if there are others.
+
+    >>> bytes_of(np.array([1.0, 3.0, 1.0])), bytes_of(np.array([0.5]))
+    ({1: 2, 3: 1}, {})
+    """
+    total = np.zeros(MOST_CLASSES, np.int64)
+    if values.ndim != 1 or values.dtype.kind not in "iuf":
+        return {}
+    for first in range(0, len(values), _BLOCK):
+        block = values[first : first + _BLOCK]
+        if block.dtype != np.uint8:
+            if not ((block >= 0) & (block < MOST_CLASSES) & (block % 1 == 0)).all():
+                return {}
+            block = block.astype(np.uint8)
+        total += np.bincount(block, minlength=MOST_CLASSES)
+    return {number: int(total[number]) for number in np.flatnonzero(total).tolist()}
