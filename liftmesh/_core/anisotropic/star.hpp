@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "anisotropic/ellipse.hpp"
-#include "sorting/kd_tree.hpp"
 #include "base/point.hpp"
 #include "predicates/lift.hpp"
+#include "sorting/kd_tree.hpp"
 
 namespace liftmesh::anisotropic {
 
