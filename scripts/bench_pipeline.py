@@ -177,7 +177,8 @@ def run(name: str, source: Path, target: Path) -> list[Stage]:
 def run_command(source: Path, target: Path) -> float:
     """Run ``liftmesh triangulate``; return its processors' time in seconds."""
     before = getrusage(RUSAGE_CHILDREN)
-    command = [sys.executable, "-m", "liftmesh", "triangulate", str(source), str(target)]
+    words = ["triangulate", str(source), str(target), "--overwrite"]
+    command = [sys.executable, "-m", "liftmesh", *words]
     subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
     after = getrusage(RUSAGE_CHILDREN)
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

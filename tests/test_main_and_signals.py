@@ -46,11 +46,11 @@ def test_main_ends_at_a_signal_and_can_run_again(
 
     with monkeypatch.context() as patched:
         patched.setattr("liftmesh.io.files.read", send)
-        done = command("triangulate", "mesh.ply", "out.ply", cwd=folder)
+        done = command("triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
         assert (done.returncode, done.stderr) == ENDS[number]
     assert_nothing_was_written(folder)
     assert state() == before
-    done = command("triangulate", "mesh.ply", "out.ply", cwd=folder)
+    done = command("triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
     assert done.returncode == exit_codes.DONE
 
 

@@ -154,7 +154,7 @@ def _writer(mesh: Cloud, kind: str, *, is_there: bool, nameless: bool = True) ->
             (folder / name).write_bytes(OLD)
 
     def work(folder: Path) -> None:
-        liftmesh.write(folder / name, mesh)
+        liftmesh.write(folder / name, mesh, overwrite=True)
 
     def run(folder: Path, watch: Watch) -> Ended:
         return attempted(lambda: work(folder), folder, watch)
@@ -196,6 +196,7 @@ def _command(samples: Path, words: list[str], target: str) -> Job:
         placed = [
             str(folder / word) if file else word for word, file in zip(words, is_file, strict=True)
         ]
+        placed += ["--overwrite"] if target else []
         return _forked(placed, folder, watch)
 
     return Job(" ".join(words), prepare, run, target or words[1])

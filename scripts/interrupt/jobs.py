@@ -31,11 +31,13 @@ FILES = {
 
 # Arguments of the command line; the second one is the input file.
 COMMANDS: dict[str, tuple[str, ...]] = {
-    "liftmesh triangulate, PLY": ("triangulate", "cloud.ply", "out/mesh.ply"),
-    "liftmesh triangulate, text": ("triangulate", "cloud.xyz", "out/mesh.obj"),
+    "liftmesh triangulate, PLY": ("triangulate", "cloud.ply", "out/mesh.ply", "--overwrite"),
+    "liftmesh triangulate, text": ("triangulate", "cloud.xyz", "out/mesh.obj", "--overwrite"),
     "liftmesh verify": ("verify", "mesh.ply"),
     "liftmesh info": ("info", "scales.ply"),
-    "liftmesh simplify": ("simplify", "waves.ply", "out/mesh.ply", "--max-error", "0.01"),
+    "liftmesh simplify": (
+        *("simplify", "waves.ply", "out/mesh.ply", "--max-error", "0.01", "--overwrite"),
+    ),
 }
 
 

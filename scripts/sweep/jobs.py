@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -61,13 +61,11 @@ class Known:
 
 def all_jobs() -> list[Job]:
     """List every command with every format that it reads; the formats it writes take turns."""
-    return [
-        Job(("--version",), (), "version"),
-        *_of_clouds(),
-        *_of_meshes(),
-        *_of_surfaces(),
-        _paper(),
+    jobs = [*_of_clouds(), *_of_meshes(), *_of_surfaces()]
+    replacing = [
+        replace(each, words=(*each.words, "--overwrite")) if each.outputs else each for each in jobs
     ]
+    return [Job(("--version",), (), "version"), *replacing, _paper()]
 
 
 def _of_clouds() -> Iterator[Job]:

@@ -49,7 +49,7 @@ def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
     # The terrain's mesh takes megabytes in every format.
     target = tmp_path / f"mesh.{kind}"
     target.write_bytes(b"old")
-    done = run("triangulate", TERRAIN, target.name, cwd=tmp_path, most_bytes=300_000)
+    done = run("triangulate", TERRAIN, target.name, "--overwrite", cwd=tmp_path, most_bytes=300_000)
     assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
     assert done.stderr == f"liftmesh: error: {target}: File too large\n"
     assert target.read_bytes() == b"old"
@@ -70,7 +70,7 @@ def test_no_room_for_what_a_surface_is_asked(words: str, tmp_path: Path) -> None
     target = tmp_path / words.split()[2]
     target.write_bytes(b"old")
     named = words.replace("IN", str(TERRAIN)).split()
-    done = run(*named, cwd=tmp_path, most_bytes=3_000)
+    done = run(*named, "--overwrite", cwd=tmp_path, most_bytes=3_000)
     assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
     assert str(target) in done.stderr
     assert done.stderr.count("liftmesh: error: ") == done.stderr.count("\n") == 1
@@ -90,13 +90,13 @@ def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
             for most in [*range(0, size, size // 20), size - 1]:
                 resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.RLIM_INFINITY))
                 try:
-                    liftmesh.write(target, mesh)
+                    liftmesh.write(target, mesh, overwrite=True)
                 except OSError as error:
                     assert error.filename == target, error
                 else:
                     raise SystemExit(f"{most} bytes were enough for {size}")
             resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
-            liftmesh.write(target, mesh)
+            liftmesh.write(target, mesh, overwrite=True)
             print(open(target, "rb").read() == old)
     """
     targets = [tmp_path / f"mesh.{kind}" for kind in FORMATS]
@@ -185,7 +185,7 @@ if os.getuid() == 0:  # to whom nothing is read-only
     os.setgid(65534)
     os.setuid(65534)
 for place in ("locked/mesh.ply", "open/old.ply", "locked/old.ply"):
-    print(main(["triangulate", "cloud.xyz", place]), flush=True)
+    print(main(["triangulate", "cloud.xyz", place, "--overwrite"]), flush=True)
 """
 
 
@@ -270,7 +270,7 @@ def test_no_room_for_a_raster_of_tiles(options: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(6)
     cloud = np.column_stack([rng.random((500, 2)), rng.random(500)])
     liftmesh.tile_surface(cloud, tmp_path / "tiles", tile_rows=200)
-    words = f"raster tiles new.tif --resolution 0.004 {options}".split()
+    words = f"raster tiles new.tif --overwrite --resolution 0.004 {options}".split()
     assert run(*words, cwd=tmp_path).returncode == 0
     target = tmp_path / "new.tif"
     whole, before = target.read_bytes(), {*tmp_path.iterdir()}

@@ -31,7 +31,7 @@ from liftmesh.cli import main
 from liftmesh.io import atomic
 if sys.argv[1] == "named":
     atomic._NAMELESS = 0
-sys.exit(main(["triangulate", "../cloud.npy", "mesh.obj"]))
+sys.exit(main(["triangulate", "../cloud.npy", "mesh.obj", "--overwrite"]))
 """
 
 
@@ -151,7 +151,10 @@ def test_a_kill_amid_what_surfaces_write_leaves_the_old_file_alone(tmp_path: Pat
     names = {words.split()[2] for words in WRITING}
     for name in names:
         (folder / name).write_bytes(b"old")
-    lines = [f"{limit} {words}\n" for words, limit in zip(WRITING, cycle((1, 2000)), strict=False)]
+    lines = [
+        f"{limit} {words} --overwrite\n"
+        for words, limit in zip(WRITING, cycle((1, 2000)), strict=False)
+    ]
     child = begun(cwd=folder, program=KILLED_AMID_WRITING)
     out, err = child.communicate("".join(lines), timeout=120)
     assert [int(code) for code in out.splitlines() if code[0] == "-"] == [-signal.SIGXFSZ] * len(
