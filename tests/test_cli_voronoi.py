@@ -149,6 +149,15 @@ def test_the_system_of_a_domain(tmp_path: Path) -> None:
     assert not (tmp_path / "other.gpkg").exists()
 
 
+def test_what_a_file_of_shapes_leaves_unclear_is_a_note(tmp_path: Path) -> None:
+    (tmp_path / "trees.csv").write_text(ORDINARY)
+    for layer in ("a", "b"):
+        coast = geopandas.GeoSeries([COAST], crs="EPSG:32633")
+        coast.to_file(tmp_path / "two.gpkg", layer=layer, mode="a" if layer == "b" else "w")
+    _, said = told(tmp_path, "out.svg", "--domain", "two.gpkg")
+    assert "liftmesh: note: two.gpkg: layer 'a' is read, and 'b' not: save the layer" in said
+
+
 WRONG = [
     (["out.obj"], 3, "cells are not written as '.obj': give one of .geojson"),
     (["out", "--format", "tiff"], 3, "cells are not written as 'tiff': give one of geojson"),

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
@@ -24,7 +25,7 @@ from liftmesh.cli.standard_streams import (
     open_closed,
 )
 from liftmesh.cli.watchdog import Watchdog
-from liftmesh.errors import LiftmeshError, MissingDependencyError
+from liftmesh.errors import DataWarning, LiftmeshError, MissingDependencyError
 
 __all__ = ["main", "program"]
 
@@ -128,7 +129,25 @@ def _app(words: Sequence[str]) -> Any:
     if words and words[0] in _COMPLETION:
         return import_module("liftmesh.cli.completion").complete(words[0], words[1:])
     app = import_module("liftmesh.cli.application").application(words)
-    return app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
+    with _noted_warnings():
+        return app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
+
+
+@contextmanager
+def _noted_warnings() -> Iterator[None]:
+    """Print warnings about data as notes."""
+    with warnings.catch_warnings():
+        other = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
+            if issubclass(category, DataWarning):
+                import_module("liftmesh.cli.terminal").note(str(message))
+            else:
+                other(message, category, *place)
+
+        warnings.simplefilter("always", DataWarning)
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield
 
 
 def _fail(error: BaseException, *, debug: bool) -> int:
