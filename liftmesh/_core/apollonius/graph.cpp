@@ -35,7 +35,7 @@ void Graph::insert(Site t) {
     if (found.container != at_infinity) {
         state_[t] = disks_[found.container] == disks_[t] ? found.container : is_hidden;
         container_[t] = found.container;
-        last_ = found.edge;
+        if (tail(found.edge) != at_infinity) last_ = found.edge;
         return;
     }
     if (conflicts(face_of(found.edge), t)) {
