@@ -16,8 +16,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sorting/kd_tree.hpp"
 #include "base/point.hpp"
+#include "sorting/kd_tree.hpp"
 
 namespace liftmesh::anisotropic {
 
@@ -58,8 +58,8 @@ class Ellipse {
     }
 
     // Whether all points of a box, relative to p, are surely outside.
-    bool is_beyond(const Box& given) const {
-        const Box box{times_scale(given.centre), times_scale(given.half)};
+    bool is_beyond(const TreeBox& given) const {
+        const TreeBox box{times_scale(given.centre), times_scale(given.half)};
         const Point z = about_deepest(box);
         const double slope_x = 2 * det_ * (metric_.a * z.x + metric_.b * z.y) - w_.x;
         const double slope_y = 2 * det_ * (metric_.b * z.x + metric_.c * z.y) - w_.y;
@@ -83,7 +83,7 @@ class Ellipse {
     double at(Point u) const { return det_ * metric_.square(u) - (w_.x * u.x + w_.y * u.y); }
 
     // Where the left side is about least in a box: along one axis after the other.
-    Point about_deepest(const Box& box) const {
+    Point about_deepest(const TreeBox& box) const {
         const auto nearest = [](double value, double centre, double half) {
             const double low = centre - half, high = centre + half;
             // Unlike fmax and fmin, these are no calls; what is no number becomes `low`, as well.

@@ -123,12 +123,12 @@ struct Star::Search {
     std::optional<Row> found{};
     double deepest = 0;
 
-    Box relative(const Box& box) const {
+    TreeBox relative(const TreeBox& box) const {
         const Point c{box.centre.x - p.x, box.centre.y - p.y};
         return {c, {box.half.x + std::fabs(c.x) * 0x1p-52, box.half.y + std::fabs(c.y) * 0x1p-52}};
     }
-    bool meets(const Box& box) const { return !around.is_beyond(relative(box)); }
-    double distance(const Box& box) const { return star.metric_.square(relative(box).centre); }
+    bool meets(const TreeBox& box) const { return !around.is_beyond(relative(box)); }
+    double distance(const TreeBox& box) const { return star.metric_.square(relative(box).centre); }
     bool ends() const { return found.has_value(); }
 
     void visit(Row t, Point place) {

@@ -6,7 +6,7 @@ namespace liftmesh {
 
 namespace {
 
-Box box_around(std::span<const Point> points, std::span<const Row> rows) {
+TreeBox box_around(std::span<const Point> points, std::span<const Row> rows) {
     Point low = points[rows[0]], high = low;
     for (const Row row : rows) {
         const Point p = points[row];
@@ -36,7 +36,7 @@ KdTree::KdTree(std::span<const Point> points, std::vector<Row> rows, Patience* p
 void KdTree::build(std::span<const Point> points, std::uint32_t first, std::uint32_t last,
                    Patience* patience) {
     const auto at = static_cast<std::uint32_t>(nodes_.size());
-    const Box box = box_around(points, std::span(rows_).subspan(first, last - first));
+    const TreeBox box = box_around(points, std::span(rows_).subspan(first, last - first));
     nodes_.push_back({box, first, last, 0});
     if (last - first <= fewest || (patience && patience->ends(last - first))) return;
     const std::uint32_t middle = first + (last - first) / 2;

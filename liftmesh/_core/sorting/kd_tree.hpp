@@ -12,7 +12,7 @@
 namespace liftmesh {
 
 // The points of a node lie in its box: the centre and half of the extent, rounded outwards.
-struct Box {
+struct TreeBox {
     Point centre, half;
 };
 
@@ -34,7 +34,7 @@ class KdTree {
  private:
     static constexpr std::uint32_t fewest = 8;
     struct Node {
-        Box box;
+        TreeBox box;
         std::uint32_t first, last, right;  // `right` is 0 for a leaf; the left child follows
     };
 

@@ -108,11 +108,11 @@ class Search {
         const Point p = mesh_.points[row];
         if (is_nearer(p, at_, query_)) take(static_cast<std::int32_t>(row), p);
     }
-    bool meets(const Box& box) const { return distance(box) <= most_; }
+    bool meets(const TreeBox& box) const { return distance(box) <= most_; }
     bool ends() const { return false; }
 
     // Its square, or less.
-    double distance(const Box& box) const {
+    double distance(const TreeBox& box) const {
         const double x = gap(from_.x, box.centre.x, box.half.x);
         const double y = gap(from_.y, box.centre.y, box.half.y);
         return (x * x + y * y) * (1 - share);
