@@ -102,7 +102,7 @@ def test_the_remedies_work(folder: Path) -> None:
     assert report["classes"] == {"2": 78}
     assert "b.las: 0 of 40 rows; left out: 40 of other classes" in done.stderr
     assert report["selection"] == {"rows": 160, "selected": 78, "withheld": 3, "classes": 79}
-    done = command("triangulate", *names, "t.ply", "--classes", "all", "--json", cwd=folder)
+    done = command("triangulate", *names, "all.ply", "--classes", "all", "--json", cwd=folder)
     assert json.loads(done.stdout)["classes"] == {"1": 40, "2": 78, "5": 39}
 
 
