@@ -26,7 +26,7 @@ settings.register_profile("liftmesh", derandomize=True, deadline=None, database=
 settings.register_profile("new", deadline=None, database=None, print_blob=True)
 settings.load_profile("liftmesh")
 
-LIMIT = 500.0  # seconds of a test, after which the programs it started are killed
+LIMIT = 1500.0  # seconds of a test, after which the programs it started are killed
 
 _ends: list[float] = []  # of the test that runs
 

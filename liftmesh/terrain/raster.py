@@ -355,9 +355,7 @@ class Rasterizing:
 
         Notes
         -----
-        Centres are float64, and so are the edges of pixels. Where pixels are hardly larger than the
-        distance of doubles, as with 0.1 at 1e15, several have the same centre, and the raster may
-        end up to a pixel, or that distance, before the faces do: subtract an offset.
+        Pixels near the distance of doubles (0.1 at 1e15) may end one too early: subtract an offset.
 
         Examples
         --------

@@ -122,7 +122,10 @@ JOBS: dict[str, Callable[[Path], object]] = {
     "simplify": simplifying,
     "thin": thinning,
     **{f"read {kind}": reading(kind) for kind in ("ply", "obj", "npz", "off", "stl")},
-    **{f"write {k}": writing(f"a.{k}") for k in ("ply", "obj", "npz", "off", "stl", "laz")},
+    **{
+        f"write {k}": writing(f"a.{k}", overwrite=True)
+        for k in ("ply", "obj", "npz", "off", "stl", "laz")
+    },
     "write text": writing("a.ply", encoding="ascii"),
 }
 

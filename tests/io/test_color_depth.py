@@ -181,7 +181,7 @@ def test_the_command_says_it_and_takes_the_option(tmp_path: Any) -> None:
     done = command("triangulate", source, target)
     assert "8-bit colours" in done.stderr
     assert liftmesh.read(target).colors.tolist() == RED.tolist()  # type: ignore[union-attr]
-    done = command("triangulate", source, target, "--color-depth", "16")
+    done = command("triangulate", source, target, "--color-depth", "16", "--overwrite")
     assert (done.returncode, done.stderr) == (0, "")
     assert liftmesh.read(target).colors.tolist()[0] == [1, 0, 0]  # type: ignore[union-attr]
     assert command("triangulate", source, target, "--color-depth", "9").returncode == 2
