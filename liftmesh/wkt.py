@@ -6,7 +6,8 @@ so they are read without recursion, and very long ones not at all.
 
 PROJ and GDAL find more in a text than its definition: strings of PROJ, in extensions, remarks and
 names of methods and geoid models, and names of files. They are given `plain`, which is written
-from what was read here, and has keywords of definitions alone.
+from what was read here, and has keywords of definitions alone. Its first one is that of a system:
+what begins with a keyword that PROJ does not take for WKT is searched for "+init=" as a whole.
 
 Source: OGC 01-009 (WKT 1), OGC 18-010r7 (WKT 2).
 """
@@ -43,6 +44,16 @@ _DEFINING = frozenset(
     RANGEMEANING REMARK SCALEUNIT SCOPE SOURCECRS SPHEROID TARGETCRS TIMEEXTENT TIMEUNIT TOWGS84
     TRF UNIT URI USAGE VDATUM VERSION VERTCRS VERTCS VERTICALCRS VERTICALDATUM VERTICALEXTENT
     VERT_CS VERT_DATUM VRF
+    """,
+    )
+)
+_SYSTEMS = frozenset(
+    re.findall(
+        r"\w+",
+        """
+    BOUNDCRS COMPD_CS COMPOUNDCRS DERIVEDPROJCRS ENGCRS ENGINEERINGCRS GEOCCS GEODCRS GEODETICCRS
+    GEOGCRS GEOGCS GEOGRAPHICCRS LOCAL_CS PROJCRS PROJCS PROJECTEDCRS VERTCRS VERTCS VERTICALCRS
+    VERT_CS
     """,
     )
 )
@@ -117,8 +128,8 @@ def plain(text: str) -> str | None:
     -------
     str or None
         Without remarks for PROJ, and grids of heights that an extension names (`has_grids`); None
-        if it is not understood, or has another extension, a string of PROJ, or anything but a
-        definition.
+        if it is not understood, or has another extension, a string of PROJ, or anything but
+        definitions of systems.
 
     Examples
     --------
@@ -128,7 +139,9 @@ def plain(text: str) -> str | None:
     True
     """
     top = _read(text)
-    return None if top is None or not all(map(_is_plain, _all(top))) else _written(top)
+    if top is None or not all(each.keyword in _SYSTEMS for each in top.parts):
+        return None
+    return _written(top) if all(map(_is_plain, _all(top))) else None
 
 
 def has_grids(text: str) -> bool:

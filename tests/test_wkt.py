@@ -30,6 +30,9 @@ FILE = 'PARAMETERFILE["Latitude and longitude difference file","%s"]'
 DOORS = {
     "init": "X( +init=%s:1",
     "another bracket": "X[ +init=%s:1",
+    "part of a system": 'METADATA[" +init=%s:1"]',
+    "another part": 'BEARING["a",BEARING[" init=%s:1 "],UNIT["m",1]]',
+    "a part before a system": f'METADATA[" +init=%s:1"],{UTM1}',
     "string of PROJ": "+proj=utm +zone=32 +nadgrids=%s",
     "pipeline": "+proj=pipeline +step +init=%s:1",
     "extension": UTM1.replace(NUMBER, 'EXTENSION["PROJ4","+init=%s:1"]'),
