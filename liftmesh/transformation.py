@@ -93,7 +93,7 @@ def transformed(
             moved = operation.change.transform(*points.astype(np.float64).T)
         found = np.stack(moved, axis=1)
     except pyproj.exceptions.ProjError as error:
-        raise _impossible(target, ()) from error
+        raise _impossible(target, (), operation.keeps_heights) from error
     found[:, 2] = points[:, 2] if operation.keeps_heights else found[:, 2]
     lost = np.isfinite(points).all(axis=1) & ~np.isfinite(found).all(axis=1)
     if lost.any():
@@ -190,6 +190,7 @@ def _operation(pyproj: Any, points: Floats, crs: str, target: str) -> Operation:
     systems = [looked_up(pyproj, each) for each in (crs, target)]
     heights = [_vertical(each) for each in systems]
     is_shared = None not in heights and heights[0].equals(heights[1], ignore_axis_order=True)
+    is_planar = is_shared or len(systems[1].axis_info) < 3
     area = _place(pyproj, points, systems[0])
     if is_shared:  # then a change of the plane's datum asks for no grid of heights
         systems = [each.sub_crs_list[0] for each in systems]
@@ -202,7 +203,7 @@ def _operation(pyproj: Any, points: Floats, crs: str, target: str) -> Operation:
         )
     lacking = sorted(group.unavailable_operations, key=_error)
     if not group.transformers:
-        raise _impossible(target, lacking)
+        raise _impossible(target, lacking, is_planar)
     change = min(group.transformers, key=_error)
     told = {"operation": _named(change.description), "accuracy": _known(change)}
     if lacking and _error(lacking[0]) < _error(change):
@@ -243,13 +244,14 @@ def _grids(operation: Any) -> list[str]:
     return [each.short_name for each in operation.grids if not each.available]
 
 
-def _impossible(target: str, lacking: Sequence[Any]) -> InputError:
+def _impossible(target: str, lacking: Sequence[Any], is_planar: bool) -> InputError:
+    """Say that nothing transforms the rows, and what helps: of the plane alone, other systems."""
     files = dict.fromkeys(name for each in lacking for name in _grids(each))
     needed = f" ({', '.join(files)})" if files else ""
+    remedy = "give" if is_planar else "give the system without heights, or"
     return InputError(
-        f"to_crs={shown(target)}: there is no exact transformation, or it needs a grid that is "
-        f"not installed{needed}: give the system without heights, or another one of the file with "
-        "crs="
+        f"to_crs={shown(target)}: there is no exact transformation where the rows are, or it needs "
+        f"a grid that is not installed{needed}: {remedy} another one of the file with crs="
     )
 
 

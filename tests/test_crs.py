@@ -151,7 +151,9 @@ def test_what_cannot_be_transformed() -> None:
     far = lidar("EPSG:4326", np.array([[9.0, 48, 1], [9.0, 91, 2]]))
     with pytest.raises(InputError, match=r"row 1, \(9\.0, 91\.0, 2\.0\), has no place in 'EPSG"):
         lm.read(io.BytesIO(far), format="las", to_crs="EPSG:25832")
-    with pytest.raises(InputError, match="there is no exact transformation, or it needs a grid"):
+    with pytest.raises(
+        InputError, match=r"or it needs a grid .* give the system without heights, or"
+    ):
         lm.read(io.BytesIO(lidar("EPSG:7415")), format="las", to_crs="EPSG:4979")
 
 
@@ -256,6 +258,9 @@ def test_a_system_in_place_of_the_stated_one_is_said(tmp_path: Path) -> None:
     assert "stated_crs" not in lm.read(tmp_path / "b.ply").metadata
     done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25832", cwd=tmp_path)
     assert "taken as" not in done.stderr
+    words = ("--from-crs", "EPSG:25833", "--to-crs", "EPSG:25832")
+    done = liftmesh("triangulate", "a.ply", "c.ply", *words, cwd=tmp_path)
+    assert "a.ply: states ETRS89 / UTM zone 32N; --from-crs says another system" in done.stderr
 
 
 def test_degrees_that_were_asked_for(tmp_path: Path) -> None:

@@ -84,6 +84,8 @@ def run(
             lines = surface.contours(**wanted, index_every=every)
     else:
         surface = reading.surface(source)
+        if not reading.trimming:
+            surfaces.note_slivers(source, surface)
         with terminal.stage("finding contours"):
             lines = surface.contours(**wanted, index_every=every, threads=reading.threads)
     if not len(lines):

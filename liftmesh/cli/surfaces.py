@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.choices import NonFinite
+from liftmesh.choices import NonFinite, counted
 from liftmesh.cli import files, inputs, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
+    from liftmesh._typing import Array
     from liftmesh.terrain.surface import Surface
     from liftmesh.tiles.tiled_surface import TiledSurface
+
+_FACES = 1 << 20  # at once
+_LONG = 20  # times the median of all sides
 
 Source: TypeAlias = Annotated[
     Path,
@@ -69,15 +73,62 @@ def read(
     with files.about(source), files.without_warnings():  # the notes say it
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):
-                return liftmesh.triangulate(
+                made = liftmesh.triangulate(
                     cloud, plane=plane, nonfinite=nonfinite, threads=threads
                 )
+            _note_overhangs(source, made.report.overhangs)
+            return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
             try:
                 return liftmesh.as_surface(cloud, plane=plane, threads=threads)
             except InputError as error:
                 error.args = (f"{source}: {error}", *error.args[1:])
                 raise
+
+
+def _note_overhangs(source: Path, count: int) -> None:
+    """Say on stderr how many rows the surface does not have: its heights are those of others."""
+    if count:
+        terminal.note(
+            f"{source}: {counted(count, 'overhang')} left out: where rows share x and y at "
+            "different heights, the first counts; a mesh of triangulate --duplicates has others"
+        )
+
+
+def note_slivers(source: Path, surface: Surface) -> None:
+    """Say on stderr how many faces are far longer than others, as between the corners of a hull.
+
+    Parameters
+    ----------
+    source : Path
+        The file of the surface.
+    surface : Surface
+        The surface.
+    """
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    points, faces = surface.triangulation.points, surface.faces
+    if not len(faces):
+        return
+    usual = np.median(_sides(points, faces[:: max(1, len(faces) // _FACES)]))
+    blocks = (faces[k : k + _FACES] for k in range(0, len(faces), _FACES))
+    count = sum(int((_sides(points, each).max(axis=1) > _LONG * usual).sum()) for each in blocks)
+    if count:
+        terminal.note(
+            f"{source}: {counted(count, 'face')} with a side longer than {_LONG * usual:.4g}, "
+            f"{_LONG} times the median: what lies there follows few points; --max-edge leaves "
+            "such faces out"
+        )
+
+
+def _sides(points: Array, faces: Array) -> Array:
+    """Return the lengths of the three sides of each face in the plane."""
+    import numpy as np  # noqa: PLC0415 - as above
+
+    corners = points[faces, :2]
+    sides = corners - np.roll(corners, 1, axis=1)
+    lengths: Array = np.hypot(sides[..., 0], sides[..., 1])
+    return lengths
 
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:

@@ -33,8 +33,9 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
 
     crs, found = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")
-    taken = [f"states {named(stated)}; taken as {named(crs)}"] if isinstance(stated, str) else []
     told = told_of(cloud.metadata)
+    instead = "--from-crs says another system" if told else f"taken as {named(crs)}"
+    taken = [f"states {named(stated)}; {instead}"] if isinstance(stated, str) else []
     taken += [sentence(told)] if told else []
     if crs is None or found is not None:
         words = "name a projected system with" if is_transformed else "transform them with"

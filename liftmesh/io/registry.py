@@ -281,13 +281,15 @@ def as_cloud(source: Any, **options: Any) -> Cloud:
     return _checked(cloud, adapter, source)
 
 
-def rows_of(source: Any) -> Any:
+def rows_of(source: Any, *, has_heights: bool = True) -> Any:
     """Return the points of a cloud or mesh; what NumPy makes an array of is returned as it is.
 
     Parameters
     ----------
     source : object
         Anything.
+    has_heights : bool
+        Whether z counts, and a table needs a column that is known as the height.
 
     Returns
     -------
@@ -309,8 +311,10 @@ def rows_of(source: Any) -> Any:
     """
     with kept():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
-    is_plain = adapter is None or adapter.to_cloud is plain.from_array
-    return source if is_plain else as_cloud(source).points
+    if adapter is None or adapter.to_cloud is plain.from_array:
+        return source
+    cloud = as_cloud(source) if has_heights or not is_table(source) else as_cloud(source, flat=None)
+    return cloud.points
 
 
 def _checked(cloud: object, adapter: Adapter, source: object) -> Cloud:
@@ -336,6 +340,8 @@ def _unsupported(source: object) -> UnsupportedTypeError:
         f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
         "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
+    if type(source).__module__ == "liftmesh.terrain.raster":
+        message = "a Raster is not a point cloud: give the name of the GeoTIFF that its save writes"
     if isinstance(source, Iterator):
         message += "; what has no length becomes a list first: list(rows)"
     broken = _installed_adapters()[1]

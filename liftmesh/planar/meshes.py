@@ -11,13 +11,15 @@ from liftmesh._typing import Array
 from liftmesh.errors import InputError
 
 
-def rows_of(points: Any) -> Any:
+def rows_of(points: Any, *, has_heights: bool = False) -> Any:
     """Return the points of a cloud or mesh, and anything else as it is, for arrays to be made of.
 
     Parameters
     ----------
     points : object
         As for `delaunay`.
+    has_heights : bool
+        Whether z counts, and a table needs a column that is known as the height.
 
     Returns
     -------
@@ -43,7 +45,7 @@ def rows_of(points: Any) -> Any:
         return points
     from liftmesh.io import registry  # noqa: PLC0415 - arrays do without
 
-    return registry.rows_of(points)
+    return registry.rows_of(points, has_heights=has_heights)
 
 
 def points_and_triangles(

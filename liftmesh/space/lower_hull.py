@@ -78,7 +78,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     (4, array([4], dtype=int32))
     """
     _check_hull_method(method)
-    rows = as_coordinates(rows_of(points))
+    rows = as_coordinates(rows_of(points, has_heights=True))
     if rows.shape[1] != 3:
         raise InputError(
             "points have two columns: a lower hull needs z; for planar points use "

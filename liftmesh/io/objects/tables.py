@@ -23,7 +23,7 @@ from liftmesh.io.colors import fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.metadata import NotedColumns, Unread
 from liftmesh.io.objects.kinds import FRAMES, RECORDS, classes, is_structured, is_table
-from liftmesh.io.objects.plain import is_array, qualified_name
+from liftmesh.io.objects.plain import AS_TABLE, is_array, qualified_name
 from liftmesh.io.tables.columns import Columns, understood, unnamed
 from liftmesh.io.tables.doubts import Doubts
 from liftmesh.io.tables.options import TableOptions, checked
@@ -77,7 +77,9 @@ def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
     try:
         return _cloud(values, options, described)
     except FormatError as error:  # of the rooms for files
-        raise InputError(str(error)) from error
+        is_geometric = hasattr(type(source), "get_coordinates") and "as WKT" in str(error)
+        said = f"{_WHERE}: its points are geometries: {AS_TABLE}" if is_geometric else str(error)
+        raise InputError(said) from error
 
 
 def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
