@@ -10,6 +10,8 @@ missing until the process ends.
   again at its end if it did not come out.
 - `deferred` encloses imports. The handler is called at the end, and at once if a second signal
   comes.
+- `opened` opens a file by its descriptor, a plain number that would stay open if the exception came
+  between the call that makes it and the variable that holds it.
 
 A process that ends at its first signal, such as the command line, announces so by `announce`. From
 then on `check` raises: it stands wherever a finished file would be put in place.
@@ -17,6 +19,7 @@ then on `check` raises: it stands wherever a finished file would be put in place
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -24,7 +27,9 @@ import threading
 # The functions that `signal` wraps. The wrappers convert to enumerations and back, which takes ten
 # times as long: a guard of both would take a tenth of the time to read a small file.
 from _signal import getsignal, signal as set_handler  # type: ignore[import-not-found]
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 from types import FrameType, TracebackType
 
 # Those whose handlers are known to raise: Ctrl-C, an end that was asked for, and a time limit.
@@ -162,6 +167,49 @@ def deferred() -> _Guard:
     heard
     """
     return _Guard(defers=True)
+
+
+@contextmanager
+def opened(
+    path: str | os.PathLike[str], flags: int, mode: int = 0o600, *, folder: int | None = None
+) -> Iterator[int]:
+    """Open a file, as `os.open` does; an exception of a signal's handler does not leave it open.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, or a folder.
+    flags, mode : int
+        As for `os.open`.
+    folder : int, optional
+        The descriptor of the folder that ``path`` starts from.
+
+    Yields
+    ------
+    int
+        The descriptor.
+
+    Examples
+    --------
+    >>> with opened("/dev/null", os.O_RDONLY) as descriptor:
+    ...     os.read(descriptor, 1)
+    b''
+    """
+    # Handlers run between two instructions, so a call and what becomes of its result are one here.
+    held: list[int] = []
+    try:
+        try:
+            held.extend(map(partial(os.open, mode=mode, dir_fd=folder), (path,), (flags,)))
+            yield held[0]
+        finally:
+            _close(held)
+    finally:
+        _close(held)  # if the handler raised before the other could
+
+
+def _close(held: list[int]) -> None:
+    if held:
+        any(map(os.close, map(held.pop, (0,))))
 
 
 def announce(error: BaseException) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import io
 import os
@@ -22,7 +23,9 @@ from interrupt.worker import where
 import liftmesh
 from liftmesh import interruption
 from liftmesh.interruption import deferred, kept
-from liftmesh.io import registry
+from liftmesh.io import atomic, registry
+from liftmesh.io.working_folder import working_folder
+from liftmesh.tiles.store import save_array
 
 MESH = liftmesh.triangulate(np.random.default_rng(3).random((40, 3)))
 
@@ -385,3 +388,56 @@ def test_the_campaign_names_the_stage_of_the_kernel() -> None:
     with pytest.raises(KeyboardInterrupt) as caught:
         liftmesh.delaunay(np.random.default_rng(1).random((2000, 2)), progress=stop)
     assert where(caught.tb, 0.5) == "halving, merging (50%)"
+
+
+def instructions(run: Callable[[], object], at: int = -1) -> int:
+    """Raise KeyboardInterrupt at one instruction of the package or of contextlib; count them."""
+    files = (str(Path(liftmesh.__file__).parent), contextlib.__file__)
+    seen = 0
+
+    def trace(frame: FrameType, event: str, _: Any) -> Any:
+        nonlocal seen
+        if not frame.f_code.co_filename.startswith(files):
+            return None
+        frame.f_trace_opcodes = True
+        if event == "opcode":
+            seen += 1
+            if seen == at:
+                raise KeyboardInterrupt
+        return trace
+
+    sys.settrace(trace)
+    try:
+        run()
+    except KeyboardInterrupt:
+        assert at > 0
+    finally:
+        sys.settrace(None)
+    return seen
+
+
+def open_files() -> int:
+    return len([*Path("/proc/self/fd").iterdir()])
+
+
+@pytest.mark.parametrize("nameless", [True, False])
+def test_a_signal_at_any_instruction_leaves_no_file_open(
+    nameless: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not nameless:
+        monkeypatch.setattr(atomic, "_NAMELESS", 0)
+    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)  # a generator that is thrown away
+
+    def run() -> None:
+        with working_folder(tmp_path, "test"):
+            save_array(tmp_path / "a.npy", np.arange(3))
+
+    run()
+    held = open_files()
+    total = instructions(run)
+    assert total > 500
+    for at in range(1, total + 1):
+        instructions(run, at)
+        if open_files() != held:  # a traceback may hold what was thrown away
+            gc.collect()
+        assert open_files() == held, at

@@ -17,11 +17,11 @@ import os
 import shutil
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from liftmesh.interruption import check
+from liftmesh.interruption import check, opened
 from liftmesh.io.links import check_links
 from liftmesh.io.streams import add_name
 
@@ -175,26 +175,25 @@ def _check_free(target: Path, *, overwrite: bool) -> None:
 def _new_file(target: Path) -> Iterator[BinaryIO]:
     """Write a new file and rename it over the target."""
     # The descriptor refers to the folder even if it is renamed in the meantime.
-    folder = os.open(target.parent, _FOLDER)
-    temporary = f".liftmesh-{os.urandom(8).hex()}"
-    _unfinished.add((folder, temporary))
-    try:
-        with _create(temporary, folder) as stream:
-            yield stream
-            stream.flush()
-            _check_place(target, folder)
-            _keep_permissions(target.name, folder, stream)
+    with opened(target.parent, _FOLDER) as folder:
+        temporary = f".liftmesh-{os.urandom(8).hex()}"
+        _unfinished.add((folder, temporary))
+        try:
+            with _created(temporary, folder) as stream:
+                yield stream
+                stream.flush()
+                _check_place(target, folder)
+                _keep_permissions(target.name, folder, stream)
+                check()
+                _give_name(stream, temporary, folder)
             check()
-            _give_name(stream, temporary, folder)
-        check()
-        _put_in_place(temporary, target, folder)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(temporary, dir_fd=folder)
-        raise
-    finally:
-        _unfinished.discard((folder, temporary))
-        os.close(folder)
+            _put_in_place(temporary, target, folder)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(temporary, dir_fd=folder)
+            raise
+        finally:
+            _unfinished.discard((folder, temporary))
 
 
 def remove_unfinished() -> None:
@@ -216,16 +215,25 @@ def _named(target: Path) -> Iterator[None]:
         raise
 
 
-def _create(temporary: str, folder: int) -> BinaryIO:
+@contextmanager
+def _created(temporary: str, folder: int) -> Iterator[BinaryIO]:
+    with ExitStack() as stack:
+        new = _open_new(temporary, folder, stack)
+        yield stack.enter_context(os.fdopen(new, "w+b", closefd=False))
+
+
+def _open_new(temporary: str, folder: int, stack: ExitStack) -> int:
+    """Open a file without a name, or one of the temporary name where the system cannot."""
     # Mode 0o666 minus the process's umask, as open() does; tempfile would give 0o600.
     if _NAMELESS and _OPEN_FILES.is_dir():
         try:
-            return os.fdopen(os.open(".", _NAMELESS | os.O_RDWR, 0o666, dir_fd=folder), "w+b")
+            flags = _NAMELESS | os.O_RDWR
+            return stack.enter_context(opened(".", flags, 0o666, folder=folder))
         except OSError as error:
             if error.errno not in _UNABLE:
                 raise
     flags = os.O_CREAT | os.O_EXCL | os.O_RDWR
-    return os.fdopen(os.open(temporary, flags, 0o666, dir_fd=folder), "w+b")
+    return stack.enter_context(opened(temporary, flags, 0o666, folder=folder))
 
 
 def _keep_permissions(name: str, folder: int, stream: BinaryIO) -> None:

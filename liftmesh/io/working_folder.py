@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from liftmesh.interruption import opened
 from liftmesh.io.atomic import unfinished_folders
 
 LOCK = "in-use"
@@ -70,8 +71,7 @@ def working_folder(place: str | os.PathLike[str], kind: str) -> Iterator[Path]:
 def _locked(folder: Path) -> Iterator[None]:
     """Mark a folder as in use; its mark has its name only once it is locked."""
     new = folder / f"{LOCK}-new"
-    lock = os.open(new, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
-    try:
+    with opened(new, os.O_RDWR | os.O_CREAT | os.O_EXCL) as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:  # without locks, abandoned folders stay
@@ -79,8 +79,6 @@ def _locked(folder: Path) -> Iterator[None]:
                 raise
         new.rename(folder / LOCK)
         yield
-    finally:
-        os.close(lock)
 
 
 def _remove_abandoned(place: Path, kind: str) -> None:
@@ -92,10 +90,7 @@ def _remove_abandoned(place: Path, kind: str) -> None:
 
 
 def _remove_if_abandoned(folder: Path) -> None:
-    with suppress(OSError):  # locked, removed by another process, or of another user
-        lock = os.open(folder / LOCK, os.O_RDWR | os.O_NOFOLLOW)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            shutil.rmtree(folder)
-        finally:
-            os.close(lock)
+    # It may be locked, removed by another process, or another user's.
+    with suppress(OSError), opened(folder / LOCK, os.O_RDWR | os.O_NOFOLLOW) as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(folder)

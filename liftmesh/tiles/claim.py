@@ -17,12 +17,13 @@ import re
 import socket
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from liftmesh.choices import as_folder
 from liftmesh.errors import DegenerateInputError, FormatError, InputError
+from liftmesh.interruption import opened
 from liftmesh.tiles.manifest import MANIFEST, manifest_of
 from liftmesh.tiles.stages import JOB, Folders
 from liftmesh.tiles.store import load_json, save_json
@@ -215,26 +216,26 @@ def _locked(out: Path, made: list[Path]) -> Iterator[int]:
     """Lock the claim of a folder; both are made if they are missing."""
     path = out / CLAIM
     while True:
-        lock = _opened(path, made)
-        try:
+        with ExitStack() as stack:
+            lock = _open(path, made, stack)
             _lock(lock, path)
             if path.exists() and os.path.samestat(path.stat(), os.fstat(lock)):
                 _check_claim(lock, path)
                 yield lock
                 return
-        finally:  # it may have been removed between the two calls: then once more
-            os.close(lock)
+        # It may have been removed between the two calls: then once more.
 
 
-def _opened(path: Path, made: list[Path], attempts: int = _ATTEMPTS) -> int:
+def _open(path: Path, made: list[Path], stack: ExitStack, attempts: int = _ATTEMPTS) -> int:
     """Open a claim, never through a link; another run may remove the folders that it has made."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
     try:
         _make_folders(path.parent, made)
-        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+        return stack.enter_context(opened(path, flags, 0o666))
     except FileNotFoundError:
         if attempts == 0:
             raise
-        return _opened(path, made, attempts - 1)
+        return _open(path, made, stack, attempts - 1)
     except OSError as error:
         if path.is_symlink():
             raise _not_ours(path) from error

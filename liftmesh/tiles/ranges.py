@@ -13,6 +13,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
+from liftmesh.interruption import opened
 from liftmesh.tiles.store import mapped
 
 _NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
@@ -68,16 +69,13 @@ def fill(values: Array, path: Path, begin: int) -> None:
         The file cannot be read.
     """
     rest = values.reshape(-1).view(np.uint8).data
-    opened = os.open(path, os.O_RDONLY)
-    try:
-        begun = os.pread(opened, _NPY_LENGTH + 4, 0)
+    with opened(path, os.O_RDONLY) as file:
+        begun = os.pread(file, _NPY_LENGTH + 4, 0)
         size = 2 if begun[_NPY_VERSION : _NPY_VERSION + 1] == b"\1" else 4
         length = int.from_bytes(begun[_NPY_LENGTH : _NPY_LENGTH + size], "little")
         at = _NPY_LENGTH + size + length + values.dtype.itemsize * begin
-        while len(rest) and (count := os.preadv(opened, [rest], at)):
+        while len(rest) and (count := os.preadv(file, [rest], at)):
             at, rest = at + count, rest[count:]
-    finally:
-        os.close(opened)
     if len(rest):
         raise FormatError(f"{path}: truncated: tile the source again")
 

@@ -24,6 +24,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers
 from liftmesh.errors import FormatError
+from liftmesh.interruption import opened
 from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22
@@ -239,11 +240,8 @@ def names_to_disk(folder: Path) -> None:
     OSError
         The disk fails.
     """
-    opened = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(opened)
-    finally:
-        os.close(opened)
+    with opened(folder, os.O_RDONLY) as descriptor:
+        os.fsync(descriptor)
 
 
 def load_json(path: Path) -> dict[str, Any]:
