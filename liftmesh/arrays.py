@@ -21,31 +21,7 @@ _NO_REALS = (str, bytes, complex, np.complexfloating, np.datetime64, np.timedelt
 
 
 def as_coordinates(points: ArrayLike) -> Reals:
-    """Convert points to rows of native float64 or float32, copying only where necessary.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2) or (n, 3)
-        Real numbers. Float64 and float32 arrays of any strides are used as they are; float16,
-        integers and lists become float64 if every value is exactly representable. Masked entries
-        become NaN.
-
-    Returns
-    -------
-    (n, 2) or (n, 3) ndarray of float64 or float32
-        A view of the caller's memory where possible.
-
-    Raises
-    ------
-    InputError
-        The shape or the type of the values is wrong, a number is not exactly representable as
-        float64, or there are more than 357,913,941 rows.
-
-    Examples
-    --------
-    >>> as_coordinates([[0, 1], [2, 3]]).dtype
-    dtype('float64')
-    """
+    """Convert points to rows of native float64 or float32, copying only where necessary."""
     if _is_usual(points):
         return points
     array = _as_array(points)
@@ -55,28 +31,7 @@ def as_coordinates(points: ArrayLike) -> Reals:
 
 
 def as_rows3(points: ArrayLike) -> Floats:
-    """Convert points to float64 rows x, y, z; planar rows get z = 0.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2) or (n, 3)
-        As for `as_coordinates`.
-
-    Returns
-    -------
-    (n, 3) ndarray of float64
-        The caller's array itself if it has this type and layout already.
-
-    Raises
-    ------
-    InputError
-        As `as_coordinates`.
-
-    Examples
-    --------
-    >>> as_rows3([[1, 2]])
-    array([[1., 2., 0.]])
-    """
+    """Convert points to float64 rows x, y, z; planar rows get z = 0."""
     array = _as_array(points)
     _check_shape(array.shape)
     narrow = type(array) is np.ndarray and array.dtype.kind in "iuf" and array.itemsize < 8
@@ -90,29 +45,7 @@ def as_rows3(points: ArrayLike) -> Floats:
 
 
 def as_pairs(points: ArrayLike) -> Floats:
-    """Convert planar points of any leading shape to a contiguous (..., 2) array of float64.
-
-    Parameters
-    ----------
-    points : array_like of shape (..., 2)
-        Real numbers.
-
-    Returns
-    -------
-    (..., 2) ndarray of float64
-        The caller's array itself if it has this type and layout already.
-
-    Raises
-    ------
-    InputError
-        The last axis is not of length two, or a value is not a real number that float64 represents
-        exactly.
-
-    Examples
-    --------
-    >>> as_pairs((1, 2)).shape
-    (2,)
-    """
+    """Convert planar points of any leading shape to a contiguous (..., 2) array of float64."""
     array = unmasked(_as_array(points))
     if array.ndim == 0 or array.shape[-1] != 2:
         transposed = array.ndim == 2 and array.shape[0] == 2 and array.size > 0
@@ -123,51 +56,13 @@ def as_pairs(points: ArrayLike) -> Floats:
 
 
 def widened(array: Array) -> Floats:
-    """Convert floats to float64; those that are float64 stay as they are, in the same memory.
-
-    Parameters
-    ----------
-    array : ndarray of float
-        Of any shape.
-
-    Returns
-    -------
-    ndarray of float64
-        The same values, and NaN where there is one of any kind.
-
-    Examples
-    --------
-    >>> widened(np.array([0.5], dtype=np.float32))
-    array([0.5])
-    """
+    """Convert floats to float64; those that are float64 stay as they are, in the same memory."""
     with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs, which files may hold
         return array.astype(np.float64, copy=False)
 
 
 def as_reals(values: ArrayLike) -> Floats:
-    """Convert the numbers of an option to float64.
-
-    Parameters
-    ----------
-    values : array_like
-        Real numbers of any shape.
-
-    Returns
-    -------
-    ndarray of float64
-        The numbers, rounded if necessary.
-
-    Raises
-    ------
-    TypeError, ValueError, OverflowError
-        They are no real numbers: `numpy.asarray` alone drops the imaginary part of complex ones,
-        and takes texts, bytes and times for numbers.
-
-    Examples
-    --------
-    >>> as_reals((1, 2))
-    array([1., 2.])
-    """
+    """Convert the numbers of an option to float64."""
     array = np.asarray(values)
     objects = array.ravel() if array.dtype.kind == "O" else ()
     if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
@@ -176,24 +71,7 @@ def as_reals(values: ArrayLike) -> Floats:
 
 
 def read_only(array: Array) -> Array:
-    """Return a view that cannot be written to, of an array that remains as it is.
-
-    Parameters
-    ----------
-    array : ndarray
-        Any array.
-
-    Returns
-    -------
-    ndarray
-        Shares the memory: it protects from writing through the view alone.
-
-    Examples
-    --------
-    >>> values = np.zeros(2)
-    >>> read_only(values).flags.writeable, values.flags.writeable
-    (False, True)
-    """
+    """Return a view that cannot be written to, of an array that remains as it is."""
     view: Array = array.view()
     # Naming the argument, as the stubs of NumPy ask for, takes longer than making the view.
     view.setflags(False)  # type: ignore[call-arg]
@@ -201,26 +79,7 @@ def read_only(array: Array) -> Array:
 
 
 def check_finite(points: Reals, *, skippable: bool = True) -> None:
-    """Raise if a row is not finite, naming the first.
-
-    Parameters
-    ----------
-    points : (n, k) ndarray of float
-        Rows of coordinates.
-    skippable : bool, default True
-        Whether the caller can skip such rows; the message then says how.
-
-    Raises
-    ------
-    NonFiniteError
-        A coordinate is NaN or infinite.
-
-    Examples
-    --------
-    >>> check_finite(np.array([[0.0, 1.0], [2.0, np.inf]]))
-    Traceback (most recent call last):
-    liftmesh.errors.NonFiniteError: row 1 is not finite: (2.0, inf); ...
-    """
+    """Raise if a row is not finite, naming the first."""
     finite = np.isfinite(points)
     if not finite.all():
         row = int(np.argmin(finite.all(axis=1)))
@@ -228,27 +87,7 @@ def check_finite(points: Reals, *, skippable: bool = True) -> None:
 
 
 def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteError:
-    """Return the exception for a row that is not finite.
-
-    Parameters
-    ----------
-    row : int
-        The row.
-    values : (k,) ndarray of float
-        Its coordinates.
-    skippable : bool, default True
-        As for `check_finite`.
-
-    Returns
-    -------
-    NonFiniteError
-        The exception, not yet raised.
-
-    Examples
-    --------
-    >>> non_finite(3, np.array([np.nan, 0.0])).row
-    3
-    """
+    """Return the exception for a row that is not finite."""
     shown = ", ".join(repr(float(value)) for value in values)
     advice = ", or skip them with nonfinite='skip'"
     return NonFiniteError(
@@ -258,25 +97,7 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
 
 
 def used_rows(length: int, triangles: Rows) -> Rows:
-    """List the rows that are corners of triangles.
-
-    Parameters
-    ----------
-    length : int
-        Number of all rows.
-    triangles : (m, 3) ndarray of int
-        Triangles.
-
-    Returns
-    -------
-    (k,) ndarray of int32
-        Ascending, each row once.
-
-    Examples
-    --------
-    >>> used_rows(5, np.array([[4, 0, 1], [4, 1, 0]])).tolist()
-    [0, 1, 4]
-    """
+    """List the rows that are corners of triangles."""
     used = np.zeros(length, dtype=np.bool_)
     corners = triangles.reshape(-1)
     for start in range(0, len(corners), _PIECE):

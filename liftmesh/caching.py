@@ -19,20 +19,7 @@ else:
     T = TypeVar("T")
 
     class cached_property(functools.cached_property[T]):  # noqa: N801 - as the one it stands for
-        """`functools.cached_property` without its lock.
-
-        Threads that ask at the same time may each compute the value, as from Python 3.12 on.
-
-        Examples
-        --------
-        >>> class Square:
-        ...     @cached_property
-        ...     def area(self):
-        ...         return 4.0
-        >>> square = Square()
-        >>> square.area, vars(square)
-        (4.0, {'area': 4.0})
-        """
+        """`functools.cached_property` without its lock."""
 
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
             if instance is None:

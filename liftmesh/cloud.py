@@ -257,9 +257,5 @@ def _check_names(attributes: Mapping[Any, Array]) -> None:
 
 
 def is_crs(value: object) -> bool:
-    """Whether a value can be a `Cloud.crs`: a text that is not empty and holds no NUL.
-
-    >>> is_crs("EPSG:25832"), is_crs(25832)
-    (True, False)
-    """
+    """Whether a value can be a `Cloud.crs`: a text that is not empty and holds no NUL."""
     return isinstance(value, str) and bool(value) and "\0" not in value

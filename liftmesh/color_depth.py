@@ -19,27 +19,7 @@ DEPTHS = (8, 16, 32, 64)
 
 
 def judged(colors: Array) -> tuple[Array, int | None]:
-    """Decide the depth of colours from all their values.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray
-        Colours of any type.
-
-    Returns
-    -------
-    colors : (n, c) ndarray
-        Unsigned integers of that depth; anything else, invalid integers among them, as it is.
-    depth : int or None
-        Bits per channel; None where nothing is to be decided: floats, and 8-bit colours.
-
-    Examples
-    --------
-    >>> judged(np.array([[0, 51, 255]], dtype=np.uint16))
-    (array([[  0,  51, 255]], dtype=uint8), 8)
-    >>> judged(np.array([[0, 51, 256]]))
-    (array([[  0,  51, 256]], dtype=uint16), 16)
-    """
+    """Decide the depth of colours from all their values."""
     if colors.dtype.kind not in "iu" or colors.dtype == np.uint8:
         return colors, None
     low, high = (int(colors.min()), int(colors.max())) if colors.size else (0, 0)
@@ -51,30 +31,7 @@ def judged(colors: Array) -> tuple[Array, int | None]:
 
 
 def with_depth(colors: Array, depth: int) -> Array:
-    """Take the numbers of whole-number colours as those of a depth.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray
-        Colours of any type; floats stay as they are.
-    depth : int
-        Bits per channel: 8, 16, 32 or 64.
-
-    Returns
-    -------
-    (n, c) ndarray
-        The same numbers, as unsigned integers of that depth.
-
-    Raises
-    ------
-    InputError
-        The depth is another, or does not hold a number; the message gives the row.
-
-    Examples
-    --------
-    >>> with_depth(np.array([[0, 51, 255]], dtype=np.uint8), 16)
-    array([[  0,  51, 255]], dtype=uint16)
-    """
+    """Take the numbers of whole-number colours as those of a depth."""
     check_depth(depth, is_optional=False)
     if colors.dtype.kind not in "iu":
         return colors
@@ -90,95 +47,24 @@ def with_depth(colors: Array, depth: int) -> Array:
 
 
 def kept_depth(colors: Array | None) -> int | None:
-    """Return the depth that the type of decided colours says, for a part of them or a copy.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray, optional
-        Colours whose depth was decided before.
-
-    Returns
-    -------
-    int or None
-        The `color_depth` that keeps them as they are.
-
-    Examples
-    --------
-    >>> kept_depth(np.zeros((1, 3), dtype=np.uint16)), kept_depth(np.zeros((1, 3), dtype=np.uint8))
-    (16, None)
-    """
+    """Return the depth that the type of decided colours says, for a part of them or a copy."""
     is_wide = colors is not None and colors.dtype.kind == "u" and colors.dtype.itemsize > 1
     return 8 * colors.dtype.itemsize if colors is not None and is_wide else None
 
 
 def stated_depth(colors: Array | None) -> int | None:
-    """Return the depth that a file must state, because its values alone would tell another.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray, optional
-        Colours whose depth was decided before.
-
-    Returns
-    -------
-    int or None
-        Bits per channel; None where the values suffice.
-
-    Examples
-    --------
-    >>> dark = np.array([[0, 51, 255]], dtype=np.uint16)
-    >>> stated_depth(dark), stated_depth(dark * 2)
-    (16, None)
-    """
+    """Return the depth that a file must state, because its values alone would tell another."""
     depth = kept_depth(colors)
     return None if colors is None or judged(colors)[1] == depth else depth
 
 
 def confirmed_depth(colors: Array | None, stated: int | None) -> int | None:
-    """Return the depth that a file states of its colours, if it is that of their type.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray, optional
-        The colours as the file holds them.
-    stated : int, optional
-        What it says.
-
-    Returns
-    -------
-    int or None
-        The `color_depth` of the cloud; None lets the values decide.
-
-    Examples
-    --------
-    >>> dark = np.array([[0, 51, 255]], dtype=np.uint16)
-    >>> confirmed_depth(dark, 16), confirmed_depth(dark, 8)
-    (16, None)
-    """
+    """Return the depth that a file states of its colours, if it is that of their type."""
     return stated if stated == kept_depth(colors) else None
 
 
 def check_depth(depth: int | None, *, is_optional: bool = True) -> None:
-    """Raise if an option is no depth.
-
-    Parameters
-    ----------
-    depth : int, optional
-        The option; None lets the values decide.
-    is_optional : bool, default True
-        Whether it may be None.
-
-    Raises
-    ------
-    InputError
-        It is neither None nor 8, 16, 32 or 64.
-
-    Examples
-    --------
-    >>> check_depth(12)
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: color_depth is 12: give 8, 16, 32 or 64 bits, or None
-    """
+    """Raise if an option is no depth."""
     if depth is None and is_optional:
         return
     if not isinstance(depth, int | np.integer) or depth not in DEPTHS:

@@ -71,24 +71,7 @@ class System:
 
 @lru_cache(maxsize=64)
 def described(crs: str | None) -> System | None:
-    """Read what a coordinate system says of its coordinates.
-
-    Parameters
-    ----------
-    crs : str, optional
-        WKT, or a number of EPSG, of which pyproj knows more if it is installed.
-
-    Returns
-    -------
-    System or None
-        None if nothing is said, or it cannot be understood.
-
-    Examples
-    --------
-    >>> found = described('PROJCS["a",GEOGCS["b",UNIT["degree",0.01745]],UNIT["foot",0.3048]]')
-    >>> found.kind, found.units[0], found.units[2]
-    ('projected', Unit(name='foot', metres=0.3048), None)
-    """
+    """Read what a coordinate system says of its coordinates."""
     if crs is None:
         return None
     if is_number(crs):
@@ -98,23 +81,7 @@ def described(crs: str | None) -> System | None:
 
 
 def is_system(crs: object) -> bool:
-    """Whether a value is a number, or WKT that defines a system and names no files.
-
-    Parameters
-    ----------
-    crs : object
-        The value.
-
-    Returns
-    -------
-    bool
-        False for texts of PROJ, which can name files.
-
-    Examples
-    --------
-    >>> is_system("EPSG:25832"), is_system("EPSG:abc"), is_system("+init=/etc/hosts:1")
-    (True, False, False)
-    """
+    """Whether a value is a number, or WKT that defines a system and names no files."""
     return isinstance(crs, str) and without_files(crs) is not None
 
 
@@ -124,44 +91,12 @@ def without_files(crs: str) -> str | None:
 
 
 def is_number(crs: str) -> bool:
-    """Whether a text is the number of a system.
-
-    Parameters
-    ----------
-    crs : str
-        The text.
-
-    Returns
-    -------
-    bool
-        Whether it is like ``EPSG:n``, ``ESRI:n`` or ``IAU_2015:n``, or a URN of it.
-
-    Examples
-    --------
-    >>> is_number("EPSG:25832"), is_number('PROJCS["a"]')
-    (True, False)
-    """
+    """Whether a text is the number of a system."""
     return bool(_NUMBER.fullmatch(crs))
 
 
 def urn_of(crs: str) -> str:
-    """Name a system as other programs know it.
-
-    Parameters
-    ----------
-    crs : str
-        WKT or a number.
-
-    Returns
-    -------
-    str
-        A URN if the text is a number, or names its own; else the text.
-
-    Examples
-    --------
-    >>> urn_of("epsg:25832"), urn_of('PROJCS["ETRS89",AUTHORITY["EPSG","25832"]]')
-    ('urn:ogc:def:crs:EPSG::25832', 'urn:ogc:def:crs:EPSG::25832')
-    """
+    """Name a system as other programs know it."""
     if found := _NUMBER.fullmatch(crs.strip()):
         authority, code = found["authority"].upper(), found["code"]
         return f"{authority}:{code}" if "+" in code else f"urn:ogc:def:crs:{authority}::{code}"
@@ -174,45 +109,13 @@ def urn_of(crs: str) -> str:
 
 
 def named(crs: str | None) -> str:
-    """Name a system for a message.
-
-    Parameters
-    ----------
-    crs : str, optional
-        WKT or a number.
-
-    Returns
-    -------
-    str
-        Its name, or the text if it is not understood.
-
-    Examples
-    --------
-    >>> named("EPSG:25832"), named('PROJCS["mine"]')
-    ('ETRS89 / UTM zone 32N', 'mine')
-    """
+    """Name a system for a message."""
     system = described(crs)
     return shown(crs) if system is None else system.name
 
 
 def warnings_of(system: System | None) -> tuple[str, ...]:
-    """Say what most users do not want of coordinates.
-
-    Parameters
-    ----------
-    system : System, optional
-        As `described` returns it.
-
-    Returns
-    -------
-    tuple of str
-        Sentences: degrees, geocentric coordinates, units that differ.
-
-    Examples
-    --------
-    >>> warnings_of(described('GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]]'))
-    ('x and y are degrees (WGS 84), which are no lengths: transform them with to_crs=',)
-    """
+    """Say what most users do not want of coordinates."""
     if system is None:
         return ()
     if system.kind == "geographic":
@@ -227,32 +130,7 @@ def warnings_of(system: System | None) -> tuple[str, ...]:
 
 
 def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str | None:
-    """Return the unit that all coordinates have, for a format that has one for all.
-
-    Parameters
-    ----------
-    crs : str, optional
-        Their system.
-    what : str
-        The format for messages.
-    heights : Unit, optional
-        The unit of z, as a raster says it of its band.
-
-    Returns
-    -------
-    str or None
-        Its name; None if there is no system.
-
-    Raises
-    ------
-    FormatError
-        Coordinates are no lengths, or have different units, or the system does not say which.
-
-    Examples
-    --------
-    >>> length_unit("EPSG:25832", "LandXML"), length_unit(None, "LandXML")
-    ('metre', None)
-    """
+    """Return the unit that all coordinates have, for a format that has one for all."""
     system = described(crs)
     if crs is None and heights is not None and heights != METRE:
         raise FormatError(
@@ -284,30 +162,7 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
 
 
 def looked_up(pyproj: Any, crs: str) -> Any:
-    """Look a system up; PROJ's own strings, which can name files, are none.
-
-    Parameters
-    ----------
-    pyproj : module
-        The library.
-    crs : str
-        WKT, or a number.
-
-    Returns
-    -------
-    pyproj.CRS
-        The system.
-
-    Raises
-    ------
-    InputError
-        It is unknown.
-
-    Examples
-    --------
-    >>> looked_up(load("pyproj", extra="terrain"), "EPSG:25832").name
-    'ETRS89 / UTM zone 32N'
-    """
+    """Look a system up; PROJ's own strings, which can name files, are none."""
     unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
     text = without_files(crs) if isinstance(crs, str) else None
     if text is None:
@@ -319,25 +174,7 @@ def looked_up(pyproj: Any, crs: str) -> Any:
 
 
 def check_system(crs: object) -> None:
-    """Raise for what is given as a coordinate system, and is none.
-
-    Parameters
-    ----------
-    crs : object
-        What the caller gives; numbers are looked up if pyproj is installed.
-
-    Raises
-    ------
-    InputError
-        It is neither WKT nor a number, or unknown.
-
-    Examples
-    --------
-    >>> check_system("EPSG:25832")
-    >>> check_system("foo")
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: the coordinate system 'foo' is unknown: give WKT or EPSG:n
-    """
+    """Raise for what is given as a coordinate system, and is none."""
     if not isinstance(crs, str) or not is_system(crs):
         raise InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
     if described(crs) is not None:
@@ -350,28 +187,7 @@ def check_system(crs: object) -> None:
 
 
 def as_wkt(crs: str) -> str | None:
-    """Write a number of EPSG as WKT, of version 1 if that can hold it.
-
-    Parameters
-    ----------
-    crs : str
-        WKT, or a number.
-
-    Returns
-    -------
-    str or None
-        The text; any other than a number as it is. None if the number is unknown.
-
-    Raises
-    ------
-    MissingDependencyError
-        It is a number, and pyproj is not installed.
-
-    Examples
-    --------
-    >>> as_wkt("EPSG:25832")[:40]
-    'PROJCS["ETRS89 / UTM zone 32N",GEOGCS["E'
-    """
+    """Write a number of EPSG as WKT, of version 1 if that can hold it."""
     if not is_number(crs):
         return crs
     pyproj = load("pyproj", extra="terrain")

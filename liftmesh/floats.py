@@ -27,30 +27,7 @@ _ROUNDING = decimal.Context(prec=9, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN
 
 
 def unmasked(array: Array, name: str = POINTS) -> Array:
-    """Return an ordinary array, with NaN in the place of masked entries.
-
-    Parameters
-    ----------
-    array : ndarray
-        Masked or not.
-    name : str, optional
-        What the numbers are, for messages.
-
-    Returns
-    -------
-    ndarray
-        The array itself, or its data, if no entry is masked.
-
-    Raises
-    ------
-    InputError
-        As `as_floats`, if entries are masked.
-
-    Examples
-    --------
-    >>> unmasked(np.ma.masked_equal([1, 2], 2))
-    array([ 1., nan])
-    """
+    """Return an ordinary array, with NaN in the place of masked entries."""
     if not is_masked_array(array):
         return np.asarray(array)
     if not np.ma.is_masked(array):
@@ -62,23 +39,7 @@ def unmasked(array: Array, name: str = POINTS) -> Array:
 
 
 def is_readable(array: Array) -> bool:
-    """Whether the kernel can read the rows in place: it counts strides in whole items.
-
-    Parameters
-    ----------
-    array : ndarray
-        Of floats.
-
-    Returns
-    -------
-    bool
-        Whether it can.
-
-    Examples
-    --------
-    >>> is_readable(np.zeros((4, 2))[::-1])
-    True
-    """
+    """Whether the kernel can read the rows in place: it counts strides in whole items."""
     flags = array.flags
     if not flags.aligned:
         return False
@@ -86,31 +47,7 @@ def is_readable(array: Array) -> bool:
 
 
 def as_floats(array: Array, name: str = POINTS) -> Reals:
-    """Convert numbers to native float64, or float32 if they are; what is native stays.
-
-    Parameters
-    ----------
-    array : (n, k) or (n,) ndarray
-        Points, or one number for each row.
-    name : str, optional
-        What the numbers are, for messages.
-
-    Returns
-    -------
-    ndarray of float64 or float32
-        The same numbers.
-
-    Raises
-    ------
-    InputError
-        The values are not real numbers, or float64 does not represent one exactly.
-
-    Examples
-    --------
-    >>> as_floats(np.array([1, 2**60 + 1]), "weights")
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: row 1 holds 1152921504606846977 in weights, which float64 ...
-    """
+    """Convert numbers to native float64, or float32 if they are; what is native stays."""
     kind = array.dtype.kind
     if kind == "f":
         return _as_double(array, name)

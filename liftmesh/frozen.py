@@ -21,17 +21,7 @@ Value = TypeVar("Value")
 
 
 class FrozenDict(dict[Key, Value]):
-    """A dictionary that cannot be changed, which `dataclasses.asdict`, `json` and `pickle` take.
-
-    Examples
-    --------
-    >>> found = FrozenDict(a=1)
-    >>> found["a"]
-    1
-    >>> found["a"] = 2
-    Traceback (most recent call last):
-    TypeError: this dictionary is read-only: change a copy, dict(...)
-    """
+    """A dictionary that cannot be changed, which `dataclasses.asdict`, `json` and `pickle` take."""
 
     __slots__ = ()
 
@@ -46,24 +36,7 @@ class FrozenDict(dict[Key, Value]):
 
 
 def freeze(result: Any) -> None:
-    """Make all arrays and mappings of a frozen dataclass read-only; called when it is made.
-
-    Parameters
-    ----------
-    result : dataclass instance
-        Its arrays are replaced by read-only views, its mappings by read-only copies.
-
-    Examples
-    --------
-    >>> from dataclasses import dataclass
-    >>> @dataclass(frozen=True)
-    ... class Result:
-    ...     rows: np.ndarray
-    ...     def __post_init__(self):
-    ...         freeze(self)
-    >>> Result(np.zeros(3)).rows.flags.writeable
-    False
-    """
+    """Make all arrays and mappings of a frozen dataclass read-only; called when it is made."""
     for each in fields(result):
         value = getattr(result, each.name)
         if isinstance(value, np.ndarray | Mapping):
@@ -100,23 +73,5 @@ def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> 
 
 
 def constructed_from(result: Any) -> tuple[Any, ...]:
-    """Pickle and copy a frozen dataclass by its class and fields.
-
-    Parameters
-    ----------
-    result : dataclass instance
-        All its fields are arguments of its constructor.
-
-    Returns
-    -------
-    tuple
-        The value for ``__reduce__`` to return.
-
-    Examples
-    --------
-    >>> import copy
-    >>> from liftmesh import Cloud
-    >>> copy.deepcopy(Cloud(np.zeros((1, 3)), metadata={"epsg": 25832})).metadata["epsg"]
-    25832
-    """
+    """Pickle and copy a frozen dataclass by its class and fields."""
     return type(result), tuple(getattr(result, each.name) for each in fields(result))

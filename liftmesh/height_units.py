@@ -38,26 +38,7 @@ _NAMES = {
 
 
 def system_of(cloud: Placed) -> System | None:
-    """Read what a coordinate system says, with the unit of a raster's band as that of z.
-
-    Parameters
-    ----------
-    cloud : Cloud or Surface
-        The rows.
-
-    Returns
-    -------
-    System or None
-        None if the cloud has no system, or it cannot be understood.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> band = {"raster": {"unit": "ft"}}
-    >>> cloud = replace(liftmesh.as_cloud([[0, 0, 1]]), crs="EPSG:25832", metadata=band)
-    >>> system_of(cloud).units[2].name
-    'foot'
-    """
+    """Read what a coordinate system says, with the unit of a raster's band as that of z."""
     system, unit = described(cloud.crs), band_unit(cloud)
     if system is None or unit is None:
         return system
@@ -65,25 +46,7 @@ def system_of(cloud: Placed) -> System | None:
 
 
 def band_unit(cloud: Placed) -> Unit | None:
-    """Return the unit that the band of a raster says of its heights.
-
-    Parameters
-    ----------
-    cloud : Cloud or Surface
-        The rows.
-
-    Returns
-    -------
-    Unit or None
-        None if they are of no raster, or its band says nothing.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> band = {"raster": {"unit": "US survey foot"}}
-    >>> band_unit(replace(liftmesh.as_cloud([[0, 0, 1]]), metadata=band)).name
-    'US survey foot'
-    """
+    """Return the unit that the band of a raster says of its heights."""
     raster = cloud.metadata.get("raster")
     text = raster.get("unit") if isinstance(raster, Mapping) else None
     if not isinstance(text, str) or not text.strip():
@@ -93,38 +56,7 @@ def band_unit(cloud: Placed) -> Unit | None:
 
 
 def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
-    """Return what heights are multiplied by before and after a transformation to another system.
-
-    A transformation takes heights for those that the systems state. Where a band says another unit
-    than its system, they are converted to that one before; where its system states none, they pass
-    as they are, and are converted afterwards to the unit that the target states, if any. Where
-    nothing says their unit, none can be stated of them.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The rows.
-    target : str
-        The system that they are to have.
-
-    Returns
-    -------
-    (float, float)
-        Both are 1 if the band says nothing that the systems do not.
-
-    Raises
-    ------
-    InputError
-        The target states a unit of heights, and theirs is not known, or only by a name.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> band = {"raster": {"unit": "ft"}}
-    >>> cloud = replace(liftmesh.as_cloud([[0, 0, 1]]), crs="EPSG:26910", metadata=band)
-    >>> height_factors(cloud, "EPSG:26910+5703"), height_factors(cloud, "EPSG:32610")
-    ((1.0, 0.3048), (1.0, 1.0))
-    """
+    """Return what heights are multiplied by before and after a transformation to another system."""
     band = band_unit(cloud)
     stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
     if wanted is not None and stated is None and band is None and cloud.crs is not None:
@@ -146,26 +78,7 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
 
 
 def steps_in(scale: object, crs: str | None, target: str) -> list[float] | None:
-    """Return steps of coordinates in another system that are as fine on the ground.
-
-    Parameters
-    ----------
-    scale : object
-        Three steps, as a file of lidar states them, of x, y and z.
-    crs, target : str, optional
-        The system that they are in, and the other.
-
-    Returns
-    -------
-    list of float, or None
-        Those of an axis whose unit stays are the same, others powers of ten. None if there are no
-        such steps, or a unit is not known.
-
-    Examples
-    --------
-    >>> steps_in([1e-7, 1e-7, 0.01], "EPSG:4979", "EPSG:25832")
-    [0.01, 0.01, 0.01]
-    """
+    """Return steps of coordinates in another system that are as fine on the ground."""
     one, other = described(crs), described(target)
     if not isinstance(scale, list) or len(scale) != 3 or one is None or other is None:
         return None

@@ -39,13 +39,7 @@ _announced: list[BaseException] = []
 
 
 class _Guard:
-    """Replaces the handlers of signals for the duration of a block.
-
-    Handlers are replaced and restored one by one, and a signal may come between any two steps.
-    Blocking signals would not help: another thread gets them then, and Python calls the handler in
-    the main thread all the same. So what a handler raises in between is remembered until all are
-    restored, and a signal that this guard hears in between waits until then.
-    """
+    """Replaces the handlers of signals for the duration of a block."""
 
     def __init__(self, *, defers: bool) -> None:
         self._defers = defers
@@ -124,48 +118,12 @@ _CHANGING = (_Guard.__enter__.__code__, _Guard.__exit__.__code__)
 
 
 def kept() -> _Guard:
-    """Enclose a call of code that may catch the exception of a signal's handler.
-
-    Returns
-    -------
-    context manager
-        It raises, at the end of its block, what a handler of SIGINT, SIGTERM or SIGALRM raised
-        inside, even if another exception or none came out. In other threads than the main one it
-        does nothing.
-
-    Examples
-    --------
-    >>> from contextlib import suppress
-    >>> try:
-    ...     with kept(), suppress(BaseException):
-    ...         signal.raise_signal(signal.SIGINT)
-    ... except KeyboardInterrupt:
-    ...     print("heard")
-    heard
-    """
+    """Enclose a call of code that may catch the exception of a signal's handler."""
     return _Guard(defers=False)
 
 
 def deferred() -> _Guard:
-    """Enclose an import: a signal takes effect at the end, the second one at once.
-
-    Returns
-    -------
-    context manager
-        It calls the handler of SIGINT, SIGTERM or SIGALRM at the end of its block. In other threads
-        than the main one it does nothing.
-
-    Examples
-    --------
-    >>> try:
-    ...     with deferred():
-    ...         signal.raise_signal(signal.SIGINT)
-    ...         print("imported")
-    ... except KeyboardInterrupt:
-    ...     print("heard")
-    imported
-    heard
-    """
+    """Enclose an import: a signal takes effect at the end, the second one at once."""
     return _Guard(defers=True)
 
 
@@ -173,28 +131,7 @@ def deferred() -> _Guard:
 def opened(
     path: str | os.PathLike[str], flags: int, mode: int = 0o600, *, folder: int | None = None
 ) -> Iterator[int]:
-    """Open a file, as `os.open` does; an exception of a signal's handler does not leave it open.
-
-    Parameters
-    ----------
-    path : str or path
-        The file, or a folder.
-    flags, mode : int
-        As for `os.open`.
-    folder : int, optional
-        The descriptor of the folder that ``path`` starts from.
-
-    Yields
-    ------
-    int
-        The descriptor.
-
-    Examples
-    --------
-    >>> with opened("/dev/null", os.O_RDONLY) as descriptor:
-    ...     os.read(descriptor, 1)
-    b''
-    """
+    """Open a file, as `os.open` does; an exception of a signal's handler does not leave it open."""
     # Handlers run between two instructions, so a call and what becomes of its result are one here.
     held: list[int] = []
     try:
@@ -213,13 +150,7 @@ def _close(held: list[int]) -> None:
 
 
 def announce(error: BaseException) -> None:
-    """State that this process ends because of a signal: `check` raises from now on.
-
-    Parameters
-    ----------
-    error : BaseException
-        What `check` raises.
-    """
+    """State that this process ends because of a signal: `check` raises from now on."""
     _announced.append(error)
 
 
@@ -229,11 +160,6 @@ def withdraw() -> None:
 
 
 def check() -> None:
-    """Raise what was announced: nothing may be put in place any more.
-
-    Examples
-    --------
-    >>> check()
-    """
+    """Raise what was announced: nothing may be put in place any more."""
     if _announced:
         raise _announced[0]

@@ -17,30 +17,7 @@ _HINTS = {
 
 
 def load(module: str, *, extra: str | None = None) -> Any:
-    """Import an optional module, or say what to install.
-
-    Parameters
-    ----------
-    module : str
-        Full name of the module, as in ``import``.
-    extra : str, optional
-        The extra of liftmesh that installs it; by default the hint names the package itself.
-
-    Returns
-    -------
-    module
-        The imported module.
-
-    Raises
-    ------
-    MissingDependencyError
-        The package, or a system library that it needs, is missing.
-
-    Examples
-    --------
-    >>> load("math").sqrt(4.0)
-    2.0
-    """
+    """Import an optional module, or say what to install."""
     try:
         with deferred():
             return importlib.import_module(module)

@@ -19,23 +19,7 @@ _AXES = ("x", "y", "z")
 
 
 def wrong_shape(shape: tuple[int, ...]) -> InputError:
-    """Return the exception for an array whose shape is neither (n, 2) nor (n, 3).
-
-    Parameters
-    ----------
-    shape : tuple of int
-        The shape.
-
-    Returns
-    -------
-    InputError
-        The exception, not yet raised.
-
-    Examples
-    --------
-    >>> print(wrong_shape((2, 50)))
-    points need the shape (n, 2) or (n, 3), not (2, 50): these are columns; give points.T
-    """
+    """Return the exception for an array whose shape is neither (n, 2) nor (n, 3)."""
     return InputError(f"points need the shape (n, 2) or (n, 3), not {shape}: {_remedy(shape)}")
 
 
@@ -50,25 +34,7 @@ def _remedy(shape: tuple[int, ...]) -> str:
 
 
 def no_array(points: object) -> InputError:
-    """Return the exception for an object of which NumPy makes no rows.
-
-    Parameters
-    ----------
-    points : object
-        Anything.
-
-    Returns
-    -------
-    InputError
-        The exception, not yet raised.
-
-    Examples
-    --------
-    >>> print(no_array({"X": [0, 1], "Y": [2, 3]}))
-    points are a dict: give an array, np.column_stack([points['X'], points['Y']])
-    >>> print(no_array(iter([[0, 1]])))
-    points are a list_iterator, which has no length: give list(points)
-    """
+    """Return the exception for an object of which NumPy makes no rows."""
     kind = type(points).__name__
     article = "an" if kind[0] in "aeiouAEIOU" else "a"
     what = "None" if points is None else f"{article} {kind}"
@@ -96,24 +62,7 @@ def _joined(columns: Mapping[Any, Any]) -> str:
 
 
 def of_one_array(function: Callable[P, R]) -> Callable[P, R]:
-    """Explain a call with a column for each axis, such as ``delaunay(x, y)``.
-
-    Parameters
-    ----------
-    function : callable
-        Takes one array of points, and everything else by keyword.
-
-    Returns
-    -------
-    callable
-        The function, with the same signature. Python's own errors about other calls stay.
-
-    Examples
-    --------
-    >>> of_one_array(lambda points: points)([0, 1], [2, 3])
-    Traceback (most recent call last):
-    liftmesh.errors.UnsupportedTypeError: ...: give np.column_stack([x, y])
-    """
+    """Explain a call with a column for each axis, such as ``delaunay(x, y)``."""
 
     @wraps(function)
     def called(*args: P.args, **options: P.kwargs) -> R:
@@ -138,22 +87,5 @@ def _is_column(value: object) -> bool:
 
 
 def is_masked_array(values: object) -> TypeGuard[np.ma.MaskedArray[Any, Any]]:
-    """Whether this is a masked array, without importing ``numpy.ma``, which takes long.
-
-    Parameters
-    ----------
-    values : object
-        Anything.
-
-    Returns
-    -------
-    bool
-        Whether it is one.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> is_masked_array(np.ma.masked_invalid([0.0, np.nan])), is_masked_array([0.0])
-    (True, False)
-    """
+    """Whether this is a masked array, without importing ``numpy.ma``, which takes long."""
     return "numpy.ma" in sys.modules and isinstance(values, np.ma.MaskedArray)

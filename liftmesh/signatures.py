@@ -23,14 +23,7 @@ class _Unquoted(str):
 
 
 class Readable(inspect.Signature):
-    """A signature whose text has one parameter in a line if it is long.
-
-    Examples
-    --------
-    >>> def move(points: list, *, by: float = 1.0) -> None: ...
-    >>> print(Readable.from_callable(move))
-    (points: list, *, by: float = 1.0) -> None
-    """
+    """A signature whose text has one parameter in a line if it is long."""
 
     __slots__ = ()
 
@@ -64,19 +57,7 @@ def _unquoted(annotation: Any) -> Any:
 
 
 def make_readable(value: Any) -> None:
-    """Give a function, or a class and its public methods, signatures that `help` shows well.
-
-    Parameters
-    ----------
-    value : object
-        Others stay as they are.
-
-    Examples
-    --------
-    >>> make_readable(make_readable)
-    >>> print(inspect.signature(make_readable))
-    (value: Any) -> None
-    """
+    """Give a function, or a class and its public methods, signatures that `help` shows well."""
     if inspect.isclass(value):
         for kind in value.__mro__:
             if kind.__module__.partition(".")[0] == _PACKAGE:

@@ -15,34 +15,7 @@ MOST_THREADS = 1024
 
 
 def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
-    """Return how many threads a run may use, and whether it shares them with other runs.
-
-    Parameters
-    ----------
-    threads : int or None
-        A number is used as it is. None means the value of the environment variable
-        ``LIFTMESH_NUM_THREADS``, or, if that is unset or empty, one thread per core that this
-        process may use; concurrent runs share these threads.
-    rows : int
-        Number of rows: a small run uses one thread and does not read the variable.
-
-    Returns
-    -------
-    threads : int
-        At least 1.
-    shared : bool
-        Whether the limit applies to all runs of the process together.
-
-    Raises
-    ------
-    InputError
-        The number, or the variable's value, is not between 1 and 1024.
-
-    Examples
-    --------
-    >>> as_threads(2, 1_000_000)
-    (2, False)
-    """
+    """Return how many threads a run may use, and whether it shares them with other runs."""
     if threads is not None:
         return _checked(threads, "threads", threads), False
     if rows < 2 * _kernel.ROWS_PER_THREAD:

@@ -26,12 +26,7 @@ from liftmesh.wkt import has_grids
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """How coordinates are transformed: by what of pyproj, and what is said of it.
-
-    ``told`` has the "operation" as PROJ names it, and its "accuracy" in metres, None if that is not
-    known; and if one that is more accurate lacks its grid, "better", its name, with
-    "better_accuracy" and "grid", the file.
-    """
+    """How coordinates are transformed: by what of pyproj, and what is said of it."""
 
     change: Any
     keeps_heights: bool
@@ -41,42 +36,7 @@ class Operation:
 def transformed(
     points: Floats, crs: str | None, target: str, chosen: dict[str, Operation] | None = None
 ) -> tuple[Floats, dict[str, Any]]:
-    """Transform coordinates to another system, by pyproj.
-
-    Of the operations for the place of the first row, the most accurate one that is installed
-    transforms all rows, so that there is no step among them.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray
-        Coordinates, x before y whatever the system says.
-    crs : str, optional
-        Their system.
-    target : str
-        The other system: WKT or ``EPSG:n``.
-    chosen : dict, optional
-        Keeps the operation for further rows of the same file.
-
-    Returns
-    -------
-    points : (n, 3) ndarray of float64
-        The coordinates, x before y; heights of the same vertical system as they are.
-    told : dict
-        As of `Operation`.
-
-    Raises
-    ------
-    InputError
-        A system is unknown or missing, there is no transformation, or a row has no place there.
-    MissingDependencyError
-        pyproj is not installed.
-
-    Examples
-    --------
-    >>> found, told = transformed(np.array([[9.0, 48.0, 5.0]]), "EPSG:4326", "EPSG:25832")
-    >>> found.round().tolist(), told["operation"], told["accuracy"]
-    ([[500000.0, 5316300.0, 5.0]], 'Inverse of ETRS89 to WGS 84 (1) + UTM zone 32N', 1.0)
-    """
+    """Transform coordinates to another system, by pyproj."""
     if crs is None:
         raise InputError(
             "to_crs= needs the coordinate system of the points, which is not stated: read them "
@@ -106,50 +66,14 @@ def transformed(
 
 
 def told_of(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Return how coordinates were transformed as they were read.
-
-    Parameters
-    ----------
-    metadata : mapping
-        Of a cloud or a surface.
-
-    Returns
-    -------
-    dict
-        As of `Operation`; empty if they were not.
-
-    Examples
-    --------
-    >>> told_of({"transformation": "by hand"})
-    {}
-    """
+    """Return how coordinates were transformed as they were read."""
     found = metadata.get("transformation")  # a caller may say anything of that name
     is_told = isinstance(found, Mapping) and {"operation", "accuracy"} <= found.keys()
     return {**found} if is_told else {}  # type: ignore[dict-item]
 
 
 def sentence(told: Mapping[str, Any]) -> str:
-    """Say how coordinates were transformed.
-
-    Parameters
-    ----------
-    told : mapping
-        As of `Operation`.
-
-    Returns
-    -------
-    str
-        Without a full stop.
-
-    Examples
-    --------
-    >>> told = {"operation": "DHDN to ETRS89 (2)", "accuracy": 3.0}
-    >>> sentence(told)
-    'transformed by DHDN to ETRS89 (2) (accuracy 3 m)'
-    >>> told |= {"better": "DHDN to ETRS89 (8)", "better_accuracy": 0.9, "grid": "a.tif"}
-    >>> sentence(told).partition("; ")[2]
-    'DHDN to ETRS89 (8) (0.9 m) needs the grid a.tif, which is not installed'
-    """
+    """Say how coordinates were transformed."""
     accuracy = told["accuracy"]
     known = "not known" if accuracy is None else f"{accuracy:g} m"
     text = f"transformed by {told['operation']} (accuracy {known})"
@@ -160,23 +84,7 @@ def sentence(told: Mapping[str, Any]) -> str:
 
 
 def common(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return how the parts of one cloud were transformed, at the accuracy of the worst of them.
-
-    Parameters
-    ----------
-    parts : sequence of mapping
-        As of `told_of`.
-
-    Returns
-    -------
-    dict
-        As of `Operation`; empty if none was.
-
-    Examples
-    --------
-    >>> common([{"operation": "a", "accuracy": 1.0}, {}, {"operation": "b", "accuracy": 3.0}])
-    {'operation': 'a, others by b', 'accuracy': 3.0}
-    """
+    """Return how the parts of one cloud were transformed, at the accuracy of the worst of them."""
     found = {each["operation"]: each for each in parts if each}
     if len(found) < 2:
         return dict(next(iter(found.values()), {}))
@@ -276,32 +184,7 @@ def _check_grids(*systems: str) -> None:
 
 
 def with_heights(crs: str | None, target: str) -> str:
-    """Return a target that says what heights are: those of the source, if it says nothing itself.
-
-    Parameters
-    ----------
-    crs : str, optional
-        The system of the points.
-    target : str
-        The system that they are to have, perhaps of the plane alone.
-
-    Returns
-    -------
-    str
-        The target, compound with the system of heights of the source, if it has any.
-
-    Raises
-    ------
-    InputError
-        A system is unknown.
-    MissingDependencyError
-        pyproj is not installed.
-
-    Examples
-    --------
-    >>> with_heights("EPSG:2225+6360", "EPSG:26910"), with_heights("EPSG:2225", "EPSG:26910")
-    ('EPSG:26910+6360', 'EPSG:26910')
-    """
+    """Return a target with heights: the source's, if it states none itself."""
     if crs is None:
         return target
     pyproj = load("pyproj", extra="terrain")

@@ -88,26 +88,7 @@ class Node:
 
 
 def tree(text: str) -> Node | None:
-    """Read a text; None if its brackets do not match, or it is too long.
-
-    Parameters
-    ----------
-    text : str
-        The text; several after one another become parts of a compound, as Esri writes them.
-
-    Returns
-    -------
-    Node or None
-        The outermost keyword.
-
-    Examples
-    --------
-    >>> found = tree('VERT_CS["NAP height",UNIT["metre",1]]')
-    >>> found.title, found.parts[0].values
-    ('NAP height', ['"metre"', '1'])
-    >>> tree("UNIT[") is None
-    True
-    """
+    """Read a text; None if its brackets do not match, or it is too long."""
     top = _read(text)
     if top is None:
         return None
@@ -117,27 +98,7 @@ def tree(text: str) -> Node | None:
 
 
 def plain(text: str) -> str | None:
-    """Return a text of the same definition that names no files, for PROJ and GDAL.
-
-    Parameters
-    ----------
-    text : str
-        WKT.
-
-    Returns
-    -------
-    str or None
-        Without remarks for PROJ, and grids of heights that an extension names (`has_grids`); None
-        if it is not understood, or has another extension, a string of PROJ, or anything but
-        definitions of systems.
-
-    Examples
-    --------
-    >>> plain('local_cs ["here", UNIT("metre",1)]')
-    'LOCAL_CS["here",UNIT["metre",1]]'
-    >>> plain('LOCAL_CS["here",EXTENSION["PROJ4","+init=/etc/hosts:1"]]') is None
-    True
-    """
+    """Return a text of the same definition that names no files, for PROJ and GDAL."""
     top = _read(text)
     if top is None or not all(each.keyword in _SYSTEMS for each in top.parts):
         return None
@@ -145,23 +106,7 @@ def plain(text: str) -> str | None:
 
 
 def has_grids(text: str) -> bool:
-    """Whether a text names files of grids for its heights, which `plain` leaves out.
-
-    Parameters
-    ----------
-    text : str
-        WKT.
-
-    Returns
-    -------
-    bool
-        False also if it is not understood.
-
-    Examples
-    --------
-    >>> has_grids('VERT_CS["a",VERT_DATUM["b",2005,EXTENSION["PROJ4_GRIDS","c.gtx"]]]')
-    True
-    """
+    """Whether a text names files of grids for its heights, which `plain` leaves out."""
     top = _read(text)
     return top is not None and any(map(_is_grids, _all(top)))
 

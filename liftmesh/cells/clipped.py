@@ -22,32 +22,7 @@ if TYPE_CHECKING:
 
 
 class ClippedCells:
-    """Cells of rows inside a domain: what `Cells` and `ApolloniusCells` share.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        The sites.
-    domain : Domain
-        What the cells are clipped to.
-    rings : Rings
-        The rings of all cells.
-    exact : DomainCorners
-        Their corners.
-
-    Attributes
-    ----------
-    points, domain, parts, rings, ring_corners, corners, beyond, duplicates, hidden
-        As of `Cells`.
-    tolerance : float or None
-        How far sides may be from curves; None if all are straight.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> isinstance(liftmesh.voronoi([[3, 4]], domain=(2, 3, 4, 5)), ClippedCells)
-    True
-    """
+    """Cells of rows inside a domain: what `Cells` and `ApolloniusCells` share."""
 
     duplicates: Rows
     hidden: Rows
@@ -99,10 +74,7 @@ class ClippedCells:
 
     @cached_property
     def _moments(self) -> tuple[Floats, Floats, Floats, int]:
-        """Area, first moments over it and first corner of each row's cell.
-
-        The first are of cells scaled by a power of two, which is that of the last.
-        """
+        """Area, first moments over it and first corner of each row's cell."""
         rows, cell = len(self.points), self._cell_of_corner
         origin = np.zeros((rows, 2))
         origin[cell[::-1]] = self.corners[::-1]

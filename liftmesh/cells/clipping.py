@@ -18,27 +18,7 @@ if TYPE_CHECKING:
 
 
 def clip(dual: Dual, domain: Domain) -> tuple[Rings, ExactCorners]:
-    """Clip all cells to a domain.
-
-    Parameters
-    ----------
-    dual : Dual
-        The sites.
-    domain : Domain
-        What to clip to.
-
-    Returns
-    -------
-    rings : Rings
-        Of all cells, in no particular order.
-    exact : ExactCorners
-        Their corners without rounding.
-
-    Raises
-    ------
-    InputError
-        The rings of the domain cross.
-    """
+    """Clip all cells to a domain."""
     found = _kernel.clip(
         dual.points, dual.values, dual.kind, dual.simplices, dual.neighbors,
         dual.simplex_to_vertex, dual.chain, domain.corners, domain.starts,

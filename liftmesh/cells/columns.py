@@ -20,25 +20,7 @@ from liftmesh.same_crs import common_system, given_system, system_of
 
 
 def free_name(name: str, taken: Iterable[Any]) -> str:
-    """Return a name for a column of ours that no other column has, in any letters.
-
-    Parameters
-    ----------
-    name : str
-        What it is called if nothing else is.
-    taken : iterable
-        The names of other columns. Databases do not tell ``Area`` from ``area``.
-
-    Returns
-    -------
-    str
-        The name, or one that begins with ``cell_``.
-
-    Examples
-    --------
-    >>> free_name("area", ["height"]), free_name("area", ["Area"])
-    ('area', 'cell_area')
-    """
+    """Return a name for a column of ours that no other column has, in any letters."""
     others = {str(each).casefold() for each in taken}
     while name.casefold() in others:
         name = f"cell_{name}"
@@ -46,32 +28,7 @@ def free_name(name: str, taken: Iterable[Any]) -> str:
 
 
 def plain_columns(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Convert the values of rows to what files of polygons hold: one number or text each.
-
-    Parameters
-    ----------
-    columns : mapping of str to (n, ...) ndarray
-        The values.
-
-    Returns
-    -------
-    kept : dict of str to (n,) ndarray
-        Booleans, integers, float64 and texts. Several numbers for each row become columns name_0,
-        name_1 and so on.
-    dropped : tuple of str
-        The columns of other types, with the type.
-
-    Raises
-    ------
-    InputError
-        Two columns get the same name.
-
-    Examples
-    --------
-    >>> kept, dropped = plain_columns({"pair": np.zeros((3, 2)), "wave": np.zeros(3, complex)})
-    >>> [*kept], dropped
-    (['pair_0', 'pair_1'], ('wave (complex128)',))
-    """
+    """Convert the values of rows to what files of polygons hold: one number or text each."""
     kept: dict[str, Array] = {}
     dropped = []
     for name, given in columns.items():
@@ -98,30 +55,7 @@ def _plain(values: Array) -> Array | None:
 
 
 def frame_of(data: Any, rows: int) -> Any:
-    """Convert values of rows to a DataFrame, without a geometry.
-
-    Parameters
-    ----------
-    data : mapping of str to (n,) array_like, DataFrame or None
-        The values.
-    rows : int
-        How many of each there must be.
-
-    Returns
-    -------
-    pandas.DataFrame
-        With the index of `data`, if it has one.
-
-    Raises
-    ------
-    InputError
-        There are more or fewer values, or several for each row.
-
-    Examples
-    --------
-    >>> frame_of({"height": [1.5, 2.5]}, 2)["height"].tolist()
-    [1.5, 2.5]
-    """
+    """Convert values of rows to a DataFrame, without a geometry."""
     pandas = load("pandas", extra="shapes")
     if isinstance(data, pandas.DataFrame):
         _check_length("data", len(data), rows)
@@ -140,32 +74,7 @@ def _geometry_of(data: Any) -> list[Any]:
 
 
 def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
-    """Return the coordinate system that is given, or that of a table or of cells with one.
-
-    Parameters
-    ----------
-    data : object
-        As for `frame_of`.
-    crs : object
-        As geopandas takes it; None if it is not given.
-    cells : str, optional
-        That of the cells.
-
-    Returns
-    -------
-    object
-        One of them.
-
-    Raises
-    ------
-    InputError
-        They differ, or nobody knows the system.
-
-    Examples
-    --------
-    >>> common_crs({}, "EPSG:25832")
-    'EPSG:25832'
-    """
+    """Return the coordinate system that is given, or that of a table or of cells with one."""
     wanted = None if crs is None else given_system(crs)
     own = system_of(data) if _geometry_of(data) else None
     found = common_system(own, wanted, ("data", "crs"))

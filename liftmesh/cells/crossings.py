@@ -37,26 +37,7 @@ Share = tuple[Fraction, Fraction, Fraction]
 
 
 class Crossings(NamedTuple):
-    """Where segments cross edges, in the order along the segments.
-
-    Parameters
-    ----------
-    segment : (c,) ndarray of intp
-        The segment.
-    edge : (c,) ndarray of int32
-        The edge of the domain.
-    enters : (c,) ndarray of bool
-        Whether the segment comes into the domain there.
-    from_left : (c,) ndarray of bool
-        Whether the edge comes from the left side of the segment.
-    points : (c, 2) ndarray of float64
-        Where it is, rounded.
-    along_edges : (c,) ndarray of intp
-        The crossings by edge, and in the order along these.
-    ties : (t, 4) ndarray of intp
-        A corner or an edge of the domain, the other being -1, and the segment twice, where nothing
-        but the move decided: see `untying.untied`.
-    """
+    """Where segments cross edges, in the order along the segments."""
 
     segment: Indices
     edge: Rows
@@ -68,28 +49,7 @@ class Crossings(NamedTuple):
 
 
 def crossings(start: Floats, end: Floats, domain: Domain) -> Crossings:
-    """Find all crossings of segments with the edges of a domain.
-
-    Parameters
-    ----------
-    start, end : (s, 2) ndarray of float64
-        The segments, which do not cross each other.
-    domain : Domain
-        The domain.
-
-    Returns
-    -------
-    Crossings
-        Of the domain as if it was moved.
-
-    Examples
-    --------
-    >>> from liftmesh.cells.domain import as_domain
-    >>> box = as_domain((0, 0, 2, 2), np.empty((0, 2)))
-    >>> found = crossings(np.array([[1.0, 1.0]]), np.array([[5.0, 1.0]]), box)
-    >>> found.points, found.enters
-    (array([[2., 1.]]), array([False]))
-    """
+    """Find all crossings of segments with the edges of a domain."""
     first, last = domain.corners, domain.corners[domain.following]
     segment, edge = _near(start, end, first, last)
     a, b, u, v = start[segment], end[segment], first[edge], last[edge]
@@ -120,27 +80,7 @@ def crossings(start: Floats, end: Floats, domain: Domain) -> Crossings:
 
 
 def lies_inside(points: Floats, domain: Domain) -> Mask:
-    """Tell which points are inside a domain, as if it was moved.
-
-    Parameters
-    ----------
-    points : (k, 2) ndarray of float64
-        The points.
-    domain : Domain
-        The domain.
-
-    Returns
-    -------
-    (k,) ndarray of bool
-        By the edges to the right of each: whether it is to the left of more than to the right.
-
-    Examples
-    --------
-    >>> from liftmesh.cells.domain import as_domain
-    >>> box = as_domain((0, 0, 2, 2), np.empty((0, 2)))
-    >>> lies_inside(np.array([[0.0, 1], [1, 1], [2, 1]]), box)
-    array([False,  True,  True])
-    """
+    """Tell which points are inside a domain, as if it was moved."""
     first, last = domain.corners, domain.corners[domain.following]
     right = np.stack([np.full(len(points), first[:, 0].max()), points[:, 1]], axis=1)
     point, edge = _near(points, np.maximum(points, right), first, last)

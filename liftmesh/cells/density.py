@@ -33,17 +33,7 @@ _NODES = (0.5 - 12**-0.5, 0.5 + 12**-0.5)
 
 @dataclass(frozen=True)
 class Density:
-    """An image over a box, and 0 outside.
-
-    Parameters
-    ----------
-    values : (h, w) ndarray of float64
-        The density of each pixel; the first row is the lowest.
-    low : (2,) ndarray of float64
-        The lower left corner of the box.
-    pixel : (2,) ndarray of float64
-        Width and height of a pixel.
-    """
+    """An image over a box, and 0 outside."""
 
     values: Floats
     low: Floats
@@ -63,19 +53,7 @@ class Density:
         return before[0], before[1], before[2]
 
     def integrals(self, start: Floats, end: Floats) -> Floats:
-        """Integrate along sides what Green's theorem asks for.
-
-        Parameters
-        ----------
-        start, end : (k, 2) ndarray of float64
-            Their ends.
-
-        Returns
-        -------
-        (k, 5) ndarray of float64
-            Added up along the boundary of a polygon: its mass, its first moments and its second
-            ones in x and y, in units of pixels from the lower left corner of the box.
-        """
+        """Integrate along sides what Green's theorem asks for."""
         return self._along(start, end, self._integrals, 5)
 
     def means(self, start: Floats, end: Floats) -> Floats:
@@ -155,33 +133,7 @@ def _crossings(begin: Floats, step: Floats, count: int) -> tuple[NDArray[np.intp
 
 
 def as_density(given: Any, domain: Domain) -> Density:
-    """Convert the option ``density``.
-
-    Parameters
-    ----------
-    given : (h, w) array_like, or a tuple of one and (xmin, ymin, xmax, ymax)
-        As for `lloyd`.
-    domain : Domain
-        Whose box is the default.
-
-    Returns
-    -------
-    Density
-        The image.
-
-    Raises
-    ------
-    InputError
-        It is no image of numbers from 0, or the box has no area.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> square = liftmesh.voronoi([[0, 0]], domain=(0, 0, 2, 2)).domain
-    >>> as_density([[1, 2], [3, 4]], square).values  # the first row of an image is the highest
-    array([[3., 4.],
-           [1., 2.]])
-    """
+    """Convert the option ``density``."""
     corners = domain.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
     if isinstance(given, tuple) and len(given) == 2 and np.shape(given[1]) == (4,):

@@ -29,30 +29,7 @@ _LEADING = ("give a box (xmin, ymin, xmax, ymax), a polygon or multipolygon of s
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Domain:
-    """Rings around an area.
-
-    Parameters
-    ----------
-    corners : (k, 2) ndarray of float64
-        The corners of all rings, each once.
-    starts : (r + 1,) ndarray of int32
-        Ring i has the corners from ``starts[i]`` to ``starts[i + 1]``; edge j leads from corner j
-        to the next one of its ring. The inside is to the left.
-    is_hole : (r,) ndarray of bool
-        Which rings are holes.
-    text : str
-        What it is, in words.
-    touches : (t, 2) ndarray of int32
-        Corners that lie on an edge of another ring, between its ends, each with that edge.
-    crs : str or None
-        The coordinate system, if the domain or the points are known to be in one: WKT or
-        ``EPSG:n``.
-
-    Examples
-    --------
-    >>> as_domain((0, 0, 2, 1), np.empty((0, 2))).corners.tolist()
-    [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]
-    """
+    """Rings around an area."""
 
     corners: Floats
     starts: Rows
@@ -70,33 +47,7 @@ class Domain:
 
 
 def as_domain(given: Any, points: Floats, crs: str | None = None) -> Domain:
-    """Convert the option ``domain``.
-
-    Parameters
-    ----------
-    given : object
-        As for `voronoi`; or the domain of other cells.
-    points : (n, 2) ndarray of float64
-        The finite points, for the box by default.
-    crs : str, optional
-        Their coordinate system.
-
-    Returns
-    -------
-    Domain
-        The rings.
-
-    Raises
-    ------
-    InputError
-        It is no domain, is empty, has coordinates that are not finite, or its rings cross.
-
-    Examples
-    --------
-    >>> as_domain((0, 0, 0, 1), np.empty((0, 2)))
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: domain is the box (0.0, 0.0, 0.0, 1.0), which has no area: ...
-    """
+    """Convert the option ``domain``."""
     return replace(_rings_of(given, points), crs=common_system(crs, system_of(given)))
 
 
@@ -186,28 +137,7 @@ def _converted(given: Any) -> Any:
 
 
 def shapes_of(given: Any) -> Sequence[Any]:
-    """Return the geometries of a geometry, a feature, or a collection of features.
-
-    Parameters
-    ----------
-    given : object
-        A tree of GeoJSON, or anything with ``__geo_interface__``.
-
-    Returns
-    -------
-    sequence of shapely.Geometry or None
-        None for a feature without any.
-
-    Raises
-    ------
-    Exception
-        Of whatever kind the interface and shapely make, if it is nothing of that.
-
-    Examples
-    --------
-    >>> [each.wkt for each in shapes_of({"type": "Point", "coordinates": [1, 2]})]
-    ['POINT (1 2)']
-    """
+    """Return the geometries of a geometry, a feature, or a collection of features."""
     shapely = load("shapely", extra="shapes")
     held = given if isinstance(given, Mapping) else given.__geo_interface__
     features = held["features"] if held["type"] == "FeatureCollection" else [held]
@@ -216,29 +146,7 @@ def shapes_of(given: Any) -> Sequence[Any]:
 
 
 def united(shapes: Sequence[Any]) -> Any:
-    """Join polygons, which may touch or overlap, to one domain.
-
-    Parameters
-    ----------
-    shapes : sequence of shapely.Geometry
-        Polygons and multipolygons.
-
-    Returns
-    -------
-    shapely.Geometry
-        Their union.
-
-    Raises
-    ------
-    InputError
-        There are none, or one is something else or no valid polygon.
-
-    Examples
-    --------
-    >>> import shapely
-    >>> united([shapely.box(0, 0, 1, 1), shapely.box(1, 0, 2, 1)]).area
-    2.0
-    """
+    """Join polygons, which may touch or overlap, to one domain."""
     shapely = load("shapely", extra="shapes")
     if not len(shapes):
         raise InputError("a domain is made of polygons, and there are none")

@@ -17,32 +17,7 @@ _DEGREES = np.array([180.0, 90.0])
 
 
 def read_domain(path: Path) -> tuple[Any, str | None]:
-    """Read the polygons of a file.
-
-    Parameters
-    ----------
-    path : Path
-        GeoJSON, a GeoPackage or a shapefile.
-
-    Returns
-    -------
-    shape : shapely.Geometry
-        The union of all polygons.
-    crs : str or None
-        Their coordinate system. That of a GeoJSON file is degrees by the standard; if its
-        coordinates are none, and it says nothing else, it is not known.
-
-    Raises
-    ------
-    FormatError
-        The file cannot be read.
-    InputError
-        There are no polygons in it, or something else too, or a polygon is not valid.
-    MissingDependencyError
-        shapely is missing.
-    OSError
-        The file cannot be opened.
-    """
+    """Read the polygons of a file."""
     tree = read_features(path, "a domain")
     try:
         shapes = shapes_of(tree) if tree else []

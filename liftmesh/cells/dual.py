@@ -25,31 +25,7 @@ _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dual:
-    """Sites, and which of their cells have a ridge between them.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        The rows.
-    kind : {"plain", "weights", "radii"}
-        What lowers them.
-    values : (n,) ndarray of float64
-        The weights or radii; empty if there are none.
-    simplices, neighbors : (m, 3) ndarray of int32
-        The triangles.
-    chain : (c,) ndarray of int32
-        If there are none, the rows with a cell, in the order on their line.
-    vertices : (v, 2) ndarray of float64
-        The vertices of the diagram, rounded correctly.
-    simplex_to_vertex : (m,) ndarray of int32
-        The vertex of each triangle.
-    duplicates : (k, 2) ndarray of int32
-        Rows of the same position and value as another, each with the first of them.
-    hidden : (h,) ndarray of int32
-        Rows without a cell because others are heavier.
-    degenerate : (d,) ndarray of int32
-        Rows whose cell is a segment, a ray, a line or a point. They are in no triangle.
-    """
+    """Sites, and which of their cells have a ridge between them."""
 
     points: Floats
     kind: str
@@ -65,29 +41,7 @@ class Dual:
 
 
 def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
-    """Triangulate sites of any number and position.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2) or (n, 3)
-        As for `delaunay`.
-    kind : {"plain", "weights", "radii"}
-        What `given` is.
-    given : (n,) array_like, optional
-        The values.
-
-    Returns
-    -------
-    Dual
-        The triangulation or the chain.
-
-    Raises
-    ------
-    InputError
-        As for `regular`, or there are no rows.
-    NonFiniteError
-        A row or a value is not finite.
-    """
+    """Triangulate sites of any number and position."""
     rows = as_coordinates(rows_of(points))
     planar = _own(rows[:, :2])
     if not len(planar):

@@ -22,30 +22,18 @@ Exact = tuple[Fraction, Fraction]
 
 
 def turn(a: Exact, b: Exact, c: Exact) -> Fraction:
-    """Twice the signed area of a triangle.
-
-    >>> turn((0, 0), (1, 0), (0, 1))
-    1
-    """
+    """Twice the signed area of a triangle."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def doubled_area(ring: Sequence[Exact]) -> Fraction:
-    """Twice the signed area of a polygon.
-
-    >>> int(doubled_area([(0, 0), (1, 0), (1, 1), (0, 1)]))
-    2
-    """
+    """Twice the signed area of a polygon."""
     pairs = zip(ring, (*ring[1:], *ring[:1]), strict=True)
     return sum((a[0] * b[1] - a[1] * b[0] for a, b in pairs), Fraction(0))
 
 
 def is_within(point: Exact, a: Exact, b: Exact) -> bool:
-    """Whether a point on the line through two others is strictly between them.
-
-    >>> is_within((1, 1), (0, 0), (2, 2)), is_within((2, 2), (0, 0), (2, 2))
-    (True, False)
-    """
+    """Whether a point on the line through two others is strictly between them."""
     return all(
         (point[i] - p[i]) * (q[i] - p[i]) >= 0 and point != p
         for p, q in ((a, b), (b, a)) for i in (0, 1)
@@ -54,44 +42,16 @@ def is_within(point: Exact, a: Exact, b: Exact) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DomainCorners(ABC):
-    """Corners of clipped cells: those of the domain are the same whatever the cells.
-
-    Parameters
-    ----------
-    domain : Domain
-        What the cells are clipped to.
-    """
+    """Corners of clipped cells: those of the domain are the same whatever the cells."""
 
     domain: Domain
 
     @abstractmethod
     def at(self, cell: int, edge: int, other: int) -> Exact:
-        """Compute a corner.
-
-        Parameters
-        ----------
-        cell, edge, other : int
-            The cell, and where the corner comes from: see `Rings`.
-
-        Returns
-        -------
-        tuple of Fraction
-            Its coordinates.
-        """
+        """Compute a corner."""
 
     def ends(self, edge: int) -> tuple[Exact, Exact]:
-        """Return the ends of an edge of the domain.
-
-        Parameters
-        ----------
-        edge : int
-            Its number.
-
-        Returns
-        -------
-        tuple
-            The corner of that number, and the next one of its ring.
-        """
+        """Return the ends of an edge of the domain."""
         corners, starts = self.domain.corners, self.domain.starts
         after, ring = edge + 1, int(np.searchsorted(starts, edge + 1))
         if starts[ring] == after:
@@ -101,31 +61,12 @@ class DomainCorners(ABC):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExactCorners(DomainCorners):
-    """Corners of clipped Voronoi or power cells.
-
-    Parameters
-    ----------
-    domain : Domain
-        What they are clipped to.
-    dual : Dual
-        The sites.
-    """
+    """Corners of clipped Voronoi or power cells."""
 
     dual: Dual
 
     def at(self, cell: int, edge: int, other: int) -> Exact:
-        """Compute a corner.
-
-        Parameters
-        ----------
-        cell, edge, other : int
-            The cell, and where the corner comes from, as the kernel tells it.
-
-        Returns
-        -------
-        tuple of Fraction
-            Its coordinates.
-        """
+        """Compute a corner."""
         if edge < 0:
             return self._centre(self.dual.simplices[other].tolist())
         start, end = self.ends(edge)
@@ -157,9 +98,5 @@ class ExactCorners(DomainCorners):
 
 
 def as_exact(point: Sequence[float]) -> Exact:
-    """The coordinates of a point as rationals.
-
-    >>> as_exact((0.5, 2)) == (Fraction(1, 2), Fraction(2))
-    True
-    """
+    """The coordinates of a point as rationals."""
     return Fraction(float(point[0])), Fraction(float(point[1]))

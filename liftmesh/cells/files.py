@@ -32,28 +32,7 @@ _WRITERS: Mapping[str, Callable[..., tuple[str, ...]]] = {
 
 
 def format_of(path: Path) -> str:
-    """Return the format that the suffix of a path stands for.
-
-    Parameters
-    ----------
-    path : Path
-        The file to write.
-
-    Returns
-    -------
-    str
-        One of "geojson", "gpkg", "ply" and "svg".
-
-    Raises
-    ------
-    FormatError
-        It is none of them.
-
-    Examples
-    --------
-    >>> format_of(Path("schools.geojson"))
-    'geojson'
-    """
+    """Return the format that the suffix of a path stands for."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         known = ", ".join(SUFFIXES)
@@ -62,51 +41,14 @@ def format_of(path: Path) -> str:
 
 
 def check_format(name: str) -> str:
-    """Return the name of a format, or raise.
-
-    Parameters
-    ----------
-    name : str
-        As `format_of` returns it, in any letters.
-
-    Returns
-    -------
-    str
-        The name.
-
-    Raises
-    ------
-    FormatError
-        It is none.
-
-    Examples
-    --------
-    >>> check_format("SVG")
-    'svg'
-    """
+    """Return the name of a format, or raise."""
     if (found := name.lower().removeprefix(".")) not in _WRITERS:
         raise FormatError(f"cells are not written as {name!r}: give one of {', '.join(_WRITERS)}")
     return found
 
 
 def own_names(columns: Mapping[str, Array]) -> tuple[str, str]:
-    """Return the names that the row number and the area of a cell have beside other columns.
-
-    Parameters
-    ----------
-    columns : mapping
-        The other columns.
-
-    Returns
-    -------
-    row, area : str
-        ``row`` and ``area``, unless others are called so.
-
-    Examples
-    --------
-    >>> own_names({"Area": np.ones(1)})
-    ('row', 'cell_area')
-    """
+    """Return the names that the row number and the area of a cell have beside other columns."""
     return free_name("row", columns), free_name("area", columns)
 
 
@@ -117,40 +59,7 @@ def write_cells(
     columns: Mapping[str, Array],
     crs: str | None = None,
 ) -> tuple[str, ...]:
-    """Write cells.
-
-    Parameters
-    ----------
-    stream : binary stream
-        Where to.
-    cells : ClippedCells
-        The cells.
-    kind : {"geojson", "gpkg", "ply", "svg"}
-        The format.
-    columns : mapping of str to (n, ...) ndarray
-        Values of the rows.
-    crs : str, optional
-        The coordinate system.
-
-    Returns
-    -------
-    tuple of str
-        What the file does not keep of `columns` and `crs`, by name.
-
-    Raises
-    ------
-    InputError, FormatError
-        The format cannot hold the columns.
-    MissingDependencyError
-        A library of the format is missing.
-
-    Examples
-    --------
-    >>> import io, liftmesh
-    >>> cells = liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))
-    >>> write_cells(io.BytesIO(), cells, "ply", {"name": np.array(["a", "b"])})
-    ('name (not numbers)',)
-    """
+    """Write cells."""
     plain, dropped = plain_columns(columns)
     row, area = own_names(plain)
     if kind == "svg":

@@ -26,20 +26,7 @@ _ROWS = 1 << 13  # of a block
 def write_geojson(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Write cells as a collection of features: a writer of `files.write_cells`.
-
-    Rows without an area have no geometry. Returned is what the file does not keep: infinite
-    values. The coordinate system is a member ``crs``, as for lines.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> stream = io.BytesIO()
-    >>> write_geojson(stream, liftmesh.voronoi([[3, 4]], domain=(2, 3, 4, 5)), {})
-    ()
-    >>> json.loads(stream.getvalue())["features"][0]["geometry"]["coordinates"]
-    [[[2.0, 3.0], [4.0, 3.0], [4.0, 5.0], [2.0, 5.0], [2.0, 3.0]]]
-    """
+    """Write cells as a collection of features: a writer of `files.write_cells`."""
     count = len(cells.points)
     stream.write(f'{{"type": "FeatureCollection", {crs_member(crs)}"features": [\n'.encode())
     for first in range(0, count, _ROWS):

@@ -24,12 +24,7 @@ _MOST = np.iinfo(np.int64).max
 def write_geopackage(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Write cells as one layer: a writer of `files.write_cells`.
-
-    Rows without an area have no geometry. Returned is what the file does not keep: a coordinate
-    system that pyproj does not know. Names that differ in upper and lower case alone, and integers
-    beyond 64 bits with a sign, are errors.
-    """
+    """Write cells as one layer: a writer of `files.write_cells`."""
     _check_names(columns)
     shapes = cells.to_shapely()
     shapes[cells.empty] = None

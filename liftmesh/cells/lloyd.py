@@ -137,30 +137,7 @@ def lloyd(
 
 
 def as_tolerance(value: object, most: float) -> float:
-    """Convert the option ``tolerance``.
-
-    Parameters
-    ----------
-    value : object
-        The value given.
-    most : float
-        What it must be less than; if that is finite, 0 is not allowed either.
-
-    Returns
-    -------
-    float
-        The number.
-
-    Raises
-    ------
-    InputError
-        It is no such number.
-
-    Examples
-    --------
-    >>> as_tolerance(np.float32(0.5), 1)
-    0.5
-    """
+    """Convert the option ``tolerance``."""
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if is_number and 0 <= (number := float(value)) < most and (number or most == np.inf):  # type: ignore[arg-type]
         return number

@@ -26,33 +26,7 @@ _HALF = Fraction(1, 2)
 
 
 def cell_at(lines: Traced, domain: Domain, begin: int, end: int, default: int) -> int:
-    """Find the cell of a ring.
-
-    Parameters
-    ----------
-    lines : Traced
-        The polylines, whose box is around the domain.
-    domain : Domain
-        The domain.
-    begin, end : int
-        The corners of the ring are those from `begin` to `end`.
-    default : int
-        The cell if there are no polylines in their box.
-
-    Returns
-    -------
-    int
-        A row.
-
-    Examples
-    --------
-    >>> from liftmesh.cells.domain import as_domain
-    >>> from liftmesh.planar.apollonius_cells import Traced
-    >>> line, box = np.array([[0.0, -5.0], [0.0, 5.0]]), (-1, -1, 3, 2)
-    >>> lines = Traced(np.array([[7, 8]]), np.array([[-1, -1]]), np.array([0, 2]), line, box)
-    >>> cell_at(lines, as_domain((1, 0, 2, 1), np.empty((0, 2))), 0, 4, 0)
-    8
-    """
+    """Find the cell of a ring."""
     segments = lines.segments
     start, end_of = lines.points[segments], lines.points[segments + 1]
     low, high = shares_in(start, end_of, lines.box)

@@ -23,21 +23,7 @@ _RANGE = 2.0**250  # of lengths whose fourth powers float64 holds
 
 @dataclass(frozen=True)
 class Measure:
-    """The contents of cells.
-
-    Parameters
-    ----------
-    cells : Cells
-        The cells.
-    density : Density, optional
-        What is integrated over them; by default 1.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> Measure(liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))).masses
-    array([4., 4.])
-    """
+    """The contents of cells."""
 
     cells: Cells
     density: Density | None = None
@@ -125,24 +111,7 @@ class Measure:
 
 
 def energy(cells: Cells) -> float:
-    """Integrate the squared distance to the row of each cell.
-
-    Parameters
-    ----------
-    cells : Cells
-        Voronoi cells.
-
-    Returns
-    -------
-    float
-        The sum over all cells.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> round(energy(liftmesh.voronoi([[0, 0]], domain=(-1, -1, 1, 1))), 6)
-    2.666667
-    """
+    """Integrate the squared distance to the row of each cell."""
     start, end = cells.sides()
     scale = binary_scale(start)
     (x, y), (u, v) = np.ldexp(start, -scale).T, np.ldexp(end, -scale).T
@@ -152,29 +121,7 @@ def energy(cells: Cells) -> float:
 
 
 def total_mass(measure: Measure) -> float:
-    """Add up the masses of all cells.
-
-    Parameters
-    ----------
-    measure : Measure
-        The contents of cells that fill a domain.
-
-    Returns
-    -------
-    float
-        The mass of the domain, positive.
-
-    Raises
-    ------
-    InputError
-        There is none.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> total_mass(Measure(liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))))
-    8.0
-    """
+    """Add up the masses of all cells."""
     total = float(measure.masses.sum())
     if not total > 0:
         raise InputError("density is 0 in the whole domain: give one that is positive somewhere")
@@ -182,20 +129,7 @@ def total_mass(measure: Measure) -> float:
 
 
 def check_extent(domain: Domain, points: Floats) -> None:
-    """Raise if float64 does not hold the fourth powers of lengths.
-
-    Parameters
-    ----------
-    domain : Domain
-        Whose longer side counts.
-    points : (n, 2) ndarray of float64
-        Whose distance from the domain counts.
-
-    Raises
-    ------
-    InputError
-        Lengths are too large or too small.
-    """
+    """Raise if float64 does not hold the fourth powers of lengths."""
     low, high = domain.corners.min(axis=0), domain.corners.max(axis=0)
     with np.errstate(over="ignore"):
         longest = float((high - low).max())

@@ -31,11 +31,7 @@ if TYPE_CHECKING:
 
 
 class _Stations(NamedTuple):
-    """Points along polylines or rings of the domain, crossings among them.
-
-    `place` numbers vertices and crossings, where the parts of a cell are linked; -1 elsewhere.
-    `source` holds the first two columns of the sources of corners: see `Rings`.
-    """
+    """Points along polylines or rings of the domain, crossings among them."""
 
     points: Floats
     source: Rows
@@ -53,32 +49,12 @@ class _Parts(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolylineCorners(DomainCorners):
-    """Corners of cells between polylines.
-
-    Parameters
-    ----------
-    domain : Domain
-        What they are clipped to.
-    lines : Traced
-        The polylines. A corner is a point of these, whose number is its second source; or where a
-        segment, numbered as its start is, crosses an edge.
-    """
+    """Corners of cells between polylines."""
 
     lines: Traced
 
     def at(self, cell: int, edge: int, other: int) -> Exact:  # noqa: ARG002 - one for all cells
-        """Compute a corner.
-
-        Parameters
-        ----------
-        cell, edge, other : int
-            Where it comes from; the cell does not matter.
-
-        Returns
-        -------
-        tuple of Fraction
-            Its coordinates.
-        """
+        """Compute a corner."""
         points = self.lines.points
         if edge < 0:
             return as_exact(points[other])
@@ -92,32 +68,7 @@ class PolylineCorners(DomainCorners):
 
 
 def overlaid(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
-    """Clip all cells between polylines to a domain.
-
-    Parameters
-    ----------
-    lines : Traced
-        The polylines, complete in a box around the domain.
-    domain : Domain
-        What to clip to.
-    default : int
-        The cell of all if no polyline comes near the domain.
-
-    Returns
-    -------
-    rings : Rings
-        Of all cells, in no particular order. The second source of a corner that is a point of a
-        polyline is the number of that point; that of a crossing, the number of the segment, which
-        is that of its start.
-    exact : PolylineCorners
-        The corners without rounding.
-
-    Raises
-    ------
-    InputError
-        The rings of the domain cross; or polylines do, as cells are thinner than what float64 can
-        tell apart.
-    """
+    """Clip all cells between polylines to a domain."""
     segment = lines.segments
     found = crossings(lines.points[segment], lines.points[segment + 1], domain)
     found = found._replace(segment=segment[found.segment])

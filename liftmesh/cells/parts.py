@@ -23,43 +23,12 @@ if TYPE_CHECKING:
 
 
 def binary_scale(values: Floats) -> int:
-    """Return the exponent by which values are divided for products to stay within range.
-
-    Parameters
-    ----------
-    values : ndarray of float64
-        Any numbers.
-
-    Returns
-    -------
-    int
-        That of the power of two above the greatest.
-
-    Examples
-    --------
-    >>> binary_scale(np.array([1.5, -5.0]))
-    3
-    """
+    """Return the exponent by which values are divided for products to stay within range."""
     return int(np.frexp(np.abs(values).max(initial=0.0))[1])
 
 
 def parts_of(rings: Rings, exact: DomainCorners) -> tuple[NDArray[np.int64], Mask]:
-    """Find the part that each ring bounds, and which rings are holes.
-
-    Parameters
-    ----------
-    rings : Rings
-        All rings.
-    exact : DomainCorners
-        Their corners.
-
-    Returns
-    -------
-    part : (r,) ndarray of int64
-        Parts are numbered by cell, then in the order of their outer rings.
-    is_hole : (r,) ndarray of bool
-        Which rings are holes.
-    """
+    """Find the part that each ring bounds, and which rings are holes."""
     is_hole = np.zeros(len(rings.cells), dtype=np.bool_)
     is_hole[: rings.cut] = _turn_clockwise(rings.of_the_domain(), exact)
     outer = np.flatnonzero(~is_hole)

@@ -37,20 +37,7 @@ _CORNERS = "vertex_indices"
 def write_ply(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Write cells as faces in the plane z = 0: a writer of `files.write_cells`.
-
-    Values of rows become properties of faces, and the coordinate system a comment. Returned is what
-    the file does not keep: columns of texts, and rows without an area, which have no face.
-
-    Examples
-    --------
-    >>> import io, liftmesh
-    >>> stream = io.BytesIO()
-    >>> write_ply(stream, liftmesh.voronoi([[0, 0], [2, 0]]), {"row": np.arange(2)})
-    ()
-    >>> stream.getvalue().count(b"property int32 row")
-    1
-    """
+    """Write cells as faces in the plane z = 0: a writer of `files.write_cells`."""
     texts = tuple(name for name, values in columns.items() if values.dtype.kind == "U")
     numbers = {name: values for name, values in columns.items() if name not in texts}
     corners, sizes, row = _faces(cells)

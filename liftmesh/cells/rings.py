@@ -12,23 +12,7 @@ from liftmesh._typing import Floats, Rows
 
 @dataclass(slots=True, eq=False)
 class Rings:
-    """Closed chains of corners.
-
-    Parameters
-    ----------
-    sources : (k, 3) ndarray of int32
-        Of each corner: the edge or corner of the domain; the row across the ridge or the triangle;
-        the row beyond the side to the next corner. See ``clip.hpp``.
-    points : (k, 2) ndarray of float64
-        Where it is.
-    starts : (r + 1,) ndarray of int64
-        Ring i has the corners from ``starts[i]`` to ``starts[i + 1]``.
-    cells : (r,) ndarray of int32
-        The row whose cell it bounds.
-    cut : int
-        The first so many rings have corners of the domain, or on its edges; the others are whole
-        cells.
-    """
+    """Closed chains of corners."""
 
     sources: Rows
     points: Floats
@@ -43,18 +27,7 @@ class Rings:
         return Rings(*corners, self.starts[: self.cut + 1], self.cells[: self.cut], self.cut)
 
     def taken(self, chosen: NDArray[np.int64]) -> Rings:
-        """Return some rings, in ascending order.
-
-        Parameters
-        ----------
-        chosen : (c,) ndarray of int64
-            Their numbers.
-
-        Returns
-        -------
-        Rings
-            Only these.
-        """
+        """Return some rings, in ascending order."""
         count = np.diff(self.starts)[chosen]
         starts = np.concatenate([[0], np.cumsum(count)])
         corners = np.repeat(self.starts[chosen] - starts[:-1], count) + np.arange(starts[-1])
@@ -63,18 +36,7 @@ class Rings:
 
     @staticmethod
     def joined(*several: Rings) -> Rings:
-        """Return all of several rings, of which those that are cut come first.
-
-        Parameters
-        ----------
-        *several : Rings
-            At least one.
-
-        Returns
-        -------
-        Rings
-            One after the other.
-        """
+        """Return all of several rings, of which those that are cut come first."""
         counts = np.concatenate([np.diff(rings.starts) for rings in several])
         return Rings(
             np.concatenate([rings.sources for rings in several]),

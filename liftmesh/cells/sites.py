@@ -16,31 +16,7 @@ from liftmesh.same_crs import common_system, system_of
 
 
 def sites_of(points: Any, domain: Any = None) -> Any:
-    """Return the points of anything, for arrays to be made of.
-
-    Parameters
-    ----------
-    points : object
-        As for `voronoi`.
-    domain : object
-        The domain, whose coordinate system must be that of the points if both have one.
-
-    Returns
-    -------
-    array_like
-        Rows of two or three columns.
-
-    Raises
-    ------
-    InputError
-        A geometry is no point, the columns of a table cannot be told, or the coordinate systems
-        differ.
-
-    Examples
-    --------
-    >>> sites_of([[0, 1]])
-    [[0, 1]]
-    """
+    """Return the points of anything, for arrays to be made of."""
     common_system(system_of(points), system_of(domain))
     if _is_geometric(points):
         return _coordinates(points)
@@ -54,32 +30,7 @@ def sites_of(points: Any, domain: Any = None) -> Any:
 
 
 def values_of(points: Any, kind: str, given: Any) -> Any:
-    """Return weights or radii: values of the points, if a name is given.
-
-    Parameters
-    ----------
-    points : object
-        As for `power_diagram`.
-    kind : {"weights", "radii"}
-        What the values are.
-    given : array_like or str
-        The values, or their name.
-
-    Returns
-    -------
-    array_like
-        The values.
-
-    Raises
-    ------
-    InputError
-        There are none of that name.
-
-    Examples
-    --------
-    >>> values_of([[0, 1]], "weights", [3])
-    [3]
-    """
+    """Return weights or radii: values of the points, if a name is given."""
     if not isinstance(given, str):
         return given
     if _is_geometric(points):

@@ -18,19 +18,7 @@ _WIDTH = 1000  # of the longer side
 def write_svg(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Draw the outlines of cells: a writer of `files.write_cells`.
-
-    Returned is what the file does not keep: all values, and the coordinate system.
-
-    Examples
-    --------
-    >>> import io, liftmesh
-    >>> stream = io.BytesIO()
-    >>> write_svg(stream, liftmesh.voronoi([[0, 0], [2, 0]]), {"height": np.ones(2)})
-    ('height',)
-    >>> stream.getvalue().count(b"<path")
-    2
-    """
+    """Draw the outlines of cells: a writer of `files.write_cells`."""
     for line in _lines(cells):  # noqa: FURB122 - streams may only `write`
         stream.write(f"{line}\n".encode())
     return (*columns, *(["crs"] if crs else []))

@@ -242,10 +242,7 @@ def _normalised(masses: ArrayLike, rows: int, total: float, *, strict: bool) -> 
 
 
 def _feasible(points: Floats, domain: Domain) -> Floats:
-    """Weights by which the power cells are the Voronoi cells of points inside the domain.
-
-    Those of a p + b are power cells of p by |p|^2 - |a p + b|^2 / a, and all by one constant more.
-    """
+    """Weights by which the power cells are the Voronoi cells of points inside the domain."""
     shapely = load("shapely", extra="shapes")
     rings = np.split(domain.corners, domain.starts[1:-1])
     polygon = shapely.Polygon(rings[0], rings[1:])

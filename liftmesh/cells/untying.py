@@ -41,23 +41,7 @@ _Ring = list[_Corner]
 
 
 def untied(rings: Rings, exact: DomainCorners, ties: Rows) -> Rings:
-    """Return rings without what only the perturbation made.
-
-    Parameters
-    ----------
-    rings : Rings
-        What the kernel wrote.
-    exact : DomainCorners
-        Their corners.
-    ties : (t, 4) ndarray of int32
-        A corner or an edge of the domain, the other being -1, and the two rows to which it is
-        equally near. See ``clip.hpp``.
-
-    Returns
-    -------
-    Rings
-        With the same cells, parts and holes up to what has no area.
-    """
+    """Return rings without what only the perturbation made."""
     suspects = _suspects(rings, exact, ties)
     if not len(suspects):
         return rings
@@ -199,11 +183,7 @@ def _linked(rings: Iterable[_Ring]) -> Iterable[_Ring]:
 def _matched(
     at: Exact, visits: Sequence[tuple[int, int]], corners: _Ring, following: Sequence[int]
 ) -> Iterable[tuple[int, int]]:
-    """Pair the sides that arrive with those that leave, as brackets of a circle are paired.
-
-    Between a side that arrives, seen from its end, and the next one clockwise is the inside; where
-    both have one direction, there is a strip without width.
-    """
+    """Pair the sides that arrive with those that leave, as brackets of a circle are paired."""
     rays = [(-_bearing(at, corners[before].at), False, before) for before, _ in visits]
     rays += [(-_bearing(at, corners[following[i]].at), True, i) for _, i in visits]
     rays.sort()

@@ -33,13 +33,7 @@ _COMPLETION = ("--show-completion", "--install-completion")
 
 
 def program() -> int:
-    """Run the command line as a process of its own, which ends afterwards.
-
-    Returns
-    -------
-    int
-        The exit code.
-    """
+    """Run the command line as a process of its own, which ends afterwards."""
     ending = Ending(is_final=True)
     watchdog = Watchdog(ending)
 
@@ -56,24 +50,7 @@ def program() -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line within a process that goes on afterwards.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        The arguments without the program's name; by default those of the process.
-
-    Returns
-    -------
-    int
-        The exit code; ``liftmesh --help`` lists them.
-
-    Examples
-    --------
-    >>> main(["--version"])  # doctest: +ELLIPSIS
-    liftmesh ...
-    0
-    """
+    """Run the command line within a process that goes on afterwards."""
     return _run(sys.argv[1:] if arguments is None else arguments, Ending(is_final=False))
 
 

@@ -34,23 +34,7 @@ COMMANDS = (
 
 
 def application(words: Sequence[str]) -> typer.Typer:
-    """Make the application with the command that is called, or with all for help and messages.
-
-    Parameters
-    ----------
-    words : sequence of str
-        The arguments.
-
-    Returns
-    -------
-    typer.Typer
-        Called with the arguments, it runs the command.
-
-    Examples
-    --------
-    >>> [command.name for command in application(["info", "cloud.ply"]).registered_commands]
-    ['info']
-    """
+    """Make the application with the command that is called, or with all for help and messages."""
     app = typer.Typer(
         name="liftmesh",
         cls=Group,

@@ -53,28 +53,7 @@ def parse(
         ),
     ] = None,
 ) -> dict[str, Any]:
-    """Check the options, and return those that were given.
-
-    Parameters
-    ----------
-    ground, cloth_resolution, cloth_rigidness, cloth_threshold : str, optional
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.classify_ground`; empty if the ground is not to be found.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have, or --ground is missing.
-
-    Examples
-    --------
-    >>> parse("csf", cloth_resolution="2")
-    {'method': 'csf', 'resolution': 2.0}
-    """
+    """Check the options, and return those that were given."""
     found: dict[str, Any] = {}
     for name, text in (("resolution", cloth_resolution), ("threshold", cloth_threshold)):
         found |= {} if text is None else {name: parse_length(f"--cloth-{name}", text)}
@@ -88,49 +67,13 @@ def parse(
 
 
 def parted(selection: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Part the conditions on rows: classes count only once there are some.
-
-    Parameters
-    ----------
-    selection : mapping
-        Options of `liftmesh.read`.
-
-    Returns
-    -------
-    first, later : dict
-        The conditions for reading, all classes among them, and those for afterwards.
-
-    Examples
-    --------
-    >>> parted({"every": 2})
-    ({'every': 2, 'classes': 'all'}, {'classes': 2})
-    """
+    """Part the conditions on rows: classes count only once there are some."""
     later = {"classes": selection.get("classes", _GROUND)}
     return {**selection, "classes": "all"}, later
 
 
 def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, Any]) -> Cloud:
-    """Classify a cloud and select the ground; say on stderr what was found.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The rows.
-    ground : mapping
-        As `parse` returns it.
-    selection : mapping
-        The classes to keep.
-
-    Returns
-    -------
-    Cloud
-        The rows of these classes.
-
-    Raises
-    ------
-    InputError
-        Coordinates are degrees, no row is ground, or no row is left.
-    """
+    """Classify a cloud and select the ground; say on stderr what was found."""
     from liftmesh.io.selection import Selector, checked, selected  # noqa: PLC0415 - help does without
     from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
 

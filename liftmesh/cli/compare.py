@@ -70,27 +70,7 @@ def run(
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
-    """Compare the hulls, write the requested files, and print the result.
-
-    Parameters
-    ----------
-    source : Path
-        IN.
-    q, plane, nonfinite : str
-        As in `liftmesh.compare`.
-    lower, hull : Path, optional
-        Files to write.
-    proofs : str
-        Maximum number of proofs.
-    source_format : str, optional
-        Format of IN, instead of its suffix.
-    table, selection : dict
-        Options of tables and of the rows to read, as in `liftmesh.read`.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    json : bool
-        Print JSON.
-    """
+    """Compare the hulls, write the requested files, and print the result."""
     standard_streams.check_stdout()
     vertex, frame = options.parse_q(q), options.parse_plane(plane)
     limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)

@@ -17,20 +17,7 @@ _PROGRAM = {"prog_name": "liftmesh", "complete_var": "_LIFTMESH_COMPLETE"}
 
 
 def complete(option: str, names: Sequence[str]) -> None:
-    """Print the script that completes commands in a shell, or install it.
-
-    Parameters
-    ----------
-    option : str
-        ``--show-completion`` or ``--install-completion``.
-    names : sequence of str
-        What follows it: the name of a shell, or nothing.
-
-    Raises
-    ------
-    typer.BadParameter
-        There is no script for this shell, or more follows.
-    """
+    """Print the script that completes commands in a shell, or install it."""
     shell = names[0] if names else _detected()
     if len(names) > 1 or shell not in SHELLS:
         said = " ".join(names) or shell or "a shell that is not known"

@@ -56,19 +56,7 @@ def run(
     reading: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a surface, find its contours, write them, and say how many there are.
-
-    Parameters
-    ----------
-    source, target : Path
-        IN and OUT.
-    interval, levels, base, index_every, min_length : str
-        As in `Surface.contours` and `Contours.longer_than`.
-    reading : Reading
-        How surfaces are read and trimmed.
-    json : bool
-        Print JSON.
-    """
+    """Read a surface, find its contours, write them, and say how many there are."""
     from liftmesh.terrain.contours import check_name, length_of  # noqa: PLC0415 - help and --version do without
 
     standard_streams.check_stdout()

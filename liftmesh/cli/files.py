@@ -48,31 +48,7 @@ def read(
     color_depth: int | None = None,
     selection: Mapping[str, Any] = MappingProxyType({}),
 ) -> Cloud:
-    """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    file_format : str, optional
-        Its format; by default that of its suffix.
-    max_bytes, color_depth : int, optional
-        As in `liftmesh.read`.
-    table, selection : mapping
-        Options of tables and of the rows to read, as in `liftmesh.read`.
-
-    Returns
-    -------
-    Cloud
-        The cloud.
-
-    Raises
-    ------
-    FormatError
-        The format is unknown, or the file is invalid.
-    typer.BadParameter
-        The path is stdin, and no format is given.
-    """
+    """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read."""
     if is_stream(path) and file_format is None:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     source = sys.stdin.buffer if is_stream(path) else path
@@ -107,23 +83,7 @@ def read_ground(
     color_depth: int | None = None,
     selection: Mapping[str, Any] = MappingProxyType({}),
 ) -> Cloud:
-    """Read the rows of a surface: of lidar the ground, and none that are withheld, unless asked.
-
-    Parameters
-    ----------
-    path, file_format, max_bytes, table, color_depth, selection
-        As for `read`.
-
-    Returns
-    -------
-    Cloud
-        The cloud.
-
-    Raises
-    ------
-    FormatError, typer.BadParameter
-        As for `read`.
-    """
+    """Read the rows of a surface: of lidar the ground, and none that are withheld, unless asked."""
     from liftmesh.io.surface_rows import for_surface  # noqa: PLC0415 - help does without
 
     selection = for_surface(path, selection, file_format)
@@ -163,20 +123,7 @@ def without_warnings() -> Iterator[None]:
 
 
 def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
-    """Return what is worth knowing about how a file was read.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        What was read.
-    is_transformed : bool
-        Whether the caller chose its coordinate system.
-
-    Returns
-    -------
-    tuple of str
-        Sentences: which rows were selected, and of a table the names of the columns.
-    """
+    """Return what is worth knowing about how a file was read."""
     from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - as above
 
     first = (*_about_rows(cloud), *systems.notes(cloud, is_transformed=is_transformed))
@@ -205,40 +152,13 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
 
 
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
-    """Return the parts of a file that its reader named as not read, with their counts.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        What was read.
-
-    Returns
-    -------
-    tuple of str
-        The parts; metadata from the file itself is no tuple.
-    """
+    """Return the parts of a file that its reader named as not read, with their counts."""
     skipped = cloud.metadata.get("skipped")
     return skipped if isinstance(skipped, tuple) else ()
 
 
 def listed(names: Sequence[str]) -> str:
-    """List names for a message; a file can hold any number of them.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The names.
-
-    Returns
-    -------
-    str
-        The first few, shortened, and how many more there are.
-
-    Examples
-    --------
-    >>> listed(["faces", "texture"])
-    'faces, texture'
-    """
+    """List names for a message; a file can hold any number of them."""
     from liftmesh.io.text_tables import shortened  # noqa: PLC0415 - help does without
 
     shown = ", ".join(shortened(each, _LONGEST) for each in names[:_MOST_LISTED])
@@ -259,13 +179,7 @@ def _about_reading(name: str) -> Iterator[None]:
 
 @contextmanager
 def about(path: Path) -> Iterator[None]:
-    """Add the file's name to errors about its rows and its values.
-
-    Parameters
-    ----------
-    path : Path
-        The file of the rows.
-    """
+    """Add the file's name to errors about its rows and its values."""
     try:
         yield
     except InputError as error:
@@ -276,66 +190,17 @@ def about(path: Path) -> Iterator[None]:
 
 
 def is_about_rows(error: InputError) -> bool:
-    """Whether an error is about the rows of a file.
-
-    Parameters
-    ----------
-    error : InputError
-        The error.
-
-    Returns
-    -------
-    bool
-        False if it is about an option, say.
-
-    Examples
-    --------
-    >>> is_about_rows(InputError("row 3 is [nan, 0, 0]"))
-    True
-    """
+    """Whether an error is about the rows of a file."""
     return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
 
 
 def is_stream(path: Path) -> bool:
-    """Whether a path denotes a standard stream.
-
-    Parameters
-    ----------
-    path : Path
-        As given on the command line.
-
-    Returns
-    -------
-    bool
-        True for ``-``.
-
-    Examples
-    --------
-    >>> is_stream(Path("-"))
-    True
-    """
+    """Whether a path denotes a standard stream."""
     return str(path) == "-"
 
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:
-    """Raise before the work starts if a file cannot be written.
-
-    Parameters
-    ----------
-    path : Path, optional
-        The file to write, if any.
-    file_format : str, optional
-        Its format; by default that of its suffix.
-
-    Raises
-    ------
-    FormatError
-        The format is unknown or cannot be written.
-    OSError
-        The path cannot be written, see `check_place`.
-    typer.BadParameter
-        There is neither a format nor a suffix.
-    """
+    """Raise before the work starts if a file cannot be written."""
     from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - as above
 
     if path is None:
@@ -353,26 +218,7 @@ def check_target(path: Path | None, file_format: str | None = None) -> None:
 def check_content(
     path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
 ) -> None:
-    """Raise before the work starts if a file cannot hold what a mesh of these rows would have.
-
-    Parameters
-    ----------
-    path : Path
-        The file to write.
-    file_format : str, optional
-        Its format; by default that of its suffix.
-    cloud : Cloud
-        The rows.
-    writing : mapping
-        Options of `liftmesh.write`; a unit that is given is not looked for.
-
-    Raises
-    ------
-    FormatError
-        A coordinate is not finite, or the format cannot hold an attribute.
-    InputError
-        A colour is outside its range.
-    """
+    """Raise before the work starts if a file cannot hold what a mesh of these rows would have."""
     from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
@@ -391,18 +237,7 @@ def check_content(
 
 
 def check_place(path: Path | None) -> None:
-    """Raise before the work starts if nothing can be written at a path.
-
-    Parameters
-    ----------
-    path : Path, optional
-        The file to write, if any; a standard stream is not checked.
-
-    Raises
-    ------
-    OSError
-        It is a folder or a read-only file, or its folder does not exist or is read-only.
-    """
+    """Raise before the work starts if nothing can be written at a path."""
     from liftmesh.io.atomic import check_writable  # noqa: PLC0415 - as above
 
     if path is not None and not is_stream(path):

@@ -11,32 +11,7 @@ from typing import Any
 def taking(
     name: str, parse: Callable[..., Any]
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Make a decorator that gives a command a group of options in place of one parameter.
-
-    Parameters
-    ----------
-    name : str
-        The parameter of the command.
-    parse : callable
-        Its parameters are the options; what it returns becomes the parameter.
-
-    Returns
-    -------
-    callable
-        The decorator of commands as typer sees them, or of other groups; several can follow each
-        other. An option that the command has itself, under the same name, is not taken from the
-        group.
-
-    Examples
-    --------
-    >>> def parse(words: str = "", count: int = 0) -> dict:
-    ...     return {"words": words, "count": count}
-    >>> @taking("table", parse)
-    ... def run(path: str, table: dict) -> None:
-    ...     print(path, table)
-    >>> run(path="a.csv", count=2)
-    a.csv {'words': '', 'count': 2}
-    """
+    """Make a decorator that gives a command a group of options in place of one parameter."""
     options = inspect.signature(parse, eval_str=True).parameters
 
     def decorate(run: Callable[..., Any]) -> Callable[..., Any]:

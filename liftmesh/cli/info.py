@@ -38,21 +38,7 @@ def run(
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
-    """Read a file and print its summary.
-
-    Parameters
-    ----------
-    source : Path
-        FILE.
-    source_format : str, optional
-        Format of FILE, instead of its suffix.
-    table, selection : dict
-        Options of tables and of the rows to read, as in `liftmesh.read`.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    json : bool
-        Print JSON.
-    """
+    """Read a file and print its summary."""
     standard_streams.check_stdout()
     limit = options.parse_size(max_bytes)
     cloud = files.read(source, source_format, limit, table, selection=selection)
@@ -128,11 +114,7 @@ def _measures(summary: Summary) -> list[tuple[str, str]]:
 
 
 def _decimals(scale: float) -> int:
-    """Count the decimals that multiples of a scale have.
-
-    >>> _decimals(0.001), _decimals(0.25), _decimals(1.0000000000000002e-06), _decimals(100.0)
-    (3, 2, 6, 0)
-    """
+    """Count the decimals that multiples of a scale have."""
     exponent = Decimal(f"{scale:.6g}").normalize().as_tuple().exponent
     return min(max(0, -int(exponent)), _MOST_DECIMALS)
 

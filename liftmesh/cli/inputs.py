@@ -22,18 +22,7 @@ _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
 def check_once(sources: Sequence[Path]) -> None:
-    """Raise if a file is given twice.
-
-    Parameters
-    ----------
-    sources : sequence of Path
-        The files.
-
-    Raises
-    ------
-    typer.BadParameter
-        A file is given twice.
-    """
+    """Raise if a file is given twice."""
     known: dict[object, Path] = {}
     for each in sources:
         before = known.setdefault(_identity(each), each)
@@ -54,28 +43,7 @@ def _identity(path: Path) -> object:
 def merged(
     sources: Sequence[Path], read: Callable[..., Cloud], selection: Mapping[str, Any]
 ) -> Cloud:
-    """Read files and merge them; say on stderr how many rows each adds.
-
-    Parameters
-    ----------
-    sources : sequence of Path
-        The files.
-    read : callable
-        Reads one, and takes ``selection=``.
-    selection : mapping
-        Options of `liftmesh.read`; of several files, ``crs`` is the system of those that state
-        none.
-
-    Returns
-    -------
-    Cloud
-        The cloud of the file, or of all.
-
-    Raises
-    ------
-    InputError
-        Two have different coordinate systems, only some have ground, or no row is selected.
-    """
+    """Read files and merge them; say on stderr how many rows each adds."""
     from liftmesh.io.surface_rows import check_some  # noqa: PLC0415 - help does without
 
     if len(sources) == 1:
@@ -125,15 +93,7 @@ def _say_parts(cloud: Cloud) -> None:
 
 @contextmanager
 def about(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
-    """Add the file's name to errors about rows, and count the row in that file.
-
-    Parameters
-    ----------
-    sources : sequence of Path
-        The files of the rows.
-    cloud : Cloud
-        The rows.
-    """
+    """Add the file's name to errors about rows, and count the row in that file."""
     if len(sources) == 1:
         with files.about(sources[0]):
             yield
@@ -155,11 +115,7 @@ def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:
 
 
 def _of_file(row: int, starts: Sequence[tuple[str, int]]) -> str:
-    """Say which row of which file a row of all is.
-
-    >>> _of_file(5, [("a.csv", 3), ("b.csv", 4)])
-    'row 2 of b.csv'
-    """
+    """Say which row of which file a row of all is."""
     for name, count in starts:
         if row < count:
             return f"row {row} of {name}"

@@ -26,26 +26,7 @@ _OVERLAP = 12  # the class of overlap, in files without a flag for it
 
 
 def counted(cloud: Cloud) -> dict[str, Any]:
-    """Count classes, returns and flags.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Any cloud.
-
-    Returns
-    -------
-    dict
-        "classes" and "returns": rows by number; flags: rows that have them. Empty if the cloud has
-        none of these values.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from liftmesh.cloud import Cloud
-    >>> counted(Cloud(np.eye(3), attributes={"classification": np.array([2, 2, 9], np.uint8)}))
-    {'classes': {2: 2, 9: 1}}
-    """
+    """Count classes, returns and flags."""
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
     from liftmesh.io.surface_rows import bytes_of, classes_of  # noqa: PLC0415 - as above
@@ -98,25 +79,7 @@ def _as_date(seconds: float) -> str | float:
 
 
 def provenance(held: Cloud | Surface) -> dict[str, Any]:
-    """Return for JSON which classes the rows of a cloud or a surface are of, and their way here.
-
-    Parameters
-    ----------
-    held : Cloud or Surface
-        The rows.
-
-    Returns
-    -------
-    dict
-        "classes", rows by number, and "transformation", None if there was none.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from liftmesh.cloud import Cloud
-    >>> provenance(Cloud(np.eye(3)))
-    {'classes': {}, 'transformation': None}
-    """
+    """Return for JSON which classes the rows of a cloud or a surface are of, and their way here."""
     from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - help and --version do without
     from liftmesh.transformation import told_of  # noqa: PLC0415 - as above
 
@@ -125,23 +88,7 @@ def provenance(held: Cloud | Surface) -> dict[str, Any]:
 
 
 def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
-    """Describe the counts in lines of a table.
-
-    Parameters
-    ----------
-    found : dict
-        As `counted` returns it.
-
-    Returns
-    -------
-    list of (str, str)
-        Title and text of each line.
-
-    Examples
-    --------
-    >>> lines({"classes": {2: 1000}, "withheld": 3})
-    [('classes', '2 ground 1,000'), ('flags', 'withheld 3')]
-    """
+    """Describe the counts in lines of a table."""
     rows = []
     if classes := found.get("classes"):
         words = (f"{k} {CLASSES.get(k, '')} {n:,}".replace("  ", " ") for k, n in classes.items())
@@ -166,26 +113,7 @@ def lines(found: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def flagged(cloud: Cloud) -> str:
-    """Say which rows a surface keeps though a flag may speak against them; "" if there are none.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The rows of the surface.
-
-    Returns
-    -------
-    str
-        The sentence.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from liftmesh.cloud import Cloud
-    >>> flags = {"synthetic": np.array([1, 0, 0], np.uint8)}
-    >>> flagged(Cloud(np.eye(3), attributes=flags, metadata={"las": {}}))
-    'among them 1 synthetic'
-    """
+    """Say which rows a surface keeps though a flag may speak against them; "" if there are none."""
     if "las" not in cloud.metadata:
         return ""
     found = counted(cloud)

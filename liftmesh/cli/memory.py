@@ -4,25 +4,7 @@ from __future__ import annotations
 
 
 def out_of_memory(error: BaseException | None) -> bool:
-    """Whether an exception is due to lack of memory.
-
-    Parameters
-    ----------
-    error : BaseException, optional
-        The exception; that of a compiled module that cannot be loaded is recognised by its message.
-
-    Returns
-    -------
-    bool
-        True also if lack of memory is the cause of another exception.
-
-    Examples
-    --------
-    >>> out_of_memory(ImportError("a.so: failed to map segment from shared object"))
-    True
-    >>> out_of_memory(RuntimeError("std::bad_alloc"))
-    True
-    """
+    """Whether an exception is due to lack of memory."""
     if error is None:
         return False
     words = (

@@ -87,28 +87,7 @@ Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON ob
 
 
 def parse_plane(text: str) -> Any:
-    """Parse the value of ``--plane`` to an argument of `liftmesh.triangulate`.
-
-    Parameters
-    ----------
-    text : str
-        A name, three or four numbers separated by commas, or a path.
-
-    Returns
-    -------
-    str, tuple of float or (4, 4) ndarray
-        The plane.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is not one of these, or the file does not hold a 4x4 matrix.
-
-    Examples
-    --------
-    >>> parse_plane("0,0,1")
-    (0.0, 0.0, 1.0)
-    """
+    """Parse the value of ``--plane`` to an argument of `liftmesh.triangulate`."""
     if text in {"xy", "xz", "yz", "fit"}:
         return text
     numbers = _numbers(text, 3) or _numbers(text, 4)
@@ -116,49 +95,12 @@ def parse_plane(text: str) -> Any:
 
 
 def parse_box(text: str) -> tuple[float, ...] | None:
-    """Parse a box of four numbers separated by commas.
-
-    Parameters
-    ----------
-    text : str
-        The value of an option.
-
-    Returns
-    -------
-    tuple of float, or None
-        The numbers; None if it is anything else.
-
-    Examples
-    --------
-    >>> parse_box("0,0,2,1"), parse_box("city.geojson")
-    ((0.0, 0.0, 2.0, 1.0), None)
-    """
+    """Parse a box of four numbers separated by commas."""
     return _numbers(text, 4)
 
 
 def parse_q(text: str) -> Any:
-    """Parse the value of ``--q`` to an argument q of `liftmesh`.
-
-    Parameters
-    ----------
-    text : str
-        A name, or two numbers separated by a comma.
-
-    Returns
-    -------
-    str or tuple of float
-        The vertex of the paraboloid.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is neither.
-
-    Examples
-    --------
-    >>> parse_q("1.5,-2")
-    (1.5, -2.0)
-    """
+    """Parse the value of ``--q`` to an argument q of `liftmesh`."""
     if text in {"median", "origin"}:
         return text
     numbers = _numbers(text, 2)
@@ -168,30 +110,7 @@ def parse_q(text: str) -> Any:
 
 
 def parse_member(weights: str | None, radii: str | None, metric: str | None) -> dict[str, Any]:
-    """Parse the options that say by what points are lifted.
-
-    Parameters
-    ----------
-    weights, radii : str, optional
-        Names of values.
-    metric : str, optional
-        A,B,C.
-
-    Returns
-    -------
-    dict
-        The option that was given, if any: a name, or the matrix of a metric.
-
-    Raises
-    ------
-    typer.BadParameter
-        Several are given, or the metric is none.
-
-    Examples
-    --------
-    >>> parse_member(None, None, "2,0.5,1")
-    {'metric': ((2.0, 0.5), (0.5, 1.0))}
-    """
+    """Parse the options that say by what points are lifted."""
     options = {"weights": weights, "radii": radii, "metric": parse_metric(metric)}
     given = {name: each for name, each in options.items() if each is not None}
     if len(given) > 1:
@@ -200,28 +119,7 @@ def parse_member(weights: str | None, radii: str | None, metric: str | None) -> 
 
 
 def parse_metric(text: str | None) -> Any:
-    """Parse the value of ``--metric``, before the work starts.
-
-    Parameters
-    ----------
-    text : str, optional
-        Three numbers separated by commas: a, b and c.
-
-    Returns
-    -------
-    tuple of tuple of float, or None
-        The matrix; None without an option.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is not three numbers, or they are not positive definite.
-
-    Examples
-    --------
-    >>> parse_metric("2,0.5,1")
-    ((2.0, 0.5), (0.5, 1.0))
-    """
+    """Parse the value of ``--metric``, before the work starts."""
     if text is None:
         return None
     numbers = _numbers(text, 3)
@@ -238,31 +136,7 @@ def parse_metric(text: str | None) -> Any:
 
 
 def parse_size(text: str | None, option: str = "--max-bytes") -> int | None:
-    """Parse the value of an option that is a size.
-
-    Parameters
-    ----------
-    text : str, optional
-        A whole number of bytes, or of the unit that follows it: k, M, G or T, decimal as in the
-        output of the commands.
-    option : str
-        The option, for the message.
-
-    Returns
-    -------
-    int or None
-        Number of bytes; None without an option.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is not a size from 1 byte.
-
-    Examples
-    --------
-    >>> parse_size("500M")
-    500000000
-    """
+    """Parse the value of an option that is a size."""
     if text is None:
         return None
     found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
@@ -273,32 +147,7 @@ def parse_size(text: str | None, option: str = "--max-bytes") -> int | None:
 
 
 def parse_count(option: str, text: str, least: int) -> int:
-    """Parse the value of an option that is a whole number.
-
-    Parameters
-    ----------
-    option : str
-        The option, for the message.
-    text : str
-        The number.
-    least : int
-        The least number allowed.
-
-    Returns
-    -------
-    int
-        The number.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is no whole number, or the number is too small.
-
-    Examples
-    --------
-    >>> parse_count("--proofs", "4", 0)
-    4
-    """
+    """Parse the value of an option that is a whole number."""
     try:
         return as_count(option, _whole(text), least)
     except InputError as error:
@@ -306,30 +155,7 @@ def parse_count(option: str, text: str, least: int) -> int:
 
 
 def parse_length(option: str, text: str) -> float:
-    """Parse a positive number, before the work starts.
-
-    Parameters
-    ----------
-    option : str
-        The option, for the message.
-    text : str
-        The number.
-
-    Returns
-    -------
-    float
-        The number.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is no positive number.
-
-    Examples
-    --------
-    >>> parse_length("--cell", "0.5")
-    0.5
-    """
+    """Parse a positive number, before the work starts."""
     try:
         value = float(text)
     except ValueError:
@@ -345,28 +171,7 @@ def _whole(text: str) -> int | str:
 
 
 def parse_threads(text: str | None) -> int | None:
-    """Parse the value of ``--threads``, before the work starts.
-
-    Parameters
-    ----------
-    text : str, optional
-        The number; by default that of the environment or of the cores.
-
-    Returns
-    -------
-    int, optional
-        The number.
-
-    Raises
-    ------
-    typer.BadParameter
-        The number, or that of the environment, is not between 1 and 1024.
-
-    Examples
-    --------
-    >>> parse_threads("2")
-    2
-    """
+    """Parse the value of ``--threads``, before the work starts."""
     threads: Any = None if text is None else _whole(text)
     from liftmesh.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
     from liftmesh.threads import as_threads  # noqa: PLC0415 - as above
@@ -380,28 +185,7 @@ def parse_threads(text: str | None) -> int | None:
 
 
 def parse_color_depth(text: str | None) -> int | None:
-    """Parse the value of ``--color-depth``, before the work starts.
-
-    Parameters
-    ----------
-    text : str, optional
-        The depth; by default the values of the colours decide.
-
-    Returns
-    -------
-    int, optional
-        The depth.
-
-    Raises
-    ------
-    typer.BadParameter
-        It is not 8, 16, 32 or 64.
-
-    Examples
-    --------
-    >>> parse_color_depth("16")
-    16
-    """
+    """Parse the value of ``--color-depth``, before the work starts."""
     from liftmesh.color_depth import DEPTHS  # noqa: PLC0415 - help and --version do without
 
     depth = None if text is None else _whole(text)

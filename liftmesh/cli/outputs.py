@@ -35,28 +35,7 @@ def parse(
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
-    """Check the options of formats, and return those that were given.
-
-    Parameters
-    ----------
-    scale, point_format, unit : str, optional
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.write`.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have.
-
-    Examples
-    --------
-    >>> parse(scale="0.001")
-    {'scale': 0.001}
-    """
+    """Check the options of formats, and return those that were given."""
     found: dict[str, Any] = {}
     found |= {} if scale is None else {"scale": parse_length("--scale", scale)}
     if point_format is not None:
@@ -65,22 +44,7 @@ def parse(
 
 
 def check_options(target: Path, target_format: str | None, options: Mapping[str, Any]) -> None:
-    """Raise before the work starts if a format has no such options.
-
-    Parameters
-    ----------
-    target : Path
-        The file to write.
-    target_format : str, optional
-        Its format; by default that of its suffix.
-    options : mapping
-        As `parse` returns them.
-
-    Raises
-    ------
-    typer.BadParameter
-        The format does not take one of them.
-    """
+    """Raise before the work starts if a format has no such options."""
     if not options:
         return
     from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - help does without
@@ -98,29 +62,7 @@ def check_options(target: Path, target_format: str | None, options: Mapping[str,
 def write(
     path: Path, mesh: Any, file_format: str | None = None, options: Mapping[str, Any] = _NONE
 ) -> Written:
-    """Write a mesh, or to stdout if the path is ``-``.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    mesh : Cloud or object with vertices and faces
-        The mesh.
-    file_format : str, optional
-        Its format; by default that of its suffix.
-    options : mapping
-        As `parse` returns them.
-
-    Returns
-    -------
-    Written
-        Summary of what was written.
-
-    Raises
-    ------
-    FormatError
-        The file cannot be written.
-    """
+    """Write a mesh, or to stdout if the path is ``-``."""
     from liftmesh.io import places, writing  # noqa: PLC0415 - help and --version do without
 
     if not is_stream(path):
@@ -133,13 +75,7 @@ def write(
 
 @contextmanager
 def stdout_of_bytes() -> Iterator[BinaryIO]:
-    """Open stdout for a file, unless a signal came.
-
-    Yields
-    ------
-    binary stream
-        A separate one: an unbuffered sys.stdout may write a part without an error.
-    """
+    """Open stdout for a file, unless a signal came."""
     with terminal.stage("writing stdout"):
         check()
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
@@ -147,26 +83,7 @@ def stdout_of_bytes() -> Iterator[BinaryIO]:
 
 
 def headline(written: Written, content: str) -> str:
-    """Say in a line what was written, and how the file differs from the mesh.
-
-    Parameters
-    ----------
-    written : Written
-        The summary.
-    content : str
-        What the file holds, with counts.
-
-    Returns
-    -------
-    str
-        The line.
-
-    Examples
-    --------
-    >>> from liftmesh.io.writing import Written
-    >>> headline(Written(None, "stl", 684, origin=(450000.0, 5200000.0, 0.0)), "12 triangles")
-    '-: 12 triangles, 684 B; float32, so the origin (450000, 5200000, 0) was subtracted'
-    """
+    """Say in a line what was written, and how the file differs from the mesh."""
     line = f"{written.path or '-'}: {content}, {terminal.bytes_text(written.bytes)}"
     if written.dropped:
         line += f"; {written.format} does not keep {', '.join(written.dropped)}"
@@ -179,24 +96,7 @@ def headline(written: Written, content: str) -> str:
 
 
 def values(written: Written) -> dict[str, Any]:
-    """Return what `--json` prints of a file that was written.
-
-    Parameters
-    ----------
-    written : Written
-        The summary.
-
-    Returns
-    -------
-    dict
-        Its path, format, bytes, origin, and what was dropped and renamed.
-
-    Examples
-    --------
-    >>> from liftmesh.io.writing import Written
-    >>> values(Written(None, "ply", 684, origin=None))["path"]
-    '-'
-    """
+    """Return what `--json` prints of a file that was written."""
     return {
         "path": str(written.path or "-"),
         "format": written.format,

@@ -31,26 +31,7 @@ _OPTION = inspect.Parameter(
 
 
 def guards(*outputs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Make a decorator that gives a command ``--overwrite``, and checks what it would replace.
-
-    Parameters
-    ----------
-    *outputs : str
-        The parameters that are files to write. All others that name a file are inputs.
-
-    Returns
-    -------
-    callable
-        The outermost decorator of a command, whose check precedes all others.
-
-    Examples
-    --------
-    >>> @guards("target")
-    ... def run(source: Path, target: Path) -> None:
-    ...     print(source, target)
-    >>> run(source=Path("a.ply"), target=Path("b.ply"))
-    a.ply b.ply
-    """
+    """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
 
     def decorate(run: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(run)
@@ -70,22 +51,7 @@ def guards(*outputs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
 
 
 def check(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bool = True) -> None:
-    """Raise before the work starts if a file would be lost.
-
-    Parameters
-    ----------
-    targets : sequence of Path
-        The files to write; standard streams, pipes and devices hold nothing that can be lost.
-    inputs : iterable of Path
-        The files and folders that are read.
-    overwrite : bool
-        Whether other files are replaced.
-
-    Raises
-    ------
-    typer.BadParameter
-        Two outputs are one file, an output is an input, or a file exists and may not be replaced.
-    """
+    """Raise before the work starts if a file would be lost."""
     files = [each for each in targets if not is_stream(each)]
     for one, other in combinations(files, 2):
         if os.path.realpath(one) == os.path.realpath(other):

@@ -107,25 +107,7 @@ def run(
         str | None, typer.Option(metavar="TEXT", help="Description of the machine.")
     ] = None,
 ) -> None:
-    """Measure the missing sets of points, write all files, and print the tables.
-
-    Parameters
-    ----------
-    out : Path, optional
-        DIR.
-    quick : bool
-        Small sizes, one seed.
-    seeds : str, optional
-        Number of random sets of each size.
-    table : {"5.1", "5.2", "both"}
-        The tables to measure.
-    sizes : list of str, optional
-        Numbers of points.
-    figures : bool
-        Whether to draw the figures.
-    machine : str, optional
-        Description of the machine.
-    """
+    """Measure the missing sets of points, write all files, and print the tables."""
     from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without
 
     if figures:

@@ -68,21 +68,7 @@ def run(
     reading: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a surface and lines, drape them over it, write them, and say what was found.
-
-    Parameters
-    ----------
-    source, target : Path
-        IN and OUT.
-    along : list of str
-        A file, or the corners of one line.
-    target_format : str, optional
-        Format, instead of the suffix.
-    reading : Reading
-        How surfaces are read and trimmed.
-    json : bool
-        Print JSON.
-    """
+    """Read a surface and lines, drape them over it, write them, and say what was found."""
     corners = _corners(along)
     path = None if corners else Path(along[0])
     if json:

@@ -50,46 +50,12 @@ _SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are
 
 
 def of_reading(name: str) -> str:
-    """Return the option of the command line for one of `liftmesh.read`.
-
-    Parameters
-    ----------
-    name : str
-        The option of `liftmesh.read`.
-
-    Returns
-    -------
-    str
-        With its dashes.
-
-    Examples
-    --------
-    >>> of_reading("skip_rows"), of_reading("crs"), of_reading("header")
-    ('--skip-rows', '--from-crs', '--no-header')
-    """
+    """Return the option of the command line for one of `liftmesh.read`."""
     return _option(_OF_READING.get(name, name))
 
 
 def as_on_command_line(message: str) -> str:
-    """Replace Python options in a message by those of the command line.
-
-    Parameters
-    ----------
-    message : str
-        A message of the library.
-
-    Returns
-    -------
-    str
-        The message for people who gave options to a command.
-
-    Examples
-    --------
-    >>> as_on_command_line("coordinates are degrees: transform them with to_crs=")
-    'coordinates are degrees: transform them with --to-crs'
-    >>> as_on_command_line("more than 32 bits in steps of scale=1e-09: give a larger one")
-    'more than 32 bits in steps of --scale 1e-09: give a larger one'
-    """
+    """Replace Python options in a message by those of the command line."""
     for phrase, words in _PHRASES.items():
         message = message.replace(phrase, words)
     message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too

@@ -78,31 +78,7 @@ def run(
     reading: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a surface, compute a raster, write it, and say what it holds.
-
-    Parameters
-    ----------
-    source, target : Path
-        IN and OUT.
-    resolution : str
-        A number, or two.
-    bounds : str, optional
-        Four numbers.
-    quantity, method : str
-        As in `Surface.raster`.
-    z_factor : str, optional
-        As in `Surface.raster`.
-    double, cog : bool
-        The type of the values; the kind of file.
-    compress : str
-        As in `Raster.save`.
-    crs : str, optional
-        The surface's, which states no other.
-    reading : Reading
-        How surfaces are read and trimmed.
-    json : bool
-        Print JSON.
-    """
+    """Read a surface, compute a raster, write it, and say what it holds."""
     from liftmesh.terrain.raster import check_name  # noqa: PLC0415 - help and --version do without
 
     standard_streams.check_stdout()

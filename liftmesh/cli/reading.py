@@ -16,21 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reading:
-    """How surfaces are read.
-
-    Parameters
-    ----------
-    file_format : str, optional
-        The format, instead of the suffix.
-    plane : object
-        As parsed.
-    nonfinite : str
-        As for `liftmesh.triangulate`.
-    threads, max_bytes : int, optional
-        As for `liftmesh.triangulate` and `liftmesh.read`.
-    trimming, table, selection : dict
-        Options of `Surface.trim`, and of `liftmesh.read`.
-    """
+    """How surfaces are read."""
 
     file_format: str | None
     plane: Any
@@ -47,18 +33,7 @@ class Reading:
         return self.trimming.get("polygon")
 
     def untrimmed(self, path: Path) -> Surface:
-        """Read a file as a surface.
-
-        Parameters
-        ----------
-        path : Path
-            The file.
-
-        Returns
-        -------
-        Surface
-            The whole surface.
-        """
+        """Read a file as a surface."""
         return surfaces.read(
             path,
             self.file_format,
@@ -71,18 +46,7 @@ class Reading:
         )
 
     def surface(self, path: Path) -> Surface:
-        """Read a file as a surface and trim it.
-
-        Parameters
-        ----------
-        path : Path
-            The file.
-
-        Returns
-        -------
-        Surface
-            What is left.
-        """
+        """Read a file as a surface and trim it."""
         return trimmed(self.untrimmed(path), self.trimming)
 
 
@@ -99,18 +63,7 @@ def parse(
     selection: Any = None,
     max_bytes: options.MaxBytes = None,
 ) -> Reading:
-    """Check the options.
-
-    Parameters
-    ----------
-    source_format, plane, nonfinite, trimming, threads, table, selection, max_bytes
-        The options of the command line.
-
-    Returns
-    -------
-    Reading
-        What they say.
-    """
+    """Check the options."""
     frame, count = options.parse_plane(plane), options.parse_threads(threads)
     limit = options.parse_size(max_bytes)
     return Reading(source_format, frame, nonfinite, count, limit, trimming, table, selection)

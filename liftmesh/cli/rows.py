@@ -63,28 +63,7 @@ def parse(
         ),
     ] = None,
 ) -> dict[str, Any]:
-    """Check the conditions on rows, and return those that were given.
-
-    Parameters
-    ----------
-    classes, returns, bbox, z_range, every, withheld, resolution, band, from_crs, to_crs
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.read`.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have.
-
-    Examples
-    --------
-    >>> parse(classes="2,9", bbox="0,0,10,10", every="3")
-    {'classes': [2, 9], 'bbox': [0.0, 0.0, 10.0, 10.0], 'every': 3}
-    """
+    """Check the conditions on rows, and return those that were given."""
     given: dict[str, Any] = {}
     if classes is not None:
         given["classes"] = _classes(classes)

@@ -72,29 +72,7 @@ def run(
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
-    """Read a surface and points, write the points with heights, and say how many have one.
-
-    Parameters
-    ----------
-    source, target, at : Path
-        IN, OUT and the points.
-    method : str
-        As in `Surface.sample`.
-    nonfinite : str
-        As in `liftmesh.triangulate`.
-    source_format, target_format : str, optional
-        Formats, instead of the suffixes.
-    trimming : dict
-        As for `Surface.trim`.
-    threads : str, optional
-        As in `liftmesh.triangulate`.
-    table, selection : dict
-        Options of tables and of the rows of IN to read, as in `liftmesh.read`.
-    max_bytes : str, optional
-        Limit of what a file may expand to.
-    json : bool
-        Print JSON.
-    """
+    """Read a surface and points, write the points with heights, and say how many have one."""
     if json:
         standard_streams.check_stdout()
     count, limit = options.parse_threads(threads), options.parse_size(max_bytes)
@@ -164,10 +142,7 @@ def _sampled(
 
 
 class _EmptyFields:
-    """A stream of lines of CSV or TSV in which fields that are NaN become empty.
-
-    The first line has the names of columns, which stay as they are.
-    """
+    """A stream of lines of CSV or TSV in which fields that are NaN become empty."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream

@@ -10,24 +10,7 @@ SHAPES = {".geojson", ".json", ".gpkg"}
 
 
 def is_cloud(path: Path) -> bool:
-    """Whether a file is a table or a cloud, by its suffix, and not one of shapes.
-
-    Parameters
-    ----------
-    path : Path
-        A file of points or lines.
-
-    Returns
-    -------
-    bool
-        False for GeoJSON, which a file without a suffix is taken for, for GeoPackages, and for
-        what is no format of points.
-
-    Examples
-    --------
-    >>> is_cloud(Path("points.csv")), is_cloud(Path("points.geojson"))
-    (True, False)
-    """
+    """Whether a file is a table or a cloud, by its suffix, and not one of shapes."""
     from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
 
     if path.suffix.lower() in SHAPES or not path.suffix:

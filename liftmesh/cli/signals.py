@@ -38,15 +38,7 @@ class Terminated(BaseException):
 
 
 class Ending:
-    """The signal that ends a command, if any.
-
-    Attributes
-    ----------
-    number : int, optional
-        The first signal.
-    decided : bool
-        Set once the command is over: handlers no longer raise.
-    """
+    """The signal that ends a command, if any."""
 
     def __init__(self, *, is_final: bool) -> None:
         self.number: int | None = None

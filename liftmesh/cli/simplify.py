@@ -85,33 +85,7 @@ def run(
     writing: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a cloud, simplify its surface, write the mesh, and print a report.
-
-    Parameters
-    ----------
-    sources, target : Path
-        IN... and OUT.
-    max_error, max_points : str, optional
-        As in `liftmesh.simplify`.
-    tolerance : str, optional
-        `max_error` by another name.
-    prune : bool
-        As in `liftmesh.simplify`.
-    plane, duplicates, nonfinite : str
-        As in `liftmesh.triangulate`.
-    source_format, target_format : str, optional
-        Formats, instead of the suffixes.
-    table, selection : dict
-        Options of tables and of the rows to read, as in `liftmesh.read`.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    color_depth : str, optional
-        As in `liftmesh.read`.
-    writing : dict
-        Options of the format of OUT, as in `liftmesh.write`.
-    json : bool
-        Print JSON.
-    """
+    """Read a cloud, simplify its surface, write the mesh, and print a report."""
     frame, limits = options.parse_plane(plane), _limits(max_error, tolerance, max_points)
     if json:
         standard_streams.check_stdout()

@@ -73,23 +73,7 @@ def run(
     writing: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a surface, close it, write the solid, and say how large it is.
-
-    Parameters
-    ----------
-    source, target : Path
-        IN and OUT.
-    base, thickness, longest, z_factor, pinched : str, optional
-        As in `Surface.solid`.
-    target_format : str, optional
-        Format, instead of the suffix.
-    reading : Reading
-        How surfaces are read and trimmed.
-    writing : dict
-        Options of the format of OUT, as in `liftmesh.write`.
-    json : bool
-        Print JSON.
-    """
+    """Read a surface, close it, write the solid, and say how large it is."""
     standard_streams.check_stdout()
     if (base is None) == (thickness is None):
         raise typer.BadParameter("give either --base or --thickness")

@@ -21,13 +21,7 @@ _NAMES = ("stdin", "stdout", "stderr")
 
 
 class Closed(io.TextIOBase):
-    """Stands for a closed stream.
-
-    Parameters
-    ----------
-    stream : str
-        Its name.
-    """
+    """Stands for a closed stream."""
 
     def __init__(self, stream: str) -> None:
         self._stream = stream
@@ -66,13 +60,7 @@ def open_closed() -> None:
 
 
 def check_stdout() -> None:
-    """Raise before the work starts if the result could not be printed.
-
-    Raises
-    ------
-    OSError
-        stdout was closed when the process started.
-    """
+    """Raise before the work starts if the result could not be printed."""
     if isinstance(sys.stdout, Closed):
         sys.stdout.write("")
 
@@ -89,13 +77,7 @@ def dispensable_stdout() -> Iterator[None]:
 
 @contextmanager
 def after_writing(*paths: Path | None) -> Iterator[None]:
-    """Add to an error of stdout, such as a full disk, that files were written before.
-
-    Parameters
-    ----------
-    *paths : Path, optional
-        The files, if any.
-    """
+    """Add to an error of stdout, such as a full disk, that files were written before."""
     try:
         yield
         sys.stdout.flush()

@@ -26,49 +26,7 @@ _BYTES_PER_ROW = 70
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Statistics of a cloud.
-
-    Parameters
-    ----------
-    rows, faces, not_finite : int
-        Numbers of rows, of faces, and of rows with NaN or infinity. All other values concern the
-        finite rows.
-    holds : tuple of str
-        Names of the values of each row other than its coordinates.
-    not_read : tuple of str
-        Parts of the file that are not read, with their counts.
-    columns : dict of str to str
-        Of a table, which columns are the coordinates, colours and normals.
-    notes : tuple of str
-        What is worth knowing about how a table was read.
-    lidar : dict
-        Rows by class and by return number, and those flagged, if the file says so.
-    raster : dict
-        Of a raster, its width, height, transform, band and unit, as far as it states them.
-    crs : str or None
-        Coordinate reference system, if the file states one.
-    units : tuple of (str or None)
-        Units of x, y and z as the coordinate system states them, None where it does not; empty
-        without a system that is understood.
-    minimum, maximum : tuple of float
-        Corners of the bounding box in x, y, z; empty without finite rows.
-    positions : int
-        Number of distinct planar positions.
-    duplicates : int
-        Rows equal in x, y and z to the first row at their position.
-    overhangs : int
-        Rows at another height than the first row at their position.
-    collinear : bool
-        Whether all positions lie exactly on one line (or there are fewer than three), so that no
-        triangle exists.
-    spacing : float, optional
-        Median over the positions of the planar distance to the nearest neighbour; infinite if it
-        exceeds float64, None for fewer than two positions.
-    float32_shift : float
-        Maximum change of a coordinate when it is stored as float32.
-    memory : int
-        Predicted peak memory of ``triangulate`` in bytes.
-    """
+    """Statistics of a cloud."""
 
     rows: int
     faces: int
@@ -109,25 +67,7 @@ class Summary:
 
 
 def summarise(cloud: Cloud) -> Summary:
-    """Compute the statistics of a cloud.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Any cloud, even empty or with rows that are not finite.
-
-    Returns
-    -------
-    Summary
-        The statistics.
-
-    Examples
-    --------
-    >>> from liftmesh.cloud import Cloud
-    >>> summary = summarise(Cloud(np.array([[0.0, 0, 1], [3, 0, 1], [0, 4, 1], [3, 0, 2]])))
-    >>> summary.positions, summary.overhangs, summary.spacing
-    (3, 1, 3.0)
-    """
+    """Compute the statistics of a cloud."""
     points = _finite_rows(cloud.points)
     positions = find_positions(points)
     overhangs = _overhangs(points, positions.duplicates)

@@ -39,33 +39,7 @@ def read(
     table: Any,
     selection: Any,
 ) -> Surface:
-    """Read a mesh as a surface, or a cloud, which is triangulated first.
-
-    Parameters
-    ----------
-    source : Path
-        IN.
-    file_format : str, optional
-        Its format, instead of its suffix.
-    plane : object
-        As for `liftmesh.triangulate`.
-    nonfinite : str
-        As for `liftmesh.triangulate`.
-    threads, max_bytes : int, optional
-        As for `liftmesh.triangulate` and `liftmesh.read`.
-    table, selection : mapping
-        Options of tables and of the rows to read.
-
-    Returns
-    -------
-    Surface
-        The surface.
-
-    Raises
-    ------
-    InputError
-        The faces are not those of a triangulation.
-    """
+    """Read a mesh as a surface, or a cloud, which is triangulated first."""
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
     read = partial(files.read_ground, file_format=file_format, max_bytes=max_bytes, table=table)
@@ -96,15 +70,7 @@ def _note_overhangs(source: Path, count: int) -> None:
 
 
 def note_slivers(source: Path, surface: Surface) -> None:
-    """Say on stderr how many faces are far longer than others, as between the corners of a hull.
-
-    Parameters
-    ----------
-    source : Path
-        The file of the surface.
-    surface : Surface
-        The surface.
-    """
+    """Say on stderr how many faces are far longer than others, as between the corners of a hull."""
     import numpy as np  # noqa: PLC0415 - help and --version do without
 
     points, faces = surface.triangulation.points, surface.faces
@@ -132,17 +98,7 @@ def _sides(points: Array, faces: Array) -> Array:
 
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
-    """Say on stderr that heights are taken to be in the unit of x and y where nothing says so.
-
-    Parameters
-    ----------
-    source : Path
-        The file of the surface.
-    surface : Surface or TiledSurface
-        The surface.
-    factor : float, optional
-        What the caller says that heights are to be multiplied by.
-    """
+    """Say on stderr that heights are taken to be in the unit of x and y where nothing says so."""
     from liftmesh.terrain.units import metres_of  # noqa: PLC0415 - help and --version do without
 
     if factor is None and metres_of(surface) is None:  # type: ignore[arg-type]
@@ -153,32 +109,7 @@ def note_units(source: Path, surface: Surface | TiledSurface, factor: float | No
 
 
 def parse_number(option: str, text: str | None, *, positive: bool = False) -> float | None:
-    """Parse the value of an option that is a finite number.
-
-    Parameters
-    ----------
-    option : str
-        The option, for the message.
-    text : str, optional
-        The number.
-    positive : bool
-        Whether it must be above zero.
-
-    Returns
-    -------
-    float or None
-        The number; None without an option.
-
-    Raises
-    ------
-    typer.BadParameter
-        The text is no such number.
-
-    Examples
-    --------
-    >>> parse_number("--interval", "0.5", positive=True)
-    0.5
-    """
+    """Parse the value of an option that is a finite number."""
     if text is None:
         return None
     try:

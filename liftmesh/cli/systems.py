@@ -12,21 +12,7 @@ _LONGEST = 80  # characters of a system that is not understood
 
 
 def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
-    """Say what most users do not want of a coordinate system, or that it is not understood.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        What was read.
-    is_transformed : bool
-        Whether the caller chose its coordinate system by --to-crs.
-
-    Returns
-    -------
-    tuple of str
-        Sentences: of a system in place of another one, of a transformation, of degrees, of units
-        that differ.
-    """
+    """Say what most users do not want of a coordinate system, or that it is not understood."""
     from liftmesh.crs import is_system, named, warnings_of  # noqa: PLC0415 - help does without
     from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
     from liftmesh.transformation import sentence, told_of  # noqa: PLC0415 - as above

@@ -55,28 +55,7 @@ def parse(
         ),
     ] = None,
 ) -> dict[str, Any]:
-    """Check the options of tables, and return those that were given.
-
-    Parameters
-    ----------
-    columns, flat, delimiter, decimal, skip_rows, no_header, nodata, end, encoding
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.read`.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have.
-
-    Examples
-    --------
-    >>> parse(columns="id,x,y,z", skip_rows="2")
-    {'columns': 'id,x,y,z', 'skip_rows': 2}
-    """
+    """Check the options of tables, and return those that were given."""
     words = {"columns": columns, "delimiter": delimiter, "decimal": decimal, "nodata": nodata}
     words |= {"end": end, "encoding": encoding}
     given: dict[str, Any] = {k: word for k, word in words.items() if word is not None}
@@ -96,23 +75,7 @@ def parse(
 
 
 def flat_of(path: Path) -> dict[str, bool]:
-    """Return the option that says that heights do not matter, if a file is a table.
-
-    Parameters
-    ----------
-    path : Path
-        Points in the plane, in any format.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.read`.
-
-    Examples
-    --------
-    >>> flat_of(Path("points.csv")), flat_of(Path("points.ply"))
-    ({'flat': True}, {})
-    """
+    """Return the option that says that heights do not matter, if a file is a table."""
     from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
 
     is_table = bool(path.suffix) and find_format(suffix_of(path.name), str(path)).name == "text"

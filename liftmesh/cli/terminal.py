@@ -30,13 +30,7 @@ STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "name": "cyan", ""
 
 @contextmanager
 def stage(text: str) -> Iterator[None]:
-    """Show a spinner with the current activity and its duration, on a terminal only.
-
-    Parameters
-    ----------
-    text : str
-        The activity, for example ``"reading cloud.ply"``.
-    """
+    """Show a spinner with the current activity and its duration, on a terminal only."""
     console = _console(sys.stderr)
     if console is None:
         yield
@@ -56,15 +50,7 @@ def stage(text: str) -> Iterator[None]:
 
 @contextmanager
 def reading(text: str, progress: Callable[[], tuple[int, int] | None]) -> Iterator[None]:
-    """Show how far a file is read, how fast, and the time that is left, on a terminal only.
-
-    Parameters
-    ----------
-    text : str
-        The activity, for example ``"reading cloud.ply"``.
-    progress : callable
-        Returns the bytes that are read, and those of the file; None if that is not known.
-    """
+    """Show how far a file is read, how fast, and the time that is left, on a terminal only."""
     console = _console(sys.stderr)
     if console is None:
         yield
@@ -83,15 +69,7 @@ def reading(text: str, progress: Callable[[], tuple[int, int] | None]) -> Iterat
 
 @contextmanager
 def writing(text: str, progress: Callable[[], tuple[int, None] | None]) -> Iterator[None]:
-    """Show how much of a file is written, how fast, and for how long, on a terminal only.
-
-    Parameters
-    ----------
-    text : str
-        The activity, for example ``"writing mesh.ply"``.
-    progress : callable
-        Returns the bytes that are written, and None, as nobody knows how many they will be.
-    """
+    """Show how much of a file is written, how fast, and for how long, on a terminal only."""
     console = _console(sys.stderr)
     if console is None:
         yield
@@ -139,21 +117,7 @@ def _watched(
 
 @contextmanager
 def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
-    """Show a progress bar, on a terminal only.
-
-    Parameters
-    ----------
-    total : float
-        The whole work, in any unit.
-    rows : int, default 0
-        The rows that the whole work is about, to show how many are done in a second.
-
-    Yields
-    ------
-    callable
-        Takes the current activity (empty: unchanged) and the work done since the last call, and
-        the rows if they were not known before.
-    """
+    """Show a progress bar, on a terminal only."""
     console = _console(sys.stderr)
     if console is None:
         yield lambda _text, _done, _rows=0: None
@@ -186,23 +150,7 @@ def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
 
 
 def rate_text(rows: float) -> str:
-    """Format a number of rows in a second with three digits.
-
-    Parameters
-    ----------
-    rows : float
-        The number.
-
-    Returns
-    -------
-    str
-        Empty for less than one, which is not known yet.
-
-    Examples
-    --------
-    >>> rate_text(1_234_567.8), rate_text(98_700.0), rate_text(9.0), rate_text(0.0)
-    ('1.23 M/s', '98.7 k/s', '9 /s', '')
-    """
+    """Format a number of rows in a second with three digits."""
     for unit, size in (("M", 1e6), ("k", 1e3), ("", 1.0)):
         if rows >= size:
             return f"{rows / size:.3g} {unit}/s"
@@ -210,37 +158,17 @@ def rate_text(rows: float) -> str:
 
 
 def error_line(text: str) -> None:
-    """Print an error message as one line on stderr.
-
-    Parameters
-    ----------
-    text : str
-        The message.
-    """
+    """Print an error message as one line on stderr."""
     _message("error: ", STYLES["bad"], text)
 
 
 def note(text: str) -> None:
-    """Print a line on stderr about something that is no error.
-
-    Parameters
-    ----------
-    text : str
-        The text.
-    """
+    """Print a line on stderr about something that is no error."""
     _message("note: ", "", text)
 
 
 def sentence(text: str, style: str = "") -> None:
-    """Print a paragraph on stdout, wrapped on a terminal, as one line elsewhere.
-
-    Parameters
-    ----------
-    text : str
-        The paragraph.
-    style : str
-        A key of `STYLES`.
-    """
+    """Print a paragraph on stdout, wrapped on a terminal, as one line elsewhere."""
     console = _console(sys.stdout)
     if console is None:
         sys.stdout.write(printable(text) + "\n")
@@ -251,13 +179,7 @@ def sentence(text: str, style: str = "") -> None:
 
 
 def item(text: str) -> None:
-    """Print one item of a list, with a hanging indent on a terminal.
-
-    Parameters
-    ----------
-    text : str
-        The item.
-    """
+    """Print one item of a list, with a hanging indent on a terminal."""
     console = _console(sys.stdout)
     if console is None:
         sentence(f"- {text}")
@@ -281,17 +203,7 @@ def table(
     header: tuple[str, ...] = (),
     styles: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
-    """Print aligned columns on stdout: names on the left, values on the right.
-
-    Parameters
-    ----------
-    rows : sequence of tuple of str
-        A name and its values.
-    header : tuple of str
-        Names of the columns.
-    styles : mapping of str to str
-        For the name of a row, a key of `STYLES` for its values.
-    """
+    """Print aligned columns on stdout: names on the left, values on the right."""
     rows = [tuple(map(printable, row)) for row in rows]
     console = _console(sys.stdout)
     if console is None:
@@ -312,13 +224,7 @@ def table(
 
 
 def as_json(values: Mapping[str, Any]) -> None:
-    """Print values on stdout as one JSON object.
-
-    Parameters
-    ----------
-    values : mapping
-        Values that `json` can write; NaN and infinity, which JSON does not have, become null.
-    """
+    """Print values on stdout as one JSON object."""
     sys.stdout.write(json.dumps(_finite(values), indent=2, allow_nan=False) + "\n")
 
 
@@ -331,44 +237,12 @@ def _finite(value: Any) -> Any:
 
 
 def printable(text: str) -> str:
-    r"""Escape control characters: text from files must not control the terminal.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-        The text with control characters escaped as in Python.
-
-    Examples
-    --------
-    >>> print(printable("\x1b[31mred"))
-    \x1b[31mred
-    """
+    """Escape control characters: text from files must not control the terminal."""
     return "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
 
 
 def bytes_text(count: float) -> str:
-    """Format a number of bytes with three digits.
-
-    Parameters
-    ----------
-    count : float
-        Number of bytes.
-
-    Returns
-    -------
-    str
-        The number with a decimal unit.
-
-    Examples
-    --------
-    >>> bytes_text(6_912_403)
-    '6.91 MB'
-    """
+    """Format a number of bytes with three digits."""
     for unit in ("B", "kB", "MB", "GB"):
         if count < 999.5:
             return f"{count:.3g} {unit}"

@@ -53,27 +53,7 @@ def run(
     writing: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a cloud, thin it, write what stays, and print a report.
-
-    Parameters
-    ----------
-    sources, target : Path
-        IN... and OUT.
-    source_format, target_format : str, optional
-        Formats, instead of the suffixes.
-    table, selection : dict
-        Options of tables and of the rows to read, as in `liftmesh.read`.
-    thin : dict
-        As for `liftmesh.thin`.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    color_depth : str, optional
-        As in `liftmesh.read`.
-    writing : dict
-        Options of the format of OUT, as in `liftmesh.write`.
-    json : bool
-        Print JSON.
-    """
+    """Read a cloud, thin it, write what stays, and print a report."""
     if not thin and "every" not in selection:
         ways = "give one of --random, --cell, --min-distance and --adaptive"
         raise typer.BadParameter(f"{ways}, or --every")

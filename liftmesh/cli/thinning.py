@@ -47,29 +47,7 @@ def parse(
         typer.Option(metavar="N", help="Thin: the n rows without which a surface loses most."),
     ] = None,
 ) -> dict[str, Any]:
-    """Check the options, and return those that were given.
-
-    Parameters
-    ----------
-    random, seed, cell, keep, distance, adaptive : str, optional
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.thin`; empty if nothing is to be thinned.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have, several ways are given, or one that
-        a seed or a row to keep does not belong to.
-
-    Examples
-    --------
-    >>> parse(cell="0.5", keep="highest")
-    {'cell': 0.5, 'keep': 'highest'}
-    """
+    """Check the options, and return those that were given."""
     found: dict[str, Any] = {}
     if random is not None:
         found |= {"random": parse_count("--random", random, 1)}
@@ -92,25 +70,7 @@ def parse(
 
 
 def thinned(cloud: Cloud, options: Mapping[str, Any]) -> Cloud:
-    """Thin a cloud, and say on stderr how many rows stay.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The cloud.
-    options : mapping
-        As `parse` returns them.
-
-    Returns
-    -------
-    Cloud
-        The rows that stay; the same cloud without options.
-
-    Raises
-    ------
-    InputError
-        A cell is too small for the coordinates.
-    """
+    """Thin a cloud, and say on stderr how many rows stay."""
     if not options:
         return cloud
     from liftmesh.terrain.thinning import thin  # noqa: PLC0415 - help and --version do without

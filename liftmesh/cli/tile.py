@@ -95,35 +95,7 @@ def run(
     selection: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Triangulate in tiles, and say how many triangles there are.
-
-    Parameters
-    ----------
-    sources : list of Path
-        IN...
-    out : Path
-        OUT.
-    surface : bool
-        Whether heights matter.
-    duplicates : str, optional
-        As in `liftmesh.tile_surface`.
-    memory, tile_rows, workers, scheduler : str, optional
-        How large tiles are, and who works.
-    scratch : Path, optional
-        As in `liftmesh.tile`.
-    anew : bool
-        Whether not to resume.
-    shards : str
-        The format of the triangles.
-    neighbors : bool
-        Whether neighbours are written.
-    nonfinite, threads : str
-        As in `liftmesh.tile`.
-    table, selection : dict
-        How tables are read, and which rows a surface has, as in `liftmesh.read_chunks`.
-    json : bool
-        Print JSON.
-    """
+    """Triangulate in tiles, and say how many triangles there are."""
     standard_streams.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)

@@ -16,18 +16,7 @@ if TYPE_CHECKING:
 
 
 def check_file(path: Path) -> None:
-    """Raise if a file is expected and a folder of triangles in tiles is given.
-
-    Parameters
-    ----------
-    path : Path
-        What a command reads.
-
-    Raises
-    ------
-    FormatError
-        It is such a folder; the message says which commands take it.
-    """
+    """Raise if a file is expected and a folder of triangles in tiles is given."""
     if not path.is_dir():
         return
     from liftmesh.tiles.manifest import MANIFEST  # noqa: PLC0415 - as below
@@ -40,32 +29,7 @@ def check_file(path: Path) -> None:
 
 
 def opened(source: Path, reading: Reading, **others: object) -> TiledSurface:
-    """Open a folder that ``liftmesh tile --surface`` has written.
-
-    Parameters
-    ----------
-    source : Path
-        The folder.
-    reading : Reading
-        How surfaces are read and trimmed: a folder takes nothing of that.
-    **others
-        Further options of the command that only whole surfaces take, by their names; None and False
-        say that they were not given.
-
-    Returns
-    -------
-    TiledSurface
-        Its files are read when they are needed.
-
-    Raises
-    ------
-    typer.BadParameter
-        An option was given that a folder does not take.
-    InputError
-        The folder holds triangles without heights.
-    FormatError
-        It holds no finished surface.
-    """
+    """Open a folder that ``liftmesh tile --surface`` has written."""
     from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
 
     given = [*reading.trimming, *map(of_reading, [*reading.table, *reading.selection])]

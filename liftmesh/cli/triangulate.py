@@ -96,39 +96,7 @@ def run(
     color_depth: options.ColorDepth = None,
     json: options.Json = False,
 ) -> None:
-    """Read a cloud, triangulate it, write the mesh, and print a report.
-
-    Parameters
-    ----------
-    sources, target : Path
-        IN... and OUT.
-    plane, duplicates, nonfinite, method, q : str
-        As in `liftmesh.triangulate`.
-    weights, radii : str, optional
-        Names of values of the rows, as in `liftmesh.triangulate`.
-    metric : str, optional
-        A,B,C.
-    trimming : dict
-        As for `Surface.trim`.
-    source_format, target_format : str, optional
-        Formats, instead of the suffixes.
-    threads : str, optional
-        As in `liftmesh.triangulate`.
-    table, selection : dict
-        Options of tables and of the rows to read, as in `liftmesh.read`.
-    ground : dict
-        As for `liftmesh.classify_ground`; empty unless the ground is to be found.
-    thin : dict
-        As for `liftmesh.thin`.
-    writing : dict
-        Options of the format, as in `liftmesh.write`.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    color_depth : str, optional
-        As in `liftmesh.read`.
-    json : bool
-        Print JSON.
-    """
+    """Read a cloud, triangulate it, write the mesh, and print a report."""
     frame, vertex = options.parse_plane(plane), options.parse_q(q)
     lifted_by = options.parse_member(weights, radii, metric)
     if json:
@@ -188,20 +156,7 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
 
 
 def bar_steps(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
-    """Return a `progress` callback that converts fractions done to steps of a bar.
-
-    Parameters
-    ----------
-    bar : callable
-        As from `terminal.bar`.
-    text : str
-        What is done.
-
-    Returns
-    -------
-    callable
-        Takes the fraction done.
-    """
+    """Return a `progress` callback that converts fractions done to steps of a bar."""
     done = 0.0
 
     def advance(fraction: float) -> None:

@@ -44,30 +44,7 @@ def parse(
         ),
     ] = None,
 ) -> dict[str, Any]:
-    """Check the options of trimming, before the work starts.
-
-    Parameters
-    ----------
-    max_edge, boundary_only, max_radius, polygon
-        The options of the command line.
-
-    Returns
-    -------
-    dict
-        Those given, as `Surface.trim` takes them.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is not one that the option can have.
-    OSError
-        The polygon's file cannot be opened.
-
-    Examples
-    --------
-    >>> parse(max_edge="5", boundary_only=True)
-    {'max_edge': 5.0, 'boundary_only': True}
-    """
+    """Check the options of trimming, before the work starts."""
     if max_edge is None and boundary_only:
         raise typer.BadParameter("--boundary-only needs --max-edge")
     lengths = {
@@ -83,20 +60,7 @@ def parse(
 
 
 def trimmed(surface: Surface, trimming: Mapping[str, Any]) -> Surface:
-    """Leave out faces as the options say.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    trimming : mapping
-        As from `parse`.
-
-    Returns
-    -------
-    Surface
-        The surface itself if nothing is asked for.
-    """
+    """Leave out faces as the options say."""
     return surface.trim(**trimming) if trimming else surface
 
 

@@ -23,22 +23,7 @@ from liftmesh.errors import InputError
 
 @contextmanager
 def checked() -> Iterator[None]:
-    """Tell what the library refuses of the values of options as wrong usage.
-
-    Raises
-    ------
-    typer.BadParameter
-        A value is refused.
-
-    Examples
-    --------
-    >>> try:
-    ...     with checked():
-    ...         raise InputError("bounds are [0]: give four numbers")
-    ... except typer.BadParameter as error:
-    ...     print(error.message)
-    --bounds are [0]: give four numbers
-    """
+    """Tell what the library refuses of the values of options as wrong usage."""
     try:
         yield
     except InputError as error:
@@ -46,18 +31,7 @@ def checked() -> Iterator[None]:
 
 
 def convert_simply(parameters: list[Any]) -> list[Any]:
-    """Let parameters of simple types convert their values themselves.
-
-    Parameters
-    ----------
-    parameters : list of typer's parameters
-        They are changed.
-
-    Returns
-    -------
-    list
-        The same.
-    """
+    """Let parameters of simple types convert their values themselves."""
     for each in parameters:
         kind = getattr(getattr(each, "type_descriptor", None), "annotation", None)
         if hasattr(each, "get_runtime_param") and _is_simple(_wanted(kind)):

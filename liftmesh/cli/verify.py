@@ -71,33 +71,7 @@ def run(
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
-    """Read a mesh, verify it, write the certificate that was asked for, and say what was found.
-
-    Parameters
-    ----------
-    source : Path
-        FILE.
-    certificate : Path, optional
-        File to write.
-    plane : str
-        As in `liftmesh.triangulate`.
-    nonfinite : str
-        As in `liftmesh.verify`.
-    threads : str, optional
-        As in `liftmesh.verify`.
-    source_format : str, optional
-        Format, in place of the suffix.
-    weights, radii : str, optional
-        Names of values of the rows.
-    metric : str, optional
-        A,B,C.
-    points : list of Path, optional
-        Files of points of a folder of tiles, in order.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    json : bool
-        Print JSON.
-    """
+    """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
     standard_streams.check_stdout()
     frame = options.parse_plane(plane)
     lifting = options.parse_member(weights, radii, metric)

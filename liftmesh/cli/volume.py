@@ -51,23 +51,7 @@ def run(
     reading: Any = None,
     json: options.Json = False,
 ) -> None:
-    """Read a surface, measure it, and print what was found.
-
-    Parameters
-    ----------
-    source : Path
-        IN.
-    other : Path, optional
-        AFTER.
-    level : str, optional
-        As in `Surface.volume`.
-    within : Path, optional
-        Polygons, as in `Surface.cut_and_fill`.
-    reading : Reading
-        How surfaces are read and trimmed.
-    json : bool
-        Print JSON.
-    """
+    """Read a surface, measure it, and print what was found."""
     standard_streams.check_stdout()
     if within is not None:
         within.open("rb").close()

@@ -78,29 +78,7 @@ def run(
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
-    """Read a cloud, compute its cells, write them, and print a report.
-
-    Parameters
-    ----------
-    source, target : Path
-        IN and OUT.
-    domain : str, optional
-        A file or a box.
-    weights, radii : str, optional
-        Names of values of the rows, as in `liftmesh.regular`.
-    disks : str, optional
-        Name of values of the rows, as the radii of `liftmesh.apollonius_diagram`.
-    tolerance : float, optional
-        As of `liftmesh.apollonius_diagram`.
-    source_format, target_format : str, optional
-        Formats, instead of the suffixes.
-    table : dict
-        Options of tables, as in `liftmesh.read`: see `tables.with_options`.
-    max_bytes : str, optional
-        Limit of what the file may expand to.
-    json : bool
-        Print JSON.
-    """
+    """Read a cloud, compute its cells, write them, and print a report."""
     if json:
         standard_streams.check_stdout()
     limit = options.parse_size(max_bytes)

@@ -26,13 +26,7 @@ _STACK = 256 * 1024  # bytes; the usual 8 MB matter where memory is limited
 
 
 class Watchdog:
-    """Ends this process soon after the first signal, and at once after the second.
-
-    Parameters
-    ----------
-    ending : Ending
-        Prints the line about the signal.
-    """
+    """Ends this process soon after the first signal, and at once after the second."""
 
     def __init__(self, ending: Ending) -> None:
         self._ending = ending
@@ -64,16 +58,7 @@ class Watchdog:
             self.end(self._ending.tell(first))
 
     def end(self, code: int) -> None:
-        """End the process at once, after a signal.
-
-        Threads may still run compiled code, such as Qhull. Where Python goes down in order, it ends
-        them as soon as they ask for the interpreter, and C++ takes that for a fatal error.
-
-        Parameters
-        ----------
-        code : int
-            The exit code.
-        """
+        """End the process at once, after a signal."""
         atomic = sys.modules.get("liftmesh.io.atomic")  # no import: the main thread may be in one
         if atomic is not None:
             atomic.remove_unfinished()

@@ -40,18 +40,7 @@ def _without_types(parameters: list[Any]) -> list[Any]:
 
 
 def usage_message(error: Any) -> str:
-    """Describe wrong usage.
-
-    Parameters
-    ----------
-    error : exception
-        One of typer's, or ours, which has no parameter.
-
-    Returns
-    -------
-    str
-        The message, with a reference to the help of the command.
-    """
+    """Describe wrong usage."""
     kinds = {kind.__name__ for kind in type(error).__mro__}
     context = getattr(error, "ctx", None)
     where = f" (see {context.command_path} --help)" if context else ""

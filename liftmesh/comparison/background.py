@@ -17,28 +17,7 @@ Result = TypeVar("Result")
 
 
 def interruptible(work: Callable[[], Result]) -> Result:
-    """Run a function in another thread and wait for it.
-
-    Parameters
-    ----------
-    work : callable
-        A function without arguments.
-
-    Returns
-    -------
-    Result
-        The function's result; its exceptions are raised here.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        Ctrl-C was pressed while waiting.
-
-    Examples
-    --------
-    >>> interruptible(lambda: 6 * 7)
-    42
-    """
+    """Run a function in another thread and wait for it."""
     future: Future[Result] = Future()
     Thread(target=_run, args=(work, future), daemon=True).start()
     return future.result()

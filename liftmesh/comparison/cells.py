@@ -26,26 +26,7 @@ from liftmesh.predicates import incircle
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """The cells of a triangulation.
-
-    Parameters
-    ----------
-    simplices : (m, 3) ndarray of int32
-        Counter-clockwise triangles.
-    labels : (m,) ndarray of int32
-        The cell of each triangle, numbered from 0.
-    violations : (v, 2) ndarray of int
-        Pairs (triangle, row) where the row, a neighbour's apex, lies strictly inside the
-        triangle's circle. Empty for a Delaunay triangulation.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1], [5, 5]])
-    >>> cells = find_cells(tri.points, tri.simplices, tri.neighbors)
-    >>> cells.count, len(tri.simplices)
-    (3, 4)
-    """
+    """The cells of a triangulation."""
 
     simplices: Rows
     labels: Rows
@@ -68,26 +49,7 @@ class Cells:
         return pairs[is_new]
 
     def containing(self, triangles: Rows) -> Rows:
-        """Find the cell of two or more triangles that has all three corners of a triangle.
-
-        Parameters
-        ----------
-        triangles : (t, 3) ndarray of int32
-            Rows of the points.
-
-        Returns
-        -------
-        (t,) ndarray of int32
-            Cells, or -1 if there is none: the triangle's circle is then not empty.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1], [5, 5]])
-        >>> cells = find_cells(tri.points, tri.simplices, tri.neighbors)
-        >>> cells.containing(np.array([[0, 1, 3], [0, 1, 4]])) >= 0
-        array([ True, False])
-        """
+        """Find the cell of two or more triangles that has all three corners of a triangle."""
         low = np.searchsorted(self._corners, triangles * np.int64(self.count))
         high = np.searchsorted(self._corners, (triangles + np.int64(1)) * self.count)
         # Candidates are the cells of the corner with the fewest; all three must have the cell.
@@ -114,29 +76,7 @@ class Cells:
 
 
 def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
-    """Merge triangles across all edges whose in-circle sign is exactly zero.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Planar points.
-    simplices, neighbors : (m, 3) ndarray of int32
-        Triangles and their neighbours, as in ``Triangulation``.
-
-    Returns
-    -------
-    Cells
-        The cells, and the edges that are not locally Delaunay.
-
-    Examples
-    --------
-    A square split along its diagonal is one cell:
-
-    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    >>> neighbors = np.array([[-1, 1, -1], [-1, -1, 0]])
-    >>> find_cells(square, np.array([[0, 1, 2], [0, 2, 3]]), neighbors).labels.tolist()
-    [0, 0]
-    """
+    """Merge triangles across all edges whose in-circle sign is exactly zero."""
     triangle, edge = np.nonzero(neighbors > np.arange(len(simplices))[:, None])
     other = neighbors[triangle, edge]
     apex = opposite_rows(simplices, triangle, edge, other)
@@ -152,29 +92,7 @@ def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
 
 
 def opposite_rows(simplices: Rows, triangle: Indices, edge: Indices, other: Rows) -> Rows:
-    """Find the apexes of neighbours: the sum of their corners minus those of the common edge.
-
-    Parameters
-    ----------
-    simplices : (m, 3) ndarray of int32
-        Triangles.
-    triangle, edge : (k,) ndarray of int
-        Triangles and their edges: edge i is opposite corner i.
-    other : (k,) ndarray of int32
-        The neighbours across them.
-
-    Returns
-    -------
-    (k,) ndarray of int32
-        The corners of the neighbours that are not on the common edge.
-
-    Examples
-    --------
-    >>> opposite_rows(
-    ...     np.array([[0, 1, 2], [0, 2, 3]]), np.array([0]), np.array([1]), np.array([1])
-    ... ).tolist()
-    [3]
-    """
+    """Find the apexes of neighbours: the sum of their corners minus those of the common edge."""
     total = simplices[other].sum(axis=1, dtype=np.int64)
     common = simplices[triangle, (edge + 1) % 3].astype(np.int64)
     common += simplices[triangle, (edge + 2) % 3]
@@ -183,30 +101,7 @@ def opposite_rows(simplices: Rows, triangle: Indices, edge: Indices, other: Rows
 
 
 def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Rows]) -> Mask:
-    """Find the cells in which two sets of triangles have different boundaries.
-
-    Parameters
-    ----------
-    cells : int
-        Number of cells.
-    plus, minus : pair of (t, 3) and (t,) ndarrays of int32
-        Counter-clockwise triangles and the cell of each.
-
-    Returns
-    -------
-    (cells,) ndarray of bool
-        True for the cells whose boundaries differ.
-
-    Examples
-    --------
-    A square split along either diagonal, and half of it:
-
-    >>> one, other = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 1, 3], [1, 2, 3]])
-    >>> unbalanced_cells(1, (one, np.array([0, 0])), (other, np.array([0, 0])))
-    array([False])
-    >>> unbalanced_cells(1, (one, np.array([0, 0])), (other[:1], np.array([0])))
-    array([ True])
-    """
+    """Find the cells in which two sets of triangles have different boundaries."""
     parts = [_directed_edges(*plus, 1), _directed_edges(*minus, -1)]
     cell, low, high, sign = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.lexsort((high, low, cell))

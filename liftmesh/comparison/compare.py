@@ -112,10 +112,7 @@ def compare(
 def _triangulate(
     source: object, plane: ArrayLike, nonfinite: NonFinite
 ) -> tuple[Triangulation, float]:
-    """Return the triangulation and its time; a given one is recomputed to measure the time.
-
-    The new one is returned where the caller may have written to the triangles of the given one.
-    """
+    """Return the triangulation and its time; a given one is recomputed to measure the time."""
     check_option("nonfinite", nonfinite, NonFinite)
     if isinstance(source, Surface):
         source = source.triangulation

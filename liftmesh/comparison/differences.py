@@ -13,23 +13,7 @@ from liftmesh.comparison.matching import first_of_each, match_triangles
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Differences:
-    """Differences between two sets of triangles.
-
-    Parameters
-    ----------
-    identical : int
-        Triangles in both sets.
-    cocircular : int
-        Triangles of one set that the other replaces by as many in the same cell.
-    cells : int
-        Number of such cells.
-    missing : (k,) ndarray of int
-        Indices of liftmesh's triangles that are really different.
-    wrong : (w,) ndarray of int
-        Indices of trimesh's lower facets that are really different.
-    wrong_cell : (w,) ndarray of int32
-        The cell that contains each of them, or -1 if there is none: its circle is not empty.
-    """
+    """Differences between two sets of triangles."""
 
     identical: int
     cocircular: int
@@ -40,31 +24,7 @@ class Differences:
 
 
 def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
-    """Compare trimesh's lower facets with liftmesh's triangles.
-
-    Parameters
-    ----------
-    triangles : (m, 3) ndarray of int32
-        liftmesh's triangles.
-    cells : Cells
-        Their cocircular cells.
-    lower : (l, 3) ndarray of int32
-        trimesh's lower facets, counter-clockwise.
-
-    Returns
-    -------
-    Differences
-        Complete: every triangle of either set is counted once.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> from liftmesh.comparison.cells import find_cells
-    >>> tri = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
-    >>> cells = find_cells(tri.points, tri.simplices, tri.neighbors)
-    >>> find_differences(tri.simplices, cells, np.array([[0, 1, 3], [0, 3, 2]])).cocircular
-    2
-    """
+    """Compare trimesh's lower facets with liftmesh's triangles."""
     match = match_triangles(triangles, lower)
     first = first_of_each(match)
     ours, theirs = _others(match[first], len(triangles)), np.flatnonzero(~first)

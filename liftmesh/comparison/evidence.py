@@ -20,21 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
-    """The data for proofs.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-        liftmesh's triangulation.
-    rows : (k,) ndarray of int32
-        The rows that are its vertices.
-    lower : (l, 3) ndarray of int32
-        trimesh's lower facets.
-    cells : Cells
-        liftmesh's cocircular cells.
-    differences : Differences
-        The differences to prove.
-    """
+    """The data for proofs."""
 
     triangulation: Triangulation
     rows: Rows
@@ -43,18 +29,7 @@ class Evidence:
     differences: Differences
 
     def proofs(self, limit: int) -> list[Proof]:
-        """Prove the first differences: liftmesh's errors if any, then half of each kind.
-
-        Parameters
-        ----------
-        limit : int
-            Maximum number of proofs.
-
-        Returns
-        -------
-        list of Proof
-            Each rests on an exact test of all rows.
-        """
+        """Prove the first differences: liftmesh's errors if any, then half of each kind."""
         faults = list(islice(self._faults(), limit))
         limit -= len(faults)
         for_wrong = limit - min(limit // 2, len(self.differences.missing))

@@ -31,23 +31,7 @@ _NO_FACETS = np.empty((0, 3), dtype=np.int32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HullFacets:
-    """The facets of trimesh's hull in the caller's rows.
-
-    Parameters
-    ----------
-    facets : (h, 3) ndarray of int32
-        All facets, oriented outward as by trimesh.
-    lower : (l, 3) ndarray of int32
-        The lower facets, counter-clockwise seen from above like ``Triangulation.simplices``.
-    vertical : int
-        Facets whose three planar points are collinear.
-    coincident : int
-        Rows that coincide with another row when centred and lifted in float64.
-    seconds : float
-        Time spent in ``trimesh.convex.convex_hull``.
-    error : str, optional
-        Why there is no hull, as reported by trimesh or Qhull.
-    """
+    """The facets of trimesh's hull in the caller's rows."""
 
     facets: Rows
     lower: Rows
@@ -58,29 +42,7 @@ class HullFacets:
 
 
 def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFacets:
-    """Build trimesh's convex hull of the lifted rows.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        The caller's planar points.
-    rows : (k,) ndarray of int32
-        The rows to lift: distinct, finite positions.
-    q : (qx, qy)
-        Vertex of the paraboloid.
-
-    Returns
-    -------
-    HullFacets
-        The facets, or the reason why there is no hull.
-
-    Examples
-    --------
-    >>> points = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [3.0, 3.0]])
-    >>> hull = trimesh_hull(points, np.arange(4, dtype=np.int32), (0.0, 0.0))
-    >>> len(hull.facets), len(hull.lower)
-    (4, 2)
-    """
+    """Build trimesh's convex hull of the lifted rows."""
     lifted = _lifted(points, rows, q)
     mesh, seconds, error = _convex_hull(lifted)
     if mesh is None:
@@ -133,10 +95,7 @@ def _first_line(error: Exception) -> str:
 
 
 def _match(lifted: Floats, vertices: Floats) -> tuple[Indices, int]:
-    """Return the first row of ``lifted`` equal to each vertex, and the number of repeated rows.
-
-    A stable sort of rows and vertices together makes equal triples adjacent, rows first.
-    """
+    """Return the first row of ``lifted`` equal to each vertex, and the number of repeated rows."""
     both = np.concatenate([lifted, vertices])
     order = np.lexsort((both[:, 2], both[:, 1], both[:, 0]))
     is_new = np.ones(len(both), dtype=bool)

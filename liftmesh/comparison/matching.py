@@ -11,28 +11,7 @@ from liftmesh._typing import Indices, Integers, Mask, Rows
 
 
 def match_triangles(simplices: Rows, facets: Rows) -> Indices:
-    """Find each facet among the triangles of a triangulation.
-
-    Rotated to start at its lowest row, a counter-clockwise triangle is identified by its first
-    directed edge: in a triangulation only one triangle lies to the left of it.
-
-    Parameters
-    ----------
-    simplices : (m, 3) ndarray of int32
-        Counter-clockwise triangles of a triangulation.
-    facets : (l, 3) ndarray of int32
-        Counter-clockwise triangles to look up.
-
-    Returns
-    -------
-    (l,) ndarray of int
-        Index into ``simplices``, -1 if no triangle has the facet's corners.
-
-    Examples
-    --------
-    >>> match_triangles(np.array([[0, 1, 2], [2, 1, 3]]), np.array([[1, 3, 2], [0, 1, 3]]))
-    array([ 1, -1])
-    """
+    """Find each facet among the triangles of a triangulation."""
     if len(simplices) == 0 or len(facets) == 0:
         return np.full(len(facets), -1, dtype=np.intp)
     edge, apex = _first_edge(simplices)
@@ -52,23 +31,7 @@ def _first_edge(triangles: Rows) -> tuple[Integers, Rows]:
 
 
 def first_of_each(indices: Indices) -> Mask:
-    """Mark the first occurrence of every index that is not negative.
-
-    Parameters
-    ----------
-    indices : (l,) ndarray of int
-        Indices, with repetitions; -1 for none.
-
-    Returns
-    -------
-    (l,) ndarray of bool
-        True once per index.
-
-    Examples
-    --------
-    >>> first_of_each(np.array([3, -1, 3, 0]))
-    array([ True, False, False,  True])
-    """
+    """Mark the first occurrence of every index that is not negative."""
     first = np.full(indices.max(initial=-1) + 2, -1)
     # The last of repeated assignments wins: in reverse order, that is the first occurrence.
     first[indices[::-1]] = np.arange(len(indices))[::-1]

@@ -44,33 +44,7 @@ _SENTENCES: dict[Claim, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    r"""An exact statement about one triangle.
-
-    Parameters
-    ----------
-    claim : str
-        ``"wrong facet"``: a lower facet of trimesh's hull whose circle contains a point.
-        ``"broken cell"``: a facet that is correct by itself, but trimesh's facets do not cover its
-        cell of cocircular points exactly once.
-        ``"right triangle"``: a triangle that trimesh's hull lacks, whose circle is empty.
-        ``"wrong triangle"``: a triangle of liftmesh whose circle contains a point.
-    rows : tuple of int
-        The triangle, counter-clockwise.
-    determinants : tuple of (int, Fraction)
-        Rows and their exact in-circle determinants with the triangle: positive strictly inside the
-        circle, zero on it, negative outside. For a correct triangle, the apexes of the triangles
-        across its edges; otherwise the row inside.
-    tested : int
-        Number of other points tested exactly.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
-    >>> proof = refute(square, np.arange(4), np.array([0, 1, 2]))
-    >>> print(str(proof).replace(": ", ":\n"))
-    trimesh's facet (0, 1, 2) is wrong:
-    row 3 lies strictly inside its circle, in-circle determinant 1/2 > 0
-    """
+    """An exact statement about one triangle."""
 
     claim: Claim
     rows: tuple[int, int, int]
@@ -94,26 +68,7 @@ def _short(value: Fraction) -> str:
 
 
 def incircle_determinant(points: Floats, rows: Sequence[int]) -> Fraction:
-    """Compute the exact in-circle determinant of four rows.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Planar points.
-    rows : sequence of 4 int
-        Counter-clockwise a, b, c and the query d.
-
-    Returns
-    -------
-    Fraction
-        Positive if d is strictly inside the circle through a, b, c; zero on it.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
-    >>> incircle_determinant(square, (0, 1, 2, 3))
-    Fraction(1, 2)
-    """
+    """Compute the exact in-circle determinant of four rows."""
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = (map(Fraction, points[row].tolist()) for row in rows)
     ax, ay, bx, by, cx, cy = ax - dx, ay - dy, bx - dx, by - dy, cx - dx, cy - dy
     a, b, c = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
@@ -123,33 +78,7 @@ def incircle_determinant(points: Floats, rows: Sequence[int]) -> Fraction:
 def refute(
     points: Floats, rows: Rows, triangle: Rows, *, claim: Claim = "wrong facet"
 ) -> Proof | None:
-    """Prove that a triangle is not Delaunay by a point strictly inside its circle.
-
-    Every row is tested exactly; the witness is the row inside that is deepest below the lifted
-    plane of the triangle.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Planar points.
-    rows : (k,) ndarray of int32
-        The rows to test.
-    triangle : (3,) ndarray of int32
-        Counter-clockwise corners.
-    claim : str
-        The claim of the proof, which depends on whose triangle it is.
-
-    Returns
-    -------
-    Proof or None
-        None if the circle is empty.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
-    >>> refute(square, np.arange(4), np.array([0, 1, 2])).determinants
-    ((3, Fraction(1, 2)),)
-    """
+    """Prove that a triangle is not Delaunay by a point strictly inside its circle."""
     inside = rows[_signs(points, rows, triangle) > 0]
     if len(inside) == 0:
         return None
@@ -160,30 +89,7 @@ def refute(
 
 
 def confirm(points: Floats, rows: Rows, triangle: Rows, apexes: Sequence[int]) -> Proof | None:
-    """Prove that a triangle is Delaunay: no row lies strictly inside its circle.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Planar points.
-    rows : (k,) ndarray of int32
-        The rows to test exactly.
-    triangle : (3,) ndarray of int32
-        Counter-clockwise corners.
-    apexes : sequence of int
-        Rows across its edges, whose determinants the proof reports.
-
-    Returns
-    -------
-    Proof or None
-        None if a row lies inside.
-
-    Examples
-    --------
-    >>> kite = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 2.0]])
-    >>> confirm(kite, np.arange(4), np.array([0, 1, 2]), [3]).determinants
-    ((3, Fraction(-2, 1)),)
-    """
+    """Prove that a triangle is Delaunay: no row lies strictly inside its circle."""
     if (_signs(points, rows, triangle) > 0).any():
         return None
     corners = _as_tuple(triangle)
@@ -192,23 +98,7 @@ def confirm(points: Floats, rows: Rows, triangle: Rows, apexes: Sequence[int]) -
 
 
 def broken_cell(triangle: Rows) -> Proof:
-    """Return the proof that a facet is Delaunay, but its cell is not covered exactly once.
-
-    Parameters
-    ----------
-    triangle : (3,) ndarray of int32
-        Counter-clockwise corners.
-
-    Returns
-    -------
-    Proof
-        Without determinants: the boundary of the facets in the cell is the proof.
-
-    Examples
-    --------
-    >>> broken_cell(np.array([0, 1, 2])).claim
-    'broken cell'
-    """
+    """Return the proof that a facet is Delaunay, but its cell is not covered exactly once."""
     return Proof("broken cell", _as_tuple(triangle), (), 0)
 
 

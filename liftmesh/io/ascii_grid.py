@@ -36,23 +36,7 @@ _HUGE = 1e30  # heights beyond are no heights, but marks, often rounded to 32 bi
 
 
 class AsciiGrid:
-    """A grid in memory, with those properties of a raster that its reader asks for.
-
-    Parameters
-    ----------
-    data : bytes
-        The file.
-    name : str
-        The file for messages.
-    missing : float, optional
-        What stands for a missing value if no keyword says it; by default none does.
-
-    Raises
-    ------
-    FormatError
-        A keyword or number is missing, is no such, or follows after the last; the message gives
-        the line.
-    """
+    """A grid in memory, with those properties of a raster that its reader asks for."""
 
     count, dtypes, scales, offsets, units, crs = 1, ("float64",), (1.0,), (0.0,), (None,), None
     gcps: tuple[list[Any], None] = ([], None)
@@ -159,22 +143,6 @@ class AsciiGrid:
 
 
 def is_grid(data: bytes) -> bool:
-    """Whether a file begins as an ASCII grid does.
-
-    Parameters
-    ----------
-    data : bytes
-        The file.
-
-    Returns
-    -------
-    bool
-        Whether its first word is ncols or nrows.
-
-    Examples
-    --------
-    >>> is_grid(b"NCOLS 3"), is_grid(b"1 2 3")
-    (True, False)
-    """
+    """Whether a file begins as an ASCII grid does."""
     first = data[:_FIRST].removeprefix(_MARK).lstrip().lower()
     return first.startswith((b"ncols", b"nrows"))

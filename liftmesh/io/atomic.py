@@ -46,41 +46,7 @@ _ATTEMPTS = 3  # at removing a folder in which another thread may still make fil
 def replacing(
     path: str | os.PathLike[str], *, overwrite: bool = True, follow_links: bool = True
 ) -> Iterator[BinaryIO]:
-    """Open a binary stream whose bytes become the file at ``path`` if the block succeeds.
-
-    Parameters
-    ----------
-    path : str or path
-        The file to create or to replace.
-    overwrite : bool, default True
-        Whether to replace a file that is not empty.
-    follow_links : bool
-        False for a name that the user has not chosen: links and devices of that name are replaced.
-
-    Yields
-    ------
-    binary stream
-        Writable and seekable, unless ``path`` is a pipe or a device.
-
-    Raises
-    ------
-    OSError
-        The folder does not exist, is not writable or disappears during writing, ``path`` is a
-        folder or a read-only file, or the disk is full; the error names the path.
-    FileExistsError
-        There is a file that is not to be replaced, when writing begins or when it ends.
-    FormatError
-        The symbolic links of ``path`` lead in a circle.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> target = Path(tempfile.mkdtemp()) / "greeting.txt"
-    >>> with replacing(target) as stream:
-    ...     _ = stream.write(b"hello")
-    >>> target.read_bytes()
-    b'hello'
-    """
+    """Open a binary stream whose bytes become the file at ``path`` if the block succeeds."""
     if follow_links or not Path(path).is_symlink():
         check_writable(path)
     folder, name = os.path.split(os.path.realpath(path) if follow_links else path)
@@ -93,48 +59,12 @@ def replacing(
 
 
 def holds_data(path: str | os.PathLike[str]) -> bool:
-    """Whether a regular file with content is here, which would be lost.
-
-    Parameters
-    ----------
-    path : str or path
-        The file to write, or a link to it.
-
-    Returns
-    -------
-    bool
-        False for what is missing or empty, and for pipes and devices.
-
-    Examples
-    --------
-    >>> holds_data("/dev/null")
-    False
-    """
+    """Whether a regular file with content is here, which would be lost."""
     return os.path.isfile(path) and os.path.getsize(path) > 0  # noqa: PTH113, PTH202
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Raise if `replacing` could not write here; the error does not mention a temporary file.
-
-    Parameters
-    ----------
-    path : str or path
-        The file to create or to replace.
-
-    Raises
-    ------
-    OSError
-        It is a folder or a read-only file, or its folder does not exist, is a file or is
-        read-only; the error names the path concerned.
-    FormatError
-        Its symbolic links lead in a circle.
-
-    Examples
-    --------
-    >>> check_writable("/")
-    Traceback (most recent call last):
-    IsADirectoryError: [Errno 21] cannot write a file here: it is a folder: '/'
-    """
+    """Raise if `replacing` could not write here; the error does not mention a temporary file."""
     check_links(path)
     target = Path(os.path.realpath(path))
     if target.is_dir():

@@ -35,25 +35,7 @@ class Transform(NamedTuple):
 
 
 def world_of(name: str) -> tuple[Transform, str] | None:
-    """Read the world file beside a raster.
-
-    Parameters
-    ----------
-    name : str
-        Path of the raster; of anything else there is nothing beside.
-
-    Returns
-    -------
-    (Transform, str) or None
-        The transform, and the name of the file.
-
-    Raises
-    ------
-    FormatError
-        It has no six numbers.
-    OSError
-        It cannot be read.
-    """
+    """Read the world file beside a raster."""
     path = _beside(name, _WORLDS)
     if path is None:
         return None
@@ -68,47 +50,13 @@ def world_of(name: str) -> tuple[Transform, str] | None:
 
 
 def system_of(name: str) -> str | None:
-    """Read the coordinate system beside a raster; None if there is none, or in another language.
-
-    Parameters
-    ----------
-    name : str
-        Path of the raster.
-
-    Returns
-    -------
-    str or None
-        Its text.
-
-    Raises
-    ------
-    OSError
-        It cannot be read.
-    """
+    """Read the coordinate system beside a raster; None if there is none, or in another language."""
     text = text_beside(name, ".prj")
     return text if is_crs(text) and described(text) else None
 
 
 def text_beside(name: str, suffix: str) -> str | None:
-    """Read the short text of a file that has the name of another, and another suffix.
-
-    Parameters
-    ----------
-    name : str
-        Path of the other file.
-    suffix : str
-        In lower case; upper case is looked for, too.
-
-    Returns
-    -------
-    str or None
-        At most 64 KiB of it; None if there is no such file.
-
-    Raises
-    ------
-    OSError
-        It cannot be read.
-    """
+    """Read the short text of a file that has the name of another, and another suffix."""
     path = _beside(name, (suffix, suffix.upper()))
     return None if path is None else _text(path).strip("\0\ufeff \r\n\t")
 

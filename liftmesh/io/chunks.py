@@ -24,11 +24,7 @@ def split(reader: Reader) -> ChunkReader:
 
 
 def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
-    """Make a chunk reader that decides the depth of colours once, from all chunks of a file.
-
-    A file is read twice if its integer colours have more than 8 bits and no depth is ``known``.
-    Where some are no colours at all, such as negative ones, every chunk stays as it is.
-    """
+    """Make a chunk reader that decides the depth of colours once, from all chunks of a file."""
 
     def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
         begin = stream.tell()

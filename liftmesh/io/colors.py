@@ -27,28 +27,7 @@ _ROWS = 1 << 14  # converted at a time
 
 
 def as_uint8(colors: Array) -> NDArray[np.uint8]:
-    """Convert colours to 8-bit integers.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray
-        Unsigned integers over their full range, signed integers in 0..255, or floats in [0, 1].
-
-    Returns
-    -------
-    (n, c) ndarray of uint8
-        The nearest 8-bit colours; ``colors`` itself if it is 8-bit already.
-
-    Raises
-    ------
-    InputError
-        A value is outside its range or not a number.
-
-    Examples
-    --------
-    >>> as_uint8(np.array([[0.0, 0.5, 1.0]]))
-    array([[  0, 128, 255]], dtype=uint8)
-    """
+    """Convert colours to 8-bit integers."""
     colors = check_colors(colors)
     if colors.dtype == np.uint8:
         return colors
@@ -58,50 +37,13 @@ def as_uint8(colors: Array) -> NDArray[np.uint8]:
 
 
 def as_float(colors: Array) -> Floats:
-    """Convert colours to floats in [0, 1].
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray
-        Unsigned integers over their full range, signed integers in 0..255, or floats in [0, 1].
-
-    Returns
-    -------
-    (n, c) ndarray of float64
-        Integers divided by the largest value of their type; floats as they are.
-
-    Raises
-    ------
-    InputError
-        A value is outside its range or not a number.
-
-    Examples
-    --------
-    >>> as_float(np.array([[0, 51, 255]], dtype=np.uint8))
-    array([[0. , 0.2, 1. ]])
-    """
+    """Convert colours to floats in [0, 1]."""
     colors = check_colors(colors)
     return colors.astype(np.float64, copy=False) / _full_scale(colors.dtype)
 
 
 def with_alpha(colors: Array) -> Array:
-    """Convert RGB colours to opaque RGBA; RGBA colours stay as they are.
-
-    Parameters
-    ----------
-    colors : (n, 3) or (n, 4) ndarray
-        Unsigned integers over their full range, or floats in [0, 1].
-
-    Returns
-    -------
-    (n, 4) ndarray
-        Colours of the same type, with a full-scale alpha if there was none.
-
-    Examples
-    --------
-    >>> with_alpha(np.array([[1, 2, 3]], dtype=np.uint8))
-    array([[  1,   2,   3, 255]], dtype=uint8)
-    """
+    """Convert RGB colours to opaque RGBA; RGBA colours stay as they are."""
     if colors.shape[1] == 4:
         return colors
     opaque = np.full((len(colors), 1), _full_scale(colors.dtype), dtype=colors.dtype)
@@ -109,49 +51,12 @@ def with_alpha(colors: Array) -> Array:
 
 
 def is_opaque(colors: Array) -> bool:
-    """Whether colours have no alpha, or a full-scale alpha everywhere.
-
-    Parameters
-    ----------
-    colors : (n, 3) or (n, 4) ndarray
-        As for `as_uint8`.
-
-    Returns
-    -------
-    bool
-        True if dropping the alpha loses nothing.
-
-    Examples
-    --------
-    >>> is_opaque(np.array([[1, 2, 3, 255]], dtype=np.uint8))
-    True
-    """
+    """Whether colours have no alpha, or a full-scale alpha everywhere."""
     return colors.shape[1] < 4 or bool((colors[:, 3] == _full_scale(colors.dtype)).all())
 
 
 def fits_eight_bits(colors: Array) -> bool:
-    """Whether eight bits per channel hold colours without loss.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray
-        As for `as_uint8`.
-
-    Returns
-    -------
-    bool
-        True if rounding to eight bits changes no value.
-
-    Raises
-    ------
-    InputError
-        A value is outside its range or not a number.
-
-    Examples
-    --------
-    >>> fits_eight_bits(np.array([[0.0, 0.2, 1.0]])), fits_eight_bits(np.array([[0.0, 0.5, 1.0]]))
-    (True, False)
-    """
+    """Whether eight bits per channel hold colours without loss."""
     if colors.dtype == np.uint8:
         return True
     blocks = (colors[start : start + _ROWS] for start in range(0, len(colors), _ROWS))
@@ -167,55 +72,21 @@ def _is_eight_bits(colors: Array) -> bool:
 
 
 def recognized(values: Floats) -> Array | None:
-    """Detect the type of colours that a text file holds as numbers.
-
-    Whole numbers up to 255 are 8-bit, up to 65,535 16-bit; if no value exceeds one they are
-    floats. Floats that are all k/255, within the accuracy of printed digits, are 8-bit too.
-
-    Parameters
-    ----------
-    values : (n, c) ndarray of float64
-        The numbers.
-
-    Returns
-    -------
-    (n, c) ndarray of uint8, uint16 or float64, or None
-        None if the numbers cannot be colours.
-
-    Examples
-    --------
-    >>> recognized(np.array([[0.0, 128.0, 255.0]]))
-    array([[  0, 128, 255]], dtype=uint8)
-    """
+    """Detect the type of colours that a text file holds as numbers."""
     scale = ColorScale()
     scale.examine(values)
     return scale.convert(values)
 
 
 class ColorScale:
-    """Type of the colours in a text file, determined block by block.
-
-    Examples
-    --------
-    >>> scale = ColorScale()
-    >>> scale.examine(np.array([[0.0, 0.5, 1.0]]))
-    >>> scale.examine(np.array([[300.0, 0.0, 0.0]]))
-    >>> scale.convert(np.array([[0.0, 0.5, 1.0]])) is None  # neither floats nor whole numbers
-    True
-    """
+    """Type of the colours in a text file, determined block by block."""
 
     def __init__(self) -> None:
         self._inside = self._whole = self._eighths = True
         self._top = 0.0
 
     def examine(self, values: Floats) -> None:
-        """Examine further numbers.
-
-        Parameters
-        ----------
-        values : (n, c) ndarray of float64
-            The numbers.
-        """
+        """Examine further numbers."""
         self._inside = self._inside and bool(np.all((values >= 0) & (values <= 65535)))
         if not self._inside:
             return
@@ -224,18 +95,7 @@ class ColorScale:
         self._top = max(self._top, float(values.max(initial=0.0)))
 
     def convert(self, values: Floats) -> Array | None:
-        """Convert numbers that were examined.
-
-        Parameters
-        ----------
-        values : (n, c) ndarray of float64
-            The numbers.
-
-        Returns
-        -------
-        (n, c) ndarray of uint8, uint16 or float64, or None
-            As for `recognized`, given all numbers that were examined.
-        """
+        """Convert numbers that were examined."""
         if not self._inside or (self._top > 1 and not self._whole):
             return None
         if self._top > 1:

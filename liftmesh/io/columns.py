@@ -25,30 +25,12 @@ PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)  # of a point
 
 
 def type_in_text(name: str, dtype: np.dtype) -> np.dtype:
-    """Return the type of a column of text: coordinates keep digits that single precision has not.
-
-    Many programs state float, and write what they hold as double.
-
-    Examples
-    --------
-    >>> type_in_text("x", np.dtype("f4")), type_in_text("red", np.dtype("f4"))
-    (dtype('float64'), dtype('float32'))
-    """
+    """Return the type of a column of text; coordinates are doubles."""
     return np.dtype(np.float64) if name in POSITION and dtype.kind == "f" else dtype
 
 
 class CloudBuilder:
-    """Arrays for ``rows`` points with the named columns.
-
-    Parameters
-    ----------
-    types : mapping of str to dtype
-        The columns in order. x and y must be among them; a missing z is 0. Red, green and blue
-        (and alpha, if any) become colours, nx, ny and nz normals, every other column an attribute
-        of that name and type.
-    rows : int
-        Number of points.
-    """
+    """Arrays for ``rows`` points with the named columns."""
 
     def __init__(self, types: Mapping[str, np.dtype], rows: int) -> None:
         self.columns: dict[str, Array] = {}
@@ -118,10 +100,7 @@ class CloudBuilder:
 def built_in_chunks(
     types: Mapping[str, np.dtype], total: int, blocks: Iterable[Mapping[str, Array]], rows: int
 ) -> Iterator[CloudBuilder]:
-    """Fill builders of ``rows`` rows each from blocks of any size; the last may have fewer rows.
-
-    The first block is read before arrays are allocated, which fails if ``total`` is wrong.
-    """
+    """Fill builders of ``rows`` rows each from blocks of any size; the last may have fewer rows."""
     filled, done = 0, 0
     builder: CloudBuilder | None = None
     for block in blocks:

@@ -23,24 +23,7 @@ def triangulated(
     where: Callable[[int], str] = "face {}".format,
     wrong_of: Callable[[int, int], str] = outside,
 ) -> Rows:
-    """Split polygons into triangle fans around their first vertex, in order.
-
-    Parameters
-    ----------
-    faces : Ragged
-        Vertices of each face, counted from 0.
-    vertices : int
-        Number of vertices.
-    where : callable, optional
-        Describes face number i in messages.
-    wrong_of : callable, optional
-        Describes a vertex that does not exist, of so many.
-
-    Raises
-    ------
-    FormatError
-        A face refers to a vertex that does not exist.
-    """
+    """Split polygons into triangle fans around their first vertex, in order."""
     if not _within(faces.values, vertices):
         wrong = np.argmax((faces.values < 0) | (faces.values >= vertices))
         face, vertex = faces.row_of(int(wrong)), int(faces.values[wrong])

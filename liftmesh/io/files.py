@@ -268,36 +268,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
 
 
 def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
-    """Read a file, or convert any object that holds points to a cloud.
-
-    Parameters
-    ----------
-    source : path or object
-        A path, as for `read`, or any object that `as_cloud` accepts.
-    max_bytes : int, optional
-        As for `read`.
-    **options
-        Options of tables, as for `read`.
-
-    Returns
-    -------
-    Cloud
-        The points.
-
-    Raises
-    ------
-    InputError
-        Arrays have the wrong shape or type, or `max_bytes` is invalid.
-    UnsupportedTypeError
-        No adapter accepts the object.
-    FormatError
-        As for `read`.
-
-    Examples
-    --------
-    >>> len(read_cloud([[0, 0, 5], [1, 0, 6]]))
-    2
-    """
+    """Read a file, or convert any object that holds points to a cloud."""
     if isinstance(source, str | os.PathLike):
         return read(source, max_bytes=max_bytes, **options)
     return as_cloud(source, **options)
@@ -357,30 +328,7 @@ def placed(
     target: str | None,
     chosen: dict[str, Operation] | None = None,
 ) -> Cloud:
-    """Set the coordinate system of a cloud in place of what its file states, or transform it.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The rows.
-    crs : str, optional
-        Their system.
-    target : str, optional
-        The system that they are to have.
-    chosen : dict, optional
-        As for `transformed`.
-
-    Returns
-    -------
-    Cloud
-        The rows; ``metadata["stated_crs"]`` is the system that was replaced, if it was another, and
-        ``metadata["transformation"]`` says how they were transformed.
-
-    Raises
-    ------
-    InputError
-        The coordinates cannot be transformed.
-    """
+    """Set the coordinate system of a cloud in place of what its file states, or transform it."""
     if crs is not None:
         is_other = cloud.crs is not None and not is_same(cloud.crs, crs)
         entry = {"stated_crs": cloud.crs} if is_other else {}

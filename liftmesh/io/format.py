@@ -162,13 +162,7 @@ class Format:
 def configured(
     reader: Callable[..., Read], found: Format, name: str, options: Mapping[str, Any]
 ) -> Callable[..., Read]:
-    """Set the options of a reader, once they are checked.
-
-    Raises
-    ------
-    FormatError
-        The format does not have such an option.
-    """
+    """Set the options of a reader, once they are checked."""
     if not options:
         return reader
     if found.options is None:
@@ -185,13 +179,7 @@ def configured(
 
 
 def check_needs(found: Format, cloud: Cloud) -> None:
-    """Raise if a cloud does not meet the format's needs: the file would be incomplete or invalid.
-
-    Raises
-    ------
-    FormatError
-        There are no points, no faces, or a coordinate is not finite; the message names the row.
-    """
+    """Raise if a cloud lacks what the format needs."""
     if "points" in found.needs and not len(cloud):
         raise FormatError(
             f"a cloud without points cannot be written as {found.name.upper()}: write PLY or NPZ"
@@ -205,15 +193,7 @@ def check_needs(found: Format, cloud: Cloud) -> None:
 
 
 def check_before(found: Format, cloud: Cloud) -> None:
-    """Raise for rows that cannot be written, before there are faces.
-
-    Raises
-    ------
-    FormatError
-        A coordinate is not finite, or the format cannot hold an attribute.
-    InputError
-        A colour is outside its range.
-    """
+    """Raise for rows that cannot be written, before there are faces."""
     if "finite" in found.needs and "points" in found.keeps:
         _check_finite(found, replace(cloud, faces=None))
     if "colors" in found.keeps and cloud.colors is not None:
@@ -244,23 +224,7 @@ def dropped(
 
 
 def lost_values(name: str) -> str:
-    """Name values that a format does not keep, for `Format.loses`.
-
-    Parameters
-    ----------
-    name : str
-        The name of the values.
-
-    Returns
-    -------
-    str
-        The name, told apart from the part of a cloud that is called so.
-
-    Examples
-    --------
-    >>> lost_values("size"), lost_values("alpha")
-    ('size', 'alpha (values)')
-    """
+    """Name values that a format does not keep, for `Format.loses`."""
     return f"{name} (values)" if name in CONTENT else name
 
 
@@ -328,20 +292,12 @@ def _check_finite(found: Format, cloud: Cloud) -> None:
 
 
 def crs_comment(crs: str | None) -> list[str]:
-    """Comments that state a coordinate system: one, in ASCII whatever the text holds, or none.
-
-    >>> crs_comment("EPSG:25832")
-    ['crs "EPSG:25832"']
-    """
+    """Comments that state a coordinate system: one, in ASCII whatever the text holds, or none."""
     return [] if crs is None else [_CRS + ascii_string(crs)]
 
 
 def stated_crs(comments: Iterable[str]) -> str | None:
-    """The coordinate system that comments state; None for comments that only look alike.
-
-    >>> stated_crs(["liftmesh", 'crs "EPSG:25832"'])
-    'EPSG:25832'
-    """
+    """The coordinate system that comments state; None for comments that only look alike."""
     found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
     return next((crs for crs in found if crs is not None), None)
 
@@ -350,11 +306,7 @@ OWN = "liftmesh"  # the comment that begins every header
 
 
 def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
-    """Return the comments that are not liftmesh's own: its name, and the coordinate system.
-
-    >>> others(["liftmesh", 'crs "EPSG:25832"', "made by hand"], "EPSG:25832")
-    ('made by hand',)
-    """
+    """Return the comments that are not liftmesh's own: its name, and the coordinate system."""
     return tuple(
         comment
         for comment in comments

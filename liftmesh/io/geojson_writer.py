@@ -18,46 +18,12 @@ from liftmesh.crs import urn_of
 def write(
     stream: BinaryIO, lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None
 ) -> None:
-    """Write a collection of features.
-
-    Parameters
-    ----------
-    stream : binary file
-        Where to write.
-    lines : iterable of (mapping, (k, 2) ndarray)
-        The properties and the points of each line.
-    crs : str, optional
-        WKT or a number.
-
-    Examples
-    --------
-    >>> import io, numpy as np
-    >>> file = io.BytesIO()
-    >>> write(file, [({"height": 5.0}, np.array([[0.0, 1.0], [2.0, 3.0]]))], "EPSG:25832")
-    >>> json.loads(file.getvalue())["crs"]["properties"]["name"]
-    'urn:ogc:def:crs:EPSG::25832'
-    """
+    """Write a collection of features."""
     stream.writelines(each.encode() for each in _texts(lines, crs))
 
 
 def crs_member(crs: str | None) -> str:
-    """Return the member that names a coordinate system, with the comma and line end after it.
-
-    Parameters
-    ----------
-    crs : str, optional
-        WKT or a number.
-
-    Returns
-    -------
-    str
-        Nothing if there is no system.
-
-    Examples
-    --------
-    >>> crs_member(None)
-    ''
-    """
+    """Return the member that names a coordinate system, with the comma and line end after it."""
     if crs is None:
         return ""
     system = {"type": "name", "properties": {"name": urn_of(crs)}}

@@ -25,37 +25,7 @@ _MARK = b"\xef\xbb\xbf"
 
 
 def read_features(path: Path, what: str) -> dict[str, Any]:
-    """Read the geometries of a file, and the values that they have.
-
-    Parameters
-    ----------
-    path : Path
-        GeoJSON, a GeoPackage or a shapefile.
-    what : str
-        What it is read as, for errors.
-
-    Returns
-    -------
-    dict
-        The tree of GeoJSON, or one like it, whose member ``crs`` names the coordinate system.
-
-    Raises
-    ------
-    FormatError
-        The file cannot be read.
-    MissingDependencyError
-        Polygons of a shapefile that have several rings need shapely.
-    OSError
-        The file cannot be opened.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp(), "point.geojson")
-    >>> _ = path.write_text('{"type": "Point", "coordinates": [1, 2]}')
-    >>> read_features(path, "a place")["coordinates"]
-    [1, 2]
-    """
+    """Read the geometries of a file, and the values that they have."""
     with path.open("rb") as stream:
         head = stream.read(len(GEOPACKAGE))
         data = b"" if head == GEOPACKAGE else head + stream.read()
@@ -72,23 +42,7 @@ def read_features(path: Path, what: str) -> dict[str, Any]:
 
 
 def stated_system(shapes: object) -> str | None:
-    """Return the system that shapes say they are in.
-
-    Parameters
-    ----------
-    shapes : object
-        A tree of GeoJSON, an object of geopandas, or anything else, which says nothing.
-
-    Returns
-    -------
-    str or None
-        WKT or a name; None if they say none.
-
-    Examples
-    --------
-    >>> stated_system({"crs": {"type": "name", "properties": {"name": "EPSG:25832"}}})
-    'EPSG:25832'
-    """
+    """Return the system that shapes say they are in."""
     if isinstance(shapes, Mapping):
         system = shapes.get("crs")
         properties = system.get("properties") if isinstance(system, Mapping) else None

@@ -31,32 +31,7 @@ _WAITING = ("-wal", "-journal")
 
 
 def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
-    """Read the features of the first layer.
-
-    Parameters
-    ----------
-    path : Path
-        The file; its content is known to begin as one of SQLite.
-
-    Returns
-    -------
-    tree : dict
-        A FeatureCollection.
-    crs : str or None
-        Its coordinate system: ``EPSG:n``, or WKT.
-
-    Raises
-    ------
-    FormatError
-        The file is damaged, no GeoPackage, or holds what is refused.
-    OSError
-        It cannot be opened.
-
-    Warns
-    -----
-    DataWarning
-        It has other layers, which are not read.
-    """
+    """Read the features of the first layer."""
     for each in map(path.with_name, (path.name + suffix for suffix in _WAITING)):
         if each.is_file() and each.stat().st_size:
             raise FormatError(f"{path}: changes wait in {each.name}: close what has the file open")

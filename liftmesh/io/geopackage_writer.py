@@ -25,38 +25,7 @@ def write(
     crs: str | None,
     layer: str,
 ) -> None:
-    """Write a layer of lines.
-
-    Parameters
-    ----------
-    stream : binary file
-        Where to write.
-    points : (n, 2) ndarray of float64
-        The points of all lines, one after the other.
-    starts : (k + 1,) ndarray of int
-        Where each line begins, and where the last ends.
-    columns : mapping of str to (k,) ndarray
-        The properties.
-    crs : str, optional
-        WKT or a number.
-    layer : str
-        The name of the layer.
-
-    Raises
-    ------
-    InputError
-        The coordinate system is unknown.
-    MissingDependencyError
-        geopandas or pyogrio, by which it writes, is not installed.
-
-    Examples
-    --------
-    >>> file = io.BytesIO()
-    >>> line = np.array([[0.0, 1.0], [2.0, 3.0]])
-    >>> write(file, line, np.array([0, 2]), {"height": np.array([5.0])}, "EPSG:25832", "contours")
-    >>> file.getvalue()[:6]
-    b'SQLite'
-    """
+    """Write a layer of lines."""
     shapely = load("shapely", extra="shapes")
     counts = np.diff(starts)
     lines = shapely.linestrings(points, indices=np.repeat(np.arange(len(counts)), counts))
@@ -71,38 +40,7 @@ def write_shapes(
     layer: str,
     **options: str,
 ) -> None:
-    """Write a layer of geometries of any kind.
-
-    Parameters
-    ----------
-    stream : binary file
-        Where to write.
-    shapes : (k,) ndarray of shapely.Geometry or None
-        The geometries.
-    columns : mapping of str to (k,) ndarray
-        The properties.
-    crs : str, optional
-        WKT or a number.
-    layer : str
-        The name of the layer.
-    **options : str
-        Options of GDAL's driver, such as the names of its own columns.
-
-    Raises
-    ------
-    InputError
-        The coordinate system is unknown.
-    MissingDependencyError
-        geopandas or pyogrio, by which it writes, is not installed.
-
-    Examples
-    --------
-    >>> import shapely
-    >>> file = io.BytesIO()
-    >>> write_shapes(file, np.array([shapely.Point(1, 2)]), {}, "EPSG:25832", "places")
-    >>> file.getvalue()[:6]
-    b'SQLite'
-    """
+    """Write a layer of geometries of any kind."""
     load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
     geopandas = load("geopandas", extra="shapes")
     system = None if crs is None else looked_up(load("pyproj", extra="shapes"), crs)

@@ -31,26 +31,7 @@ _LOGS = ("rasterio._err", "rasterio._env")  # of what GDAL says, by the version 
 
 
 def check_blocks(file: Any, band: int, window: Window, data: bytes, name: str) -> None:
-    """Raise for a block that is read, and ends early.
-
-    Parameters
-    ----------
-    file : rasterio dataset
-        The raster.
-    band : int
-        The band that is read, from 1.
-    window : Window
-        What is read of it.
-    data : bytes
-        The whole file.
-    name : str
-        The file for messages.
-
-    Raises
-    ------
-    FormatError
-        A block is damaged; the message gives its row and column.
-    """
+    """Raise for a block that is read, and ends early."""
     packing = "" if file.compression is None else str(file.compression.value).upper()
     if file.driver != "GTiff" or packing not in ("", "NONE", "DEFLATE"):
         return
@@ -77,30 +58,7 @@ def check_blocks(file: Any, band: int, window: Window, data: bytes, name: str) -
 
 @contextmanager
 def without_warnings(name: str) -> Iterator[None]:
-    """Raise for what GDAL warns of while it decodes samples.
-
-    Parameters
-    ----------
-    name : str
-        The file for messages.
-
-    Yields
-    ------
-    None
-        While samples are decoded.
-
-    Raises
-    ------
-    FormatError
-        There was a warning, or nobody can hear of one.
-
-    Examples
-    --------
-    >>> with without_warnings("height.tif"):
-    ...     logging.getLogger("rasterio._err").warning("JPEGLib:Premature end of JPEG file")
-    Traceback (most recent call last):
-    liftmesh.errors.FormatError: height.tif: the file is damaged: JPEGLib:Premature end of JPEG file
-    """
+    """Raise for what GDAL warns of while it decodes samples."""
     said = _Said()
     with ExitStack() as held:
         for log in map(logging.getLogger, _LOGS):
@@ -130,22 +88,7 @@ class _Said(logging.Handler):
 
 
 def bytes_decoded(file: Any, band: int, window: Window) -> int:
-    """Return the bytes of all blocks that are decoded: of all bands, if they stand together.
-
-    Parameters
-    ----------
-    file : rasterio dataset
-        The raster.
-    band : int
-        The band that is read, from 1.
-    window : Window
-        What is read of it.
-
-    Returns
-    -------
-    int
-        Those of blocks that share their bytes in the file, too.
-    """
+    """Return the bytes of all blocks that are decoded: of all bands, if they stand together."""
     height, width = file.block_shapes[band - 1]
     each = height * width * np.dtype(file.dtypes[band - 1]).itemsize
     blocks = _count(window.rows, height) * _count(window.columns, width)
@@ -169,10 +112,7 @@ def _count(some: range, size: int) -> int:
 
 
 def _row_bytes(file: Any, band: int) -> int:
-    """Return the bytes of a row of a block: of all bands, if they stand together.
-
-    Samples may have fewer bits than their type (NBITS): 12, or 16 of a float.
-    """
+    """Return the bytes of a row of a block: of all bands, if they stand together."""
     bits = file.tags(ns="IMAGE_STRUCTURE", bidx=band).get("NBITS", "")
     each = int(bits) if bits.isdecimal() else 8 * np.dtype(file.dtypes[band - 1]).itemsize
     samples = file.block_shapes[band - 1][1] * (file.count if _is_together(file) else 1)

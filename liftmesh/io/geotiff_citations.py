@@ -20,13 +20,7 @@ _MOST_TAGS = 1 << 16
 
 
 def without_wkt(data: bytes) -> bytes:
-    r"""Return a TIFF file whose citations are names for GDAL, in ASCII unless all are UTF-8.
-
-    Examples
-    --------
-    >>> without_wkt(b"II*\0 ESRI PE String = ")
-    b'II*\x00 esri pe string = '
-    """
+    """Return a TIFF file whose citations are names for GDAL, in ASCII unless all are UTF-8."""
     data = data.replace(_MARK, _OTHER) if _MARK in data else data
     place, size = _citations(data)
     text = data[place : place + size]
@@ -39,13 +33,7 @@ def without_wkt(data: bytes) -> bytes:
 
 
 def wkt_in(data: bytes) -> str | None:
-    """Return the WKT of a citation, from the file as it was or after `without_wkt`.
-
-    Examples
-    --------
-    >>> wkt_in(b'a|esri pe string = LOCAL_CS["b"]|c')
-    'LOCAL_CS["b"]'
-    """
+    """Return the WKT of a citation, from the file as it was or after `without_wkt`."""
     place = max(data.find(_OTHER), data.find(_MARK))
     if place < 0:
         return None

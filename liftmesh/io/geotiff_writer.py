@@ -42,32 +42,7 @@ def write(
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
-    """Write one band, with NaN as nodata.
-
-    Parameters
-    ----------
-    stream : binary file
-        Where to write.
-    values : (rows, columns) ndarray of float
-        The band.
-    transform : sequence of float
-        a, b, c, d, e and f of the corners of pixels.
-    crs : str, optional
-        WKT or ``EPSG:n``; GDAL takes the unit of its heights for that of the band.
-    unit : str, optional
-        What the band states instead.
-    cog : bool
-        Whether the file is a cloud optimised GeoTIFF.
-    compress : str, optional
-        "deflate", "lzw", "zstd" or None.
-
-    Raises
-    ------
-    InputError
-        The compression or the coordinate system is unknown.
-    MissingDependencyError
-        rasterio is not installed.
-    """
+    """Write one band, with NaN as nodata."""
     system = checked(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     profile = {
@@ -100,34 +75,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
-    """Write one band from windows, which need not fit in memory together; NaN is nodata.
-
-    GDAL writes to a file of its own in a hidden folder beside the target, which is copied from
-    there and put in place when it is whole. A cloud optimised file cannot be written in windows:
-    it is made from that one, block by block.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    shape : (int, int)
-        Rows and columns.
-    kind : numpy.dtype
-        Of the values.
-    windows : iterable
-        Rows and columns of each window, and its values; together all pixels, each once.
-    transform, crs, unit, cog, compress
-        As for `write`.
-
-    Raises
-    ------
-    InputError
-        The compression or the coordinate system is unknown.
-    MissingDependencyError
-        rasterio is not installed.
-    OSError
-        A file cannot be written.
-    """
+    """Write one band from windows, which need not fit in memory together; NaN is nodata."""
     system = checked(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     check_writable(path)
@@ -197,25 +145,7 @@ def _optimised(path: Path, size: int, compress: str | None) -> Path:
 
 
 def checked(crs: str | None, compress: str | None) -> Any:
-    """Check what a file is asked to have, before there are values.
-
-    Parameters
-    ----------
-    crs, compress : str, optional
-        As for `write`.
-
-    Returns
-    -------
-    rasterio.crs.CRS or None
-        The coordinate system.
-
-    Raises
-    ------
-    InputError
-        The compression or the coordinate system is unknown.
-    MissingDependencyError
-        rasterio is not installed.
-    """
+    """Check what a file is asked to have, before there are values."""
     if compress not in _COMPRESSIONS:
         known = ", ".join(map(repr, _COMPRESSIONS))
         raise InputError(f"compress is {shown(compress)}: give one of {known}")

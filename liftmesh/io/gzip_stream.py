@@ -38,13 +38,7 @@ def is_compressed(stream: BinaryIO) -> bool:
 
 
 def decompressed(stream: BinaryIO, name: str, max_bytes: int | None) -> BinaryIO:
-    """Return the text of a stream if it is compressed, else the stream itself.
-
-    Raises
-    ------
-    FormatError
-        The file is damaged, or expands to more than the limit.
-    """
+    """Return the text of a stream if it is compressed, else the stream itself."""
     if not is_compressed(stream):
         return stream
     limit = limit_of(max_bytes, _GROWTH * remaining(stream))

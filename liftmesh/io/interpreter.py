@@ -10,30 +10,7 @@ from liftmesh.errors import LiftmeshError
 
 
 def command(program: str, job: str) -> list[str]:
-    """Return the words that run a program in an interpreter with the modules of this one.
-
-    Parameters
-    ----------
-    program : str
-        Its text; its first argument is the path of modules, as JSON.
-    job : str
-        What it is for, for messages.
-
-    Returns
-    -------
-    list of str
-        The words; arguments of the program follow.
-
-    Raises
-    ------
-    LiftmeshError
-        This process is no interpreter, and there is none beside it.
-
-    Examples
-    --------
-    >>> command("print(1)", "counting")[1:5]
-    ['-I', '-S', '-c', 'print(1)']
-    """
+    """Return the words that run a program in an interpreter with the modules of this one."""
     return [_interpreter(job), "-I", "-S", "-c", program, json.dumps(sys.path)]
 
 

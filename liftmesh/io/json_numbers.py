@@ -8,11 +8,7 @@ from liftmesh.io.text_tables import shortened
 
 
 def finite_numbers(values: object, count: int) -> list[float] | None:
-    """Convert a list of finite numbers to floats; None if it is anything else.
-
-    >>> finite_numbers([1, 2.5], 2), finite_numbers([1, True], 2), finite_numbers([10**400], 1)
-    ([1.0, 2.5], None, None)
-    """
+    """Convert a list of finite numbers to floats; None if it is anything else."""
     if not isinstance(values, list) or len(values) != count or not all(map(_is_finite, values)):
         return None
     return [float(value) for value in values]
@@ -28,11 +24,7 @@ def _is_finite(value: object) -> bool:
 
 
 def shown(values: object) -> str:
-    """Show a value, or the first of a list, in a message; of nested ones, maybe deep, the type.
-
-    >>> shown([1, "two", [[3]]])
-    "1, 'two', list"
-    """
+    """Show a value, or the first of a list, in a message; of nested ones, maybe deep, the type."""
     listed = values[:4] if isinstance(values, list) else [values]
     texts = (type(v).__name__ if isinstance(v, list | dict) else repr(v) for v in listed)
     return ", ".join(map(shortened, texts))

@@ -43,19 +43,7 @@ _UNITS = {
 
 
 def write_landxml(stream: BinaryIO, cloud: Cloud, *, name: str = "surface") -> None:
-    """Write a mesh as a LandXML surface.
-
-    Parameters
-    ----------
-    name : str, default "surface"
-        Of the surface.
-
-    Raises
-    ------
-    FormatError
-        Coordinates are no lengths, have different units, or one that LandXML has not; or XML
-        cannot hold the name.
-    """
+    """Write a mesh as a LandXML surface."""
     if not isinstance(name, str) or not is_possible(name):
         raise FormatError(f"name is {name!r}: give a text that XML can hold")
     units = _units(cloud)

@@ -41,12 +41,7 @@ _BLANKS_BEHIND = re.compile(rb"\\[ \t\v\f]+(?=\n|\Z)")
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Stripped lines, and the number of each in the file, counted from 1.
-
-    ``places`` tells where each line begins and ends in ``data``. ``plain`` is the same with ASCII
-    blanks for any other white space: numbers are parsed from it. ``long`` tells that a line is
-    so long that its words must not all become strings.
-    """
+    """Stripped lines, and the number of each in the file, counted from 1."""
 
     data: bytes
     plain: bytes
@@ -107,13 +102,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Syntax:
-    """What the lines of a format are.
-
-    Lines that begin with one of ``comments`` are skipped, and a ``#`` and the text after it are
-    removed; with ``whole``, only such lines. With ``continued``, a backslash at the end of a line
-    joins it to the next. With ``keep_tabs``, tabs at the ends of lines stay: there they may
-    separate empty values.
-    """
+    """What the lines of a format are."""
 
     comments: tuple[str, ...] = ()
     whole: bool = False
@@ -126,12 +115,7 @@ HASH = Syntax(comments=("#",))
 
 
 class Lines:
-    """The non-empty lines of a stream, taken block by block.
-
-    Empty lines and comments are skipped but counted. ``number`` is that of the last line taken. Of
-    ``whole`` comments, ``remarks`` are the number of the first behind other lines, and how many
-    there are. ``found`` tells whether the text read so far holds ``sought``, comments included.
-    """
+    """The non-empty lines of a stream, taken block by block."""
 
     def __init__(
         self,

@@ -9,22 +9,7 @@ from liftmesh.errors import FormatError
 
 
 def check_links(path: str | os.PathLike[str]) -> None:
-    """Raise if the links on the way to a file lead in a circle.
-
-    Parameters
-    ----------
-    path : str or path
-        A file, or a place for one.
-
-    Raises
-    ------
-    FormatError
-        The links lead in a circle, or are too many.
-
-    Examples
-    --------
-    >>> check_links("a file that does not exist")
-    """
+    """Raise if the links on the way to a file lead in a circle."""
     try:
         os.stat(path)  # noqa: PTH116 - Path has no other way to tell this error from others
     except OSError as error:

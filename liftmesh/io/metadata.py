@@ -62,34 +62,12 @@ class NotedColumns(dict[str, str]):
 
 
 def is_read(metadata: Mapping[str, Any]) -> bool:
-    """Whether a cloud was read from a file, whatever its user says of it.
-
-    Examples
-    --------
-    >>> is_read({"source": "survey", "format": "paper"})
-    False
-    """
+    """Whether a cloud was read from a file, whatever its user says of it."""
     return all(isinstance(metadata.get(each), Label) for each in _LABELS)
 
 
 def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the entries that are not a reader's notes, sorted by their keys.
-
-    Parameters
-    ----------
-    metadata : mapping
-        Of a cloud. Only clouds that were read have notes.
-
-    Returns
-    -------
-    dict
-        What the user or the file said.
-
-    Examples
-    --------
-    >>> said({"source": Label("a.ply"), "format": Label("ply"), "survey": 2024})
-    {'survey': 2024}
-    """
+    """Return the entries that are not a reader's notes, sorted by their keys."""
     of_table = _OF_TABLES if found_columns(metadata) else ()
     notes = (*_LABELS, *_NOTES) if is_read(metadata) else of_table
     keys = (key for key in sorted(metadata, key=str) if key not in notes)
@@ -97,35 +75,14 @@ def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def unread(metadata: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return what was not read of a file or of an object.
-
-    >>> unread({"skipped": ("texture",)}), unread({"skipped": Unread(["texture"])})
-    ((), ('texture',))
-    """
+    """Return what was not read of a file or of an object."""
     skipped = metadata.get("skipped")
     kind = tuple if is_read(metadata) else Unread
     return skipped if isinstance(skipped, kind) else ()
 
 
 def lifted_by(metadata: Mapping[str, object]) -> dict[str, Any]:
-    """Return by what the points of a mesh were lifted when it was triangulated.
-
-    Parameters
-    ----------
-    metadata : mapping
-        Of a cloud.
-
-    Returns
-    -------
-    dict
-        One entry: "weights" or "radii" and the name of the values, or "metric" and the matrix;
-        none for other meshes.
-
-    Examples
-    --------
-    >>> lifted_by({LIFTED: {"radii": "size"}}), lifted_by({LIFTED: "hand"})
-    ({'radii': 'size'}, {})
-    """
+    """Return by what the points of a mesh were lifted when it was triangulated."""
     found = metadata.get(LIFTED)  # a file may hold anything of that name
     if not isinstance(found, dict) or len(found) != 1:
         return {}
@@ -143,39 +100,19 @@ def _is_matrix(value: object) -> bool:
 
 
 def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
-    """Return which columns of a table are the coordinates, colours and normals of a cloud.
-
-    >>> found_columns({"columns": NotedColumns(x="E")}), found_columns({"columns": {"x": "E"}})
-    ({'x': 'E'}, {})
-    """
+    """Return which columns of a table are the coordinates, colours and normals of a cloud."""
     found = metadata.get("columns")
     return found if isinstance(found, NotedColumns) else {}
 
 
 def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
-    """Name what an object of another library had and its cloud has not.
-
-    Of a file that was read, `read` has said it.
-
-    Examples
-    --------
-    >>> not_read({"skipped": Unread(("texture",))})
-    ('texture',)
-    >>> not_read({"source": Label("a.ply"), "format": Label("ply"), "skipped": ("texture",)})
-    ()
-    """
+    """Name what an object of another library had and its cloud has not."""
     skipped = unread(metadata)
     return () if is_read(metadata) and not isinstance(skipped, Unread) else skipped
 
 
 def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the entries that files store, as JSON will give them back.
-
-    Examples
-    --------
-    >>> storable({"survey": 2024, "extent": (0, 1), "where": {1, 2}})
-    {'extent': [0, 1], 'survey': 2024}
-    """
+    """Return the entries that files store, as JSON will give them back."""
     found: dict[str, Any] = {}
     left = _MOST
     for key, value in said(metadata).items():
@@ -195,43 +132,18 @@ def _has_short_lines(key: str, value: Any, text: str) -> bool:
 
 
 def lost(metadata: Mapping[str, Any]) -> list[str]:
-    """Name the entries that files cannot store, as `Written.dropped` does.
-
-    Examples
-    --------
-    >>> lost({"survey": 2024, "where": {1, 2}})
-    ['metadata where']
-    """
+    """Name the entries that files cannot store, as `Written.dropped` does."""
     stored = storable(metadata)
     return named(key for key in said(metadata) if key not in stored)
 
 
 def named(keys: Iterable[object]) -> list[str]:
-    """Name entries by their keys.
-
-    Examples
-    --------
-    >>> named(["survey"])
-    ['metadata survey']
-    """
+    """Name entries by their keys."""
     return [f"metadata {key}" for key in keys]
 
 
 def statements(entries: Mapping[str, Any], *lines: str) -> list[str]:
-    r"""Comments that state entries, each in one line of ASCII.
-
-    Parameters
-    ----------
-    entries : mapping
-        As `storable` returns them.
-    *lines : str
-        The entries that hold lines to be written as such, if they are printable ASCII.
-
-    Examples
-    --------
-    >>> statements({"survey": "H\u00f6he", "comments": ["by hand"]}, "comments")
-    ['metadata {"survey": "H\\u00f6he"}', 'by hand']
-    """
+    """Comments that state entries, each in one line of ASCII."""
     plain = [key for key in lines if key in entries and is_lines(entries[key])]
     texts = [_text(key, value) for key, value in entries.items() if key not in plain]
     found = [f"{_STATED}{text}" for text in texts]
@@ -253,26 +165,14 @@ def _is_plain(line: str) -> bool:
 
 
 def plain_lines(entries: dict[str, Any], key: str) -> list[str]:
-    """Remove an entry that holds lines if all can be written as such, and return them.
-
-    Examples
-    --------
-    >>> plain_lines({"obj_info": ["grid 2 2"]}, "obj_info")
-    ['grid 2 2']
-    """
+    """Remove an entry that holds lines if all can be written as such, and return them."""
     lines = entries.get(key)
     is_written = is_lines(lines) and all(map(_is_plain, lines or ()))
     return list(entries.pop(key)) if is_written else []
 
 
 def stated(comments: Iterable[str]) -> dict[str, Any]:
-    """Return the entries that comments state; the others stand under "comments", in order.
-
-    Examples
-    --------
-    >>> stated(["made by hand", 'metadata {"survey": 2024}'])
-    {'survey': 2024, 'comments': ('made by hand',)}
-    """
+    """Return the entries that comments state; the others stand under "comments", in order."""
     entries: dict[str, Any] = {}
     others: list[str] = []
     left = _MOST
@@ -290,13 +190,7 @@ def stated(comments: Iterable[str]) -> dict[str, Any]:
 
 
 def parsed(text: str) -> dict[str, Any] | None:
-    """Parse an object of entries; None if a text is anything else. Lines become tuples again.
-
-    Examples
-    --------
-    >>> parsed('{"survey": 2024}'), parsed("[1]")
-    ({'survey': 2024}, None)
-    """
+    """Parse an object of entries; None if a text is anything else. Lines become tuples again."""
     try:
         found = json.loads(text) if len(text) <= _MOST else None
     except (ValueError, RecursionError):
@@ -311,13 +205,7 @@ def _with_lines(entries: dict[str, Any]) -> dict[str, Any]:
 
 
 def as_text(entries: Mapping[str, Any]) -> str:
-    """Write entries as one object.
-
-    Examples
-    --------
-    >>> as_text({"survey": 2024})
-    '{"survey": 2024}'
-    """
+    """Write entries as one object."""
     return json.dumps(dict(entries), sort_keys=True)
 
 
@@ -327,28 +215,14 @@ _TAKEN = ("origin", "crs", "metadata", NOTE)
 
 
 def as_extras(entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Give entries the form of a glTF scene's extras; those of taken names stand in one of them.
-
-    Examples
-    --------
-    >>> as_extras({"survey": 2024, "crs": 25832})
-    {'survey': 2024, 'metadata': {'crs': 25832}}
-    """
+    """Give entries the form of a glTF scene's extras; those of taken names stand in one of them."""
     inner = {key: value for key, value in entries.items() if key in _TAKEN}
     extras = {key: value for key, value in entries.items() if key not in _TAKEN}
     return extras | ({"metadata": inner} if inner else {})
 
 
 def of_extras(extras: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the entries of a scene's extras.
-
-    Examples
-    --------
-    >>> of_extras({"survey": 2024, "metadata": {"crs": 25832}})
-    {'survey': 2024, 'crs': 25832}
-    >>> of_extras({"source": "Blender"})
-    {'extras': {'source': 'Blender'}}
-    """
+    """Return the entries of a scene's extras."""
     notes = {key: value for key, value in extras.items() if key in (*_LABELS, *_NOTES)}
     if notes:  # of other programs: they say nothing of how this file is read
         extras = {key: value for key, value in extras.items() if key not in notes}
@@ -366,13 +240,7 @@ def _of_notes(extras: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def is_lines(value: object) -> bool:
-    """Whether a value is a sequence of texts, one at least.
-
-    Examples
-    --------
-    >>> is_lines(["a", "b"]), is_lines("ab")
-    (True, False)
-    """
+    """Whether a value is a sequence of texts, one at least."""
     if not isinstance(value, list | tuple) or not value:
         return False
     return all(isinstance(each, str) for each in value)

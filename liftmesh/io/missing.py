@@ -58,20 +58,7 @@ class Outliers:
         return self._low <= self._high
 
     def check(self, what: str, rows: str) -> None:
-        """Raise for a mark that stands apart from all other values, once all are examined.
-
-        Parameters
-        ----------
-        what : str
-            The file and the values for the message.
-        rows : str
-            What holds one value each.
-
-        Raises
-        ------
-        FormatError
-            There is one: the message gives both readings, and the options for them.
-        """
+        """Raise for a mark that stands apart from all other values, once all are examined."""
         if (value := self._found()) is None:
             return
         shown = f"{value:.0f}" if value == int(value) and abs(value) < 1e15 else repr(value)
@@ -90,28 +77,7 @@ class Outliers:
 
 
 def as_missing(value: Any) -> tuple[float | str, ...] | None:
-    """Return what stands for missing values: as a number if it is one, in any notation.
-
-    Parameters
-    ----------
-    value : float or str, optional
-        As the caller gives it.
-
-    Returns
-    -------
-    tuple of float or str, or None
-        Nothing if it is "none"; None if nothing is given.
-
-    Raises
-    ------
-    InputError
-        It is NaN, empty, or of another type.
-
-    Examples
-    --------
-    >>> as_missing("-9999.0"), as_missing("none"), as_missing(None)
-    ((-9999.0,), (), None)
-    """
+    """Return what stands for missing values: as a number if it is one, in any notation."""
     if value is None or value == "none":
         return None if value is None else ()
     try:

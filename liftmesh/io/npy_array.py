@@ -46,14 +46,7 @@ _VERSIONS = {
 
 
 def read_array(stream: BinaryIO, name: str) -> Array:
-    """Read one array from a file; its values are never unpickled.
-
-    Raises
-    ------
-    FormatError
-        The header is invalid or promises more bytes than there are, or the values are Python
-        objects.
-    """
+    """Read one array from a file; its values are never unpickled."""
     layout = Layout.read(stream, name)
     layout.check_size(remaining(stream), name)
     return array_of(stream, layout, name)

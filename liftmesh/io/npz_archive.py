@@ -69,10 +69,7 @@ def _is_of_the_stream(error: BaseException | None) -> bool:
 
 
 def _directory(stream: BinaryIO) -> list[zipfile.ZipInfo]:
-    """Read the directory; zipfile takes an end of the file that cannot be read for an invalid one.
-
-    The error of the stream is the context of its own, but so would be one that the caller handles.
-    """
+    """Read the directory; zipfile calls an archive whose end is unreadable invalid."""
     handled = sys.exc_info()[1]
     try:
         with zipfile.ZipFile(stream) as archive:
@@ -103,10 +100,7 @@ def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
 
 
 class Member:
-    """One array of an archive, read on demand.
-
-    ``size`` is that of its content as stated, ``packed`` that of its compressed bytes.
-    """
+    """One array of an archive, read on demand."""
 
     def __init__(self, stream: BinaryIO, info: zipfile.ZipInfo, name: str) -> None:
         self.size = info.file_size
@@ -130,11 +124,7 @@ class Member:
             return array
 
     def parts(self, rows: int) -> Iterator[Array]:
-        """Read the array some rows at a time, or whole at once if it is small.
-
-        The arrays of an archive are read in turns: there may be very many, and a decompressor for
-        each would take more memory than what it reads.
-        """
+        """Read the array some rows at a time, or whole at once if it is small."""
         small = _SMALL_BZIP2 if self._info.compress_type == zipfile.ZIP_BZIP2 else _SMALL
         return split(self.whole(), rows) if self.size <= small else self._streamed(rows)
 
@@ -153,15 +143,6 @@ class Member:
 
 
 def check_content(members: Collection[Member], max_bytes: int | None, name: str) -> None:
-    """Raise if arrays take more than the limit.
-
-    By default these are 256 MiB, or as often their compressed bytes as deflate could make of them:
-    so it is never met by archives that NumPy writes, and bz2 and LZMA may pack as much.
-
-    Raises
-    ------
-    FormatError
-        They take more, as the archive states it.
-    """
+    """Raise if arrays take more than the limit."""
     limit = limit_of(max_bytes, _DENSEST * sum(each.packed for each in members))
     check_expanded(sum(each.size for each in members), limit, name, "its content")

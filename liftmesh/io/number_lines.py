@@ -21,13 +21,7 @@ if TYPE_CHECKING:
 
 
 def ragged_numbers(block: Block, name: str) -> Ragged:
-    """Parse lines of numbers: int64 if all are whole numbers written as such, else float64.
-
-    Raises
-    ------
-    FormatError
-        A word is not a number; the message gives line and position.
-    """
+    """Parse lines of numbers: int64 if all are whole numbers written as such, else float64."""
     threads, _ = as_threads(None, len(block))
     parsed = _kernel.parse_numbers(block.plain, block.places, threads)
     if parsed is None:
@@ -36,13 +30,7 @@ def ragged_numbers(block: Block, name: str) -> Ragged:
 
 
 def whole(values: Array, dtype: type[np.integer[Any]]) -> Array:
-    """Convert whole numbers to a type of integers.
-
-    Raises
-    ------
-    ValueError
-        A value is not a whole number, or is too large; the message gives it.
-    """
+    """Convert whole numbers to a type of integers."""
     kept = np.iinfo(dtype)
     fits = (values >= kept.min) & (values <= kept.max)
     if values.dtype.kind == "f":

@@ -36,35 +36,12 @@ _RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
 
 
 def read_npy(stream: BinaryIO, name: str) -> Cloud:
-    """Read points from an NPY file.
-
-    Returns
-    -------
-    Cloud
-        The rows of an (n, 2) or (n, 3) array of numbers, or of a structured array with fields x and
-        y, whose fields are treated like the columns of a PLY file.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, or the array has another shape or type.
-    """
+    """Read points from an NPY file."""
     return _points_alone(read_array(stream, name), name)
 
 
 def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-    """Read points from an NPY file in chunks.
-
-    Yields
-    ------
-    Cloud
-        Consecutive rows. Arrays in column-major order are read whole first.
-
-    Raises
-    ------
-    FormatError
-        As `read_npy`.
-    """
+    """Read points from an NPY file in chunks."""
     layout = Layout.read(stream, name)
     layout.check_size(remaining(stream), name)
     _check_layout(layout, name)
@@ -73,27 +50,7 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
 
 
 def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read a cloud or mesh from an NPZ file.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of the bytes that the arrays take, as the archive states them; by default 256 MiB or
-        1,100 times their compressed bytes, which only bz2 and LZMA exceed. In any case nothing is
-        decompressed beyond what is stated.
-
-    Returns
-    -------
-    Cloud
-        ``points`` (or ``vertices``, or the only array) as float64; ``faces``, ``colors`` and
-        ``normals``; other arrays of n rows as attributes; the texts ``crs`` and ``metadata``
-        (JSON). All others are listed in ``metadata["skipped"]``.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, has no array of points, or its arrays exceed the limit.
-    """
+    """Read a cloud or mesh from an NPZ file."""
     with opened(stream, name) as members:
         check_content(members.values(), max_bytes, name)
         arrays = {key: member.whole() for key, member in members.items()}
@@ -103,23 +60,7 @@ def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
 def read_npz_chunks(
     stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
 ) -> Iterator[Cloud]:
-    """Read the points of an NPZ file, with all their data, in chunks.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        As for `read_npz`; only arrays in use count.
-
-    Yields
-    ------
-    Cloud
-        Consecutive rows, without faces. Arrays in column-major order are read whole first.
-
-    Raises
-    ------
-    FormatError
-        As `read_npz`.
-    """
+    """Read the points of an NPZ file, with all their data, in chunks."""
     with opened(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
@@ -132,23 +73,7 @@ def read_npz_chunks(
 
 
 def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> None:
-    """Write a cloud or mesh as NPZ: every array in its own type.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Written as ``points`` and, if present, ``colors``, ``normals``, ``faces``, ``crs``,
-        ``metadata`` (JSON) and each attribute by its name. ``color_depth`` is written where the
-        values of the colours would tell another.
-    compressed : bool
-        Compress the arrays (deflate).
-
-    Raises
-    ------
-    FormatError
-        An attribute has one of these names, or a path that leads out of the archive, or holds
-        Python objects.
-    """
+    """Write a cloud or mesh as NPZ: every array in its own type."""
     crs = None if cloud.crs is None else np.array(cloud.crs)
     entries = metadata.storable(cloud.metadata)
     depth = stated_depth(cloud.colors)

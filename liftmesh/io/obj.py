@@ -50,22 +50,7 @@ _RUN = 1 << 16  # corners compared at a time
 
 
 def read_obj(stream: BinaryIO, name: str) -> Cloud:
-    """Read an OBJ file.
-
-    Returns
-    -------
-    Cloud
-        Coordinates as float64; colours ``v x y z r g b`` as uint8 if they are multiples of 1/255,
-        else as floats, or those of ``#MRGB`` comments; normals if all corners of a vertex have the
-        same. ``metadata`` holds the ``comments`` at the top and what they state, and counts
-        ``ignored`` lines by keyword, ``polygons`` split into triangles, and omitted
-        ``degenerate_faces`` of fewer than three vertices.
-
-    Raises
-    ------
-    FormatError
-        A line is invalid; the message gives its number.
-    """
+    """Read an OBJ file."""
     crs, entries = _stated(stream, name)
     reading = _Reading(name, crs, entries)
     begin = stream.tell()
@@ -217,13 +202,7 @@ def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
 def _vertex_normals(
     normals: Floats, corners: Corners | None, vertices: int, name: str
 ) -> Floats | None:
-    """Convert normals of corners to normals of vertices, if the corners of each vertex agree.
-
-    If there are as many normals as vertices, and every corner has the same vertex and normal index
-    or there are no faces, the normals are those of the vertices, row by row. Otherwise a vertex
-    without a corner gets the normal (0, 0, 0). None if corners of a vertex differ, or have no
-    normal.
-    """
+    """Convert normals of corners to normals of vertices, if the corners of each vertex agree."""
     if corners is None:
         return normals if len(normals) == vertices else None
     named = corners.normals
@@ -264,28 +243,7 @@ def write_obj(
     colors: ObjColors = "values",
     comments: Sequence[str] = (),
 ) -> None:
-    """Write a cloud, or a mesh, as OBJ.
-
-    Vertices are ``v x y z``; normals are ``vn`` lines, one per vertex, and faces ``f a b c`` or
-    ``f a//a b//b c//c``. OBJ does not hold alpha and attributes.
-
-    Parameters
-    ----------
-    colors : {"values", "comments", "none"}
-        ``"values"`` writes ``v x y z r g b`` (the common extension, floats from 0 to 1), which some
-        programs, meshio among them, take for six coordinates. ``"comments"`` writes lines of
-        ``#MRGB`` with 8 bits per channel, as ZBrush does: other programs pass over them.
-        ``"none"`` leaves colours out.
-    comments : sequence of str
-        Lines for the top of the file.
-
-    Raises
-    ------
-    FormatError
-        A comment is not one line.
-    InputError
-        An option has another value, or a colour is outside its range.
-    """
+    """Write a cloud, or a mesh, as OBJ."""
     check_option("colors", colors, ObjColors)
     own = [OWN, *crs_comment(cloud.crs), *statements(storable(cloud.metadata), "comments")]
     given = [comments] if isinstance(comments, str) else comments

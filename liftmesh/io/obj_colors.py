@@ -43,13 +43,7 @@ def write_comments(stream: BinaryIO, colors: Array) -> None:
 
 
 def commented_colors(stream: BinaryIO, name: str) -> Array | None:
-    """Read the colours that comments hold, from the beginning of a stream.
-
-    Returns
-    -------
-    (n, 3) ndarray of uint8, or None
-        None if there are none, or digits are missing.
-    """
+    """Read the colours that comments hold, from the beginning of a stream."""
     values = bytearray()
     lines = Lines(stream, name)
     while len(block := lines.take(BLOCK)):

@@ -29,10 +29,7 @@ _CORNER = re.compile(r"([+-]?\d{1,9})(?:/(?:[+-]?\d{1,18})?(?:/([+-]?\d{1,9}))?)
 
 @dataclass(frozen=True, slots=True)
 class Corners:
-    """Faces: vertices, counted from 0, the normal of each corner (-1: none), and line numbers.
-
-    ``normals`` is None if no corner has one.
-    """
+    """Faces: vertices, counted from 0, the normal of each corner (-1: none), and line numbers."""
 
     vertices: Ragged
     normals: Integers | None
@@ -60,16 +57,7 @@ class Corners:
 def parse_corners(
     faces: Block, name: str, numbers: tuple[Integers, Integers], before: tuple[int, int]
 ) -> Corners:
-    """Parse the face lines of a block, without the keyword ``f``.
-
-    ``numbers`` are the lines of the block's vertices and of its normals, ``before`` the counts of
-    both in earlier blocks: backward indices count from there.
-
-    Raises
-    ------
-    FormatError
-        A corner is invalid; the message gives it and its line.
-    """
+    """Parse the face lines of a block, without the keyword ``f``."""
     threads, _ = as_threads(None, len(faces))
     parsed = _kernel.parse_corners(faces.plain, faces.places, threads)
     if parsed is None:
@@ -101,11 +89,7 @@ def _from_zero(
 
 
 def outside(index: int, count: int, kind: str = "vertex") -> str:
-    """Say that a corner refers to a vertex or normal that does not exist, in numbers of the file.
-
-    >>> outside(8, 3), outside(-2, 3, "normal")
-    ('refers to vertex 9, but there are 3 vertices', 'refers back to before the first of 3 normals')
-    """
+    """Describe a corner that refers to a missing vertex or normal, in the file's numbers."""
     kinds = "vertices" if kind == "vertex" else f"{kind}s"
     if index < 0:
         return f"refers back to before the first of {count} {kinds}"

@@ -29,20 +29,7 @@ _HEAD = re.compile(r"(?:ST)?C?N?OFF(?:\s+(.*))?")
 
 
 def read_off(stream: BinaryIO, name: str) -> Cloud:
-    """Read an OFF file.
-
-    Returns
-    -------
-    Cloud
-        Coordinates and faces, polygons split into triangles; ``metadata`` counts ``polygons``, and
-        omitted ``degenerate_faces`` of fewer than three vertices.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, or holds fewer or more rows than its header promises; the message gives
-        the line.
-    """
+    """Read an OFF file."""
     lines = Lines(stream, name, HASH)
     vertices, faces = _counts(lines, name)
     points = [_points(block, name) for block in promised(lines, vertices, "vertices", name)]
@@ -58,13 +45,7 @@ def read_off(stream: BinaryIO, name: str) -> Cloud:
 
 
 def write_off(stream: BinaryIO, cloud: Cloud) -> None:
-    """Write a mesh as OFF, with digits that round-trip.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        A mesh; colours, normals and attributes are not written.
-    """
+    """Write a mesh as OFF, with digits that round-trip."""
     faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
     stream.write(b"OFF\n%d %d 0\n" % (len(cloud), len(faces)))
     write_rows(stream, [cloud.points])

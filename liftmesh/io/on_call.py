@@ -14,20 +14,7 @@ from liftmesh.interruption import deferred
 
 
 class OnCall:
-    """A function of a module, which is imported at the first call.
-
-    Parameters
-    ----------
-    module : str
-        Full name of the module.
-    name : str
-        Name of the function.
-
-    Examples
-    --------
-    >>> OnCall("math", "sqrt")(4.0)
-    2.0
-    """
+    """A function of a module, which is imported at the first call."""
 
     def __init__(self, module: str, name: str) -> None:
         self.module = module

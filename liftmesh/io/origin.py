@@ -27,33 +27,7 @@ TOLERANCE = 1e-6
 
 
 def needed_origin(points: Floats, what: str) -> Origin | None:
-    """Compute the origin to subtract before coordinates are rounded to single precision.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float64
-        Finite coordinates.
-    what : str
-        The format's name for messages.
-
-    Returns
-    -------
-    tuple of float, or None
-        x, y and z of the origin, 0 where none is needed, which x and y decide together; None if no
-        axis needs one.
-
-    Raises
-    ------
-    FormatError
-        Even with an origin the coordinates do not fit single precision.
-
-    Examples
-    --------
-    >>> needed_origin(np.array([[450000.1, 5200000.2, 3.0], [450100.0, 5200100.0, 4.0]]), "stl")
-    (450000.0, 5200000.0, 0.0)
-    >>> needed_origin(np.array([[0.1, 0.2, 3.0], [100.0, 100.0, 4.0]]), "stl") is None
-    True
-    """
+    """Compute the origin to subtract before coordinates are rounded to single precision."""
     if not len(points):
         return None
     # Column by column: reductions along axis 0 take ten times as long.
@@ -104,18 +78,7 @@ def with_origin(cloud: Cloud, origin: Origin | None) -> Cloud:
 
 
 def checked_origin(values: object, name: str) -> Origin:
-    """Check an origin that a file states.
-
-    Raises
-    ------
-    FormatError
-        It is not a list of three finite numbers.
-
-    Examples
-    --------
-    >>> checked_origin([450000, 5200000.5, 0], "mesh.glb")
-    (450000.0, 5200000.5, 0.0)
-    """
+    """Check an origin that a file states."""
     found = finite_numbers(values, 3)
     if found is None:
         raise FormatError(f"{name}: the origin is {shown(values)}: expected three finite numbers")

@@ -31,27 +31,7 @@ _STRAIGHT = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 def read_pcd(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read a PCD file.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the fields take besides their values, 2,000 bytes each, and of what compressed
-        data expand to.
-
-    Returns
-    -------
-    Cloud
-        Coordinates as float64, those of text in full whatever their type; ``rgb`` as colours,
-        ``rgba`` with alpha; ``normal_x`` and so on as normals; other fields as attributes in the
-        file's types. ``metadata`` holds a ``viewpoint`` other than the origin, and the ``grid``
-        (width, height) of an organised cloud.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, or exceeds a limit; the message gives the line or byte.
-    """
+    """Read a PCD file."""
     header = read_header(stream, name, max_bytes)
     if header.data == "ascii":
         columns = _text(stream, header, name)

@@ -52,13 +52,7 @@ class Header:
 
 
 def read_header(stream: BinaryIO, name: str, max_bytes: int | None) -> Header:
-    """Read the header and leave the stream at the first byte of the points.
-
-    Raises
-    ------
-    FormatError
-        It is invalid, or has more fields than the limit allows.
-    """
+    """Read the header and leave the stream at the first byte of the points."""
     reading = _Reading(stream, name)
     found = reading.lines_by_keyword()
     names = found.get("FIELDS") or found.get("COLUMNS") or []

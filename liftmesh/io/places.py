@@ -24,13 +24,7 @@ PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
 
 
 def at_home(place: PathOrStream) -> PathOrStream:
-    """Replace ``~`` at the beginning of a path by the home folder; streams stay.
-
-    Raises
-    ------
-    InputError
-        The path holds NUL.
-    """
+    """Replace ``~`` at the beginning of a path by the home folder; streams stay."""
     if not isinstance(place, str | os.PathLike):
         return place
     path = os.path.expanduser(os.fsdecode(place))  # noqa: PTH111 - Path raises if there is no home
@@ -40,39 +34,14 @@ def at_home(place: PathOrStream) -> PathOrStream:
 
 
 def check_suffix(place: str | os.PathLike[str], suffixes: tuple[str, ...], kind: str) -> None:
-    """Raise if the name of a file promises another format than the only one it can have.
-
-    Parameters
-    ----------
-    place : path
-        The file to write.
-    suffixes : tuple of str
-        The suffixes of the format, in lower case.
-    kind : str
-        What is written, and how, for the message.
-
-    Raises
-    ------
-    FormatError
-        The name has another suffix, or none.
-
-    Examples
-    --------
-    >>> check_suffix("lines.gpkg", (".geojson", ".json"), "contours are written as GeoJSON")
-    Traceback (most recent call last):
-    liftmesh.errors.FormatError: lines.gpkg: contours are written as GeoJSON: name it *.geojson
-    """
+    """Raise if the name of a file promises another format than the only one it can have."""
     name = os.fspath(place)
     if not name.lower().endswith(suffixes):
         raise FormatError(f"{name}: {kind}: name it *{suffixes[0]}")
 
 
 def name_of(place: object) -> str:
-    """Return the name of a path or a stream for messages.
-
-    >>> name_of("points.csv"), name_of(io.BytesIO())
-    ('points.csv', '<stream>')
-    """
+    """Return the name of a path or a stream for messages."""
     if isinstance(place, str | os.PathLike):
         return os.fspath(place)
     name = getattr(place, "name", None)
@@ -81,31 +50,7 @@ def name_of(place: object) -> str:
 
 @contextmanager
 def opened(source: PathOrStream, found: Format, name: str, limit: int | None) -> Iterator[BinaryIO]:
-    """Open a path, or use a stream; yield it as a seekable stream that is not empty.
-
-    Parameters
-    ----------
-    source : path or binary stream
-        Where to read.
-    found : Format
-        The format, which may be one that is read compressed with gzip.
-    name : str
-        The name for messages.
-    limit : int, optional
-        The limit in bytes of what a compressed file may expand to.
-
-    Yields
-    ------
-    binary stream
-        The content, decompressed if need be.
-
-    Raises
-    ------
-    FormatError
-        There is a folder, nothing, or no stream of bytes; or the file expands to too much.
-    OSError
-        The file cannot be opened or read.
-    """
+    """Open a path, or use a stream; yield it as a seekable stream that is not empty."""
     if not isinstance(source, str | os.PathLike):
         check_stream(source, "read")
         yield _filled(seekable(source), found, name, limit)
@@ -126,20 +71,7 @@ def opened(source: PathOrStream, found: Format, name: str, limit: int | None) ->
 
 
 def progress() -> tuple[int, int] | None:
-    """Return how far the file is read that was opened last: its place and size, in bytes.
-
-    Another thread may ask, which neither reads nor waits.
-
-    Returns
-    -------
-    tuple of int, or None
-        None if no file is being read, or it has no size, as a pipe.
-
-    Examples
-    --------
-    >>> progress() is None
-    True
-    """
+    """Return how far the file is read that was opened last: its place and size, in bytes."""
     try:
         number = _open[-1].fileno()
         return os.lseek(number, 0, os.SEEK_CUR), os.fstat(number).st_size
@@ -149,18 +81,7 @@ def progress() -> tuple[int, int] | None:
 
 @contextmanager
 def watched(stream: BinaryIO) -> Iterator[BinaryIO]:
-    """Let `written` know of a file while it is being written.
-
-    Parameters
-    ----------
-    stream : binary stream
-        The file.
-
-    Yields
-    ------
-    binary stream
-        The same.
-    """
+    """Let `written` know of a file while it is being written."""
     _written.append(stream)
     try:
         yield stream
@@ -169,20 +90,7 @@ def watched(stream: BinaryIO) -> Iterator[BinaryIO]:
 
 
 def written() -> tuple[int, None] | None:
-    """Return how many bytes there are of the file whose writing began last.
-
-    Another thread may ask, as for `progress`. How many bytes there will be, nobody knows.
-
-    Returns
-    -------
-    tuple of int and None, or None
-        None if no file is being written.
-
-    Examples
-    --------
-    >>> written() is None
-    True
-    """
+    """Return how many bytes there are of the file whose writing began last."""
     try:
         return os.fstat(_written[-1].fileno()).st_size, None
     except (IndexError, OSError, ValueError):  # closed meanwhile
@@ -192,13 +100,7 @@ def written() -> tuple[int, None] | None:
 def format_of(
     place: object, wanted: str | None, name: str, find: Callable[[str, str], Format]
 ) -> Format:
-    """Find the format of a path or stream: the one that is wanted, or that of its suffix.
-
-    Raises
-    ------
-    FormatError
-        There is a folder, or no such format.
-    """
+    """Find the format of a path or stream: the one that is wanted, or that of its suffix."""
     if wanted is None and isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
         raise folder(name)
     return find(suffix_of(name) if wanted is None else wanted, name)
@@ -217,13 +119,7 @@ def _filled(stream: BinaryIO, found: Format, name: str, limit: int | None) -> Bi
 
 
 def check_stream(stream: object, method: str) -> None:
-    """Raise unless an object is a binary stream that can be read or written.
-
-    Raises
-    ------
-    FormatError
-        It is anything else, such as a text stream.
-    """
+    """Raise unless an object is a binary stream that can be read or written."""
     if not hasattr(stream, method) or isinstance(stream, io.TextIOBase):
         raise FormatError(
             f"a {type(stream).__name__} is neither a path nor a binary stream: "

@@ -34,52 +34,17 @@ _PTS = {
 
 
 def read_xyzrgb(stream: BinaryIO, name: str) -> Cloud:
-    """Read lines of x y z r g b.
-
-    Returns
-    -------
-    Cloud
-        Colours as in text: uint8 or uint16 if they are whole numbers, floats if none exceeds 1;
-        attributes red, green and blue if they cannot be colours.
-
-    Raises
-    ------
-    FormatError
-        A line is not six numbers; the message gives it.
-    """
+    """Read lines of x y z r g b."""
     return _cloud(_table(stream, name, 6), (*POSITION, *COLOR))
 
 
 def read_xyzn(stream: BinaryIO, name: str) -> Cloud:
-    """Read lines of x y z nx ny nz.
-
-    Returns
-    -------
-    Cloud
-        Points and normals.
-
-    Raises
-    ------
-    FormatError
-        A line is not six numbers; the message gives it.
-    """
+    """Read lines of x y z nx ny nz."""
     return _cloud(_table(stream, name, 6), (*POSITION, *NORMAL))
 
 
 def read_pts(stream: BinaryIO, name: str) -> Cloud:
-    """Read a PTS file: one scan or several, with or without their numbers of points.
-
-    Returns
-    -------
-    Cloud
-        Points with ``intensity`` and colours, if there are any. ``metadata["scans"]`` counts the
-        scans if there are several.
-
-    Raises
-    ------
-    FormatError
-        A line is invalid, or a scan has fewer points than its first line says.
-    """
+    """Read a PTS file: one scan or several, with or without their numbers of points."""
     scans = _Scans(Lines(stream, name, _SYNTAX), name)
     parts = [*regrouped(scans.tables(), _TOGETHER)]
     if not parts:

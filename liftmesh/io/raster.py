@@ -63,31 +63,7 @@ _DEFAULTS = RasterOptions()
 
 
 def checked(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
-    """Check the options of a raster.
-
-    Parameters
-    ----------
-    band : int, default 1
-        The band that holds the heights, from 1.
-    nodata : float or str, optional
-        The number that stands for a missing value, besides what the file says; "none" if even
-        -9999 is a value.
-
-    Returns
-    -------
-    RasterOptions
-        The options.
-
-    Raises
-    ------
-    InputError
-        `band` is no whole number from 1, or `nodata` is no number.
-
-    Examples
-    --------
-    >>> checked(band=2, nodata=-9999)
-    RasterOptions(band=2, missing=(-9999.0,))
-    """
+    """Check the options of a raster."""
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
     if marks is not None and numbers != marks:
@@ -106,30 +82,7 @@ def read_raster(
     selection: Selection | None = None,
     options: RasterOptions = _DEFAULTS,
 ) -> Cloud:
-    """Read a raster.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the samples expand to.
-    selection : Selection, optional
-        Which samples are read; `every` counts in both directions.
-    options : RasterOptions
-        The band, and what stands for a missing value.
-
-    Returns
-    -------
-    Cloud
-        The samples that have a value. ``metadata["raster"]`` holds width, height, transform and
-        band; ``skipped`` counts the samples without a value, and names other bands. Samples that
-        are not read, as a box or `every` says, are counted whether they have a value or not.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, what is read of it exceeds the limit, it has no such band or no value
-        at all, or a value may stand for a missing one.
-    """
+    """Read a raster."""
     data = stream.read()
     if is_grid(data):
         grid = AsciiGrid(data, name, _ESRI if options.missing is None else None)

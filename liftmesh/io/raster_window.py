@@ -35,30 +35,7 @@ class Window(NamedTuple):
 
 
 def window_of(transform: Transform, width: int, height: int, selection: Selection | None) -> Window:
-    """Find the samples to read.
-
-    Parameters
-    ----------
-    transform : Transform
-        From columns and rows to x and y.
-    width, height : int
-        Size of the raster.
-    selection : Selection, optional
-        Its box and its step count; by default all samples are read.
-
-    Returns
-    -------
-    Window
-        Rows and columns; both have the step, counted from the first ones of the raster.
-
-    Examples
-    --------
-    >>> from liftmesh.io.beside_rasters import Transform
-    >>> from liftmesh.io.selection import Selection
-    >>> place = Transform(2.0, 0.0, 100.0, 0.0, -2.0, 50.0)
-    >>> window_of(place, 10, 10, Selection(bbox=(103, 40, 107, 49), every=2))
-    Window(rows=range(0, 5, 2), columns=range(2, 4, 2), outside=85, between=12)
-    """
+    """Find the samples to read."""
     step = 1 if selection is None else selection.every
     rows, columns = range(height), range(width)
     if selection is not None and selection.bbox is not None:
@@ -112,20 +89,7 @@ class Band(NamedTuple):
 
 
 def bands_of(window: Window, block: tuple[int, int]) -> Iterator[Band]:
-    """Split a window into bands of at most about a million samples.
-
-    Parameters
-    ----------
-    window : Window
-        What is read.
-    block : (int, int)
-        Rows and columns of a block of the file.
-
-    Yields
-    ------
-    Band
-        The next rows.
-    """
+    """Split a window into bands of at most about a million samples."""
     pieces = _columns_of(window.columns, block)
     width = max((each[-1] + 1 - each.start for each in pieces), default=1)
     apart = _pays(window.rows.step, block[0], width)

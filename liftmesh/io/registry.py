@@ -111,51 +111,13 @@ _with_options = _objects("tables", "with_options")
 
 
 def known_formats() -> dict[str, Format]:
-    """List all formats by name, including those of other packages.
-
-    Returns
-    -------
-    dict of str to Format
-        A plugin that cannot be loaded is listed too, without reader and writer; its description
-        gives the reason.
-
-    Examples
-    --------
-    >>> known_formats()["ply"].suffixes
-    ('.ply',)
-    """
+    """List all formats by name, including those of other packages."""
     plugins = {entry.name.lower(): _listed(entry) for entry in reversed(_entries(FORMAT_GROUP))}
     return plugins | {each.name: each for each in FORMATS}
 
 
 def find_format(wanted: str, name: str) -> Format:
-    """Find a format by its name or suffix, with or without the dot, in upper or lower case.
-
-    ``.gz`` may follow the suffix of a format whose files may be compressed.
-
-    Parameters
-    ----------
-    wanted : str
-        Name or suffix.
-    name : str
-        The file's name for messages.
-
-    Returns
-    -------
-    Format
-        The format with this name or suffix.
-
-    Raises
-    ------
-    FormatError
-        No format has this name or suffix, it is no string, its plugin cannot be loaded, or its
-        files cannot be compressed with gzip.
-
-    Examples
-    --------
-    >>> find_format(".CSV", "points.csv").name
-    'text'
-    """
+    """Find a format by its name or suffix, with or without the dot, in upper or lower case."""
     if not isinstance(wanted, str):
         raise FormatError(f"format is {shown(wanted)}: give a name or suffix, such as 'ply'")
     key = wanted.lower().removeprefix(".")
@@ -171,30 +133,7 @@ def find_format(wanted: str, name: str) -> Format:
 
 
 def find_written(wanted: str, name: str) -> Format:
-    """Find the format of a file to be written, as `find_format`; none is compressed with gzip.
-
-    Parameters
-    ----------
-    wanted : str
-        Name or suffix.
-    name : str
-        The file's name for messages.
-
-    Returns
-    -------
-    Format
-        The format, which may have no writer.
-
-    Raises
-    ------
-    FormatError
-        As for `find_format`, or the suffix is that of a compressed file.
-
-    Examples
-    --------
-    >>> find_written(".csv", "points.csv").name
-    'text'
-    """
+    """Find the format of a file to be written, as `find_format`; none is compressed with gzip."""
     found = find_format(wanted, name)
     if wanted.lower().endswith(".gz"):
         raise FormatError(f"{name}: gzip is read only: leave out .gz, and compress the file")
@@ -202,23 +141,7 @@ def find_written(wanted: str, name: str) -> Format:
 
 
 def suffix_of(name: str) -> str:
-    """Return the suffix of a file's name, and the one before ``.gz`` with it.
-
-    Parameters
-    ----------
-    name : str
-        The name.
-
-    Returns
-    -------
-    str
-        The suffix with its dot, or an empty text.
-
-    Examples
-    --------
-    >>> suffix_of("points.csv"), suffix_of("points.csv.gz")
-    ('.csv', '.csv.gz')
-    """
+    """Return the suffix of a file's name, and the one before ``.gz`` with it."""
     path = PurePath(name)
     is_compressed = path.suffix.lower() == ".gz"
     return "".join(path.suffixes[-2:]) if is_compressed else path.suffix
@@ -282,33 +205,7 @@ def as_cloud(source: Any, **options: Any) -> Cloud:
 
 
 def rows_of(source: Any, *, has_heights: bool = True) -> Any:
-    """Return the points of a cloud or mesh; what NumPy makes an array of is returned as it is.
-
-    Parameters
-    ----------
-    source : object
-        Anything.
-    has_heights : bool
-        Whether z counts, and a table needs a column that is known as the height.
-
-    Returns
-    -------
-    (n, 3) ndarray of float64, or object
-        The points as `as_cloud` finds them, or the source itself.
-
-    Raises
-    ------
-    UnsupportedTypeError
-        It is a path.
-    InputError
-        As for `as_cloud`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> rows_of([[0, 0]]), rows_of(Cloud(np.zeros((1, 3))))
-    ([[0, 0]], array([[0., 0., 0.]]))
-    """
+    """Return the points of a cloud or mesh; what NumPy makes an array of is returned as it is."""
     with kept():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
     if adapter is None or adapter.to_cloud is plain.from_array:

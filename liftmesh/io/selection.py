@@ -42,11 +42,7 @@ _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet t
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Checked conditions on rows; `checked` makes them of what a caller gives.
-
-    ``classes`` are numbers, or "ground": class 2 if the file has any, else all rows. ``withheld``
-    says whether rows of that flag stay.
-    """
+    """Checked conditions on rows; `checked` makes them of what a caller gives."""
 
     classes: frozenset[int] | Literal["ground"] | None = None
     returns: Returns | None = None
@@ -67,30 +63,7 @@ def checked(
     withheld: bool = True,
     resolution: float | None = None,
 ) -> Selection | None:
-    """Check the conditions that a caller gives.
-
-    Parameters
-    ----------
-    classes, returns, bbox, z_range, every, withheld, resolution
-        As for `liftmesh.read`.
-
-    Returns
-    -------
-    Selection or None
-        The conditions; None if all rows meet them.
-
-    Raises
-    ------
-    InputError
-        A value is not one that the option can have.
-
-    Examples
-    --------
-    >>> checked(classes=2, every=10).classes
-    frozenset({2})
-    >>> checked() is None
-    True
-    """
+    """Check the conditions that a caller gives."""
     if returns is not None:
         check_option("returns", returns, Returns)
     found = Selection(
@@ -157,22 +130,7 @@ def _invalid(name: str, value: object, wanted: str) -> InputError:
 
 
 class Selector:
-    """Applies conditions to the rows of a file, block by block, and counts what it leaves out.
-
-    Parameters
-    ----------
-    selection : Selection
-        The conditions.
-    name : str
-        The file for messages.
-    has_levels : bool
-        Whether the file is one of COPC, whose reader has chosen the resolution.
-
-    Raises
-    ------
-    FormatError
-        A resolution is asked of another file.
-    """
+    """Applies conditions to the rows of a file, block by block, and counts what it leaves out."""
 
     def __init__(self, selection: Selection, name: str, *, has_levels: bool = False) -> None:
         if selection.resolution is not None and not has_levels:
@@ -188,27 +146,7 @@ class Selector:
         self._has_ground = False
 
     def rows(self, count: int, columns: Mapping[str, Array]) -> tuple[Array, bool]:
-        """Find the rows of a block that are selected.
-
-        Parameters
-        ----------
-        count : int
-            Number of rows of the block.
-        columns : mapping of str to (n, ...) ndarray
-            Its values by name, x, y and z among them.
-
-        Returns
-        -------
-        rows : (m,) ndarray of int
-            Rows of the block.
-        is_first : bool
-            Whether all rows of earlier blocks are left out after all: ground begins here.
-
-        Raises
-        ------
-        FormatError
-            The file has no such values.
-        """
+        """Find the rows of a block that are selected."""
         chosen = self._selection
         left = np.arange(count)
         self._rows += count
@@ -228,13 +166,7 @@ class Selector:
         return left, is_first
 
     def leave_out(self, counts: Mapping[str, int]) -> None:
-        """Count rows that are not read at all, by reason.
-
-        Parameters
-        ----------
-        counts : mapping
-            The reasons are names of conditions.
-        """
+        """Count rows that are not read at all, by reason."""
         for reason, count in counts.items():
             self._rows += count
             self._unread[reason] = count
@@ -327,54 +259,12 @@ def _is_numbers(values: Array) -> bool:
 
 
 def class_column(columns: Mapping[str, Array]) -> str | None:
-    """Find the column of classes.
-
-    Parameters
-    ----------
-    columns : mapping of str to (n, ...) ndarray
-        Values by name, as `Cloud.attributes`.
-
-    Returns
-    -------
-    str or None
-        Its name, in whatever spelling it has; None if there is none of numbers.
-
-    Examples
-    --------
-    >>> class_column({"Class": np.array([2, 5])}), class_column({"class": np.array(["a", "b"])})
-    ('Class', None)
-    """
+    """Find the column of classes."""
     return _key(columns, _CLASS)
 
 
 def selected(cloud: Cloud, selector: Selector) -> Cloud:
-    """Select the rows of a cloud that meet the conditions; faces are left out and named.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The rows of a file, or the next ones of it.
-    selector : Selector
-        The conditions.
-
-    Returns
-    -------
-    Cloud
-        The rows, with the counts so far in ``metadata["selection"]``.
-
-    Raises
-    ------
-    FormatError
-        The file has no such values.
-
-    Examples
-    --------
-    >>> from liftmesh.cloud import Cloud
-    >>> cloud = Cloud(np.eye(3), attributes={"class": np.array([2, 5, 2])})
-    >>> found = selected(cloud, Selector(Selection(classes=frozenset({2})), "a.csv"))
-    >>> len(found), found.metadata["selection"]
-    (2, {'rows': 3, 'selected': 2, 'classes': 1})
-    """
+    """Select the rows of a cloud that meet the conditions; faces are left out and named."""
     places = dict(zip(POSITION, cloud.points.T, strict=True))
     rows, _ = selector.rows(len(cloud), {**cloud.attributes, **places})
     entries: dict[str, Any] = {"selection": selector.counts()}
@@ -386,25 +276,7 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
 
 
 def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
-    """Return how many rows of a cloud were selected and left out when it was read.
-
-    Parameters
-    ----------
-    metadata : mapping
-        Of the cloud.
-
-    Returns
-    -------
-    dict
-        As `Selector.counts` returns them; empty if all rows were read.
-
-    Examples
-    --------
-    >>> found_selection({"selection": {"rows": 9, "selected": 3, "every": 6}})["every"]
-    6
-    >>> found_selection({"selection": "of mine"})
-    {}
-    """
+    """Return how many rows of a cloud were selected and left out when it was read."""
     found = metadata.get("selection")  # a caller may say anything of that name
     if not isinstance(found, Mapping) or not {"rows", "selected"} <= found.keys():
         return {}
@@ -412,23 +284,7 @@ def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
 
 
 def described(counts: Mapping[str, int]) -> str:
-    """Say in a sentence which rows were selected.
-
-    Parameters
-    ----------
-    counts : mapping
-        As `Selector.counts` returns them.
-
-    Returns
-    -------
-    str
-        The sentence, without the name of the file.
-
-    Examples
-    --------
-    >>> described({"rows": 110000, "selected": 26107, "ground": 1, "classes": 83893})
-    'ground (class 2): 26,107 of 110,000 rows; left out: 83,893 of other classes'
-    """
+    """Say in a sentence which rows were selected."""
     kind = {1: "ground (class 2): ", 0: "no ground (class 2), so all classes: "}
     first = kind.get(counts.get("ground", -1), "")
     line = f"{first}{counts['selected']:,} of {counts['rows']:,} rows"

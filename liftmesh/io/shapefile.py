@@ -42,31 +42,7 @@ _ISO = re.compile(r"(?i)(?:iso)?[ -]?8859[ -]?(\d\d?)")
 
 
 def read_shapefile(path: Path, data: bytes) -> tuple[dict[str, Any], str | None]:
-    """Read the shapes.
-
-    Parameters
-    ----------
-    path : Path
-        The file, beside which the others are looked for.
-    data : bytes
-        Its content.
-
-    Returns
-    -------
-    tree : dict
-        A FeatureCollection.
-    crs : str or None
-        The text of its coordinate system.
-
-    Raises
-    ------
-    FormatError
-        A file is damaged, or holds surfaces.
-    MissingDependencyError
-        Polygons with several rings need shapely.
-    OSError
-        A file beside it cannot be read.
-    """
+    """Read the shapes."""
     try:
         shapes = list(_shapes(data))
         rows = _rows(path, len(shapes))

@@ -42,20 +42,7 @@ _CONTROL = re.compile(rb"[\0-\x08\x0e-\x1f]")
 
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
-    """Read an STL file, binary or text.
-
-    Returns
-    -------
-    Cloud
-        STL repeats a vertex for each triangle: equal vertices are merged, in the order of first
-        appearance, and ``metadata["repeated_vertices"]`` counts the repetitions. Attribute bytes
-        other than zero, and the colours of a text, are counted in ``metadata["skipped"]``.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid: the message gives the sizes or the line.
-    """
+    """Read an STL file, binary or text."""
     begin, size = stream.tell(), remaining(stream)
     head = stream.read(_HEAD.size)
     if not _is_text(head, size):
@@ -66,23 +53,7 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
 
 
 def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
-    """Write triangles as binary STL.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        A mesh; STL holds its triangles only.
-
-    Returns
-    -------
-    tuple of float, or None
-        The origin that was subtracted, as recorded in the file's header.
-
-    Raises
-    ------
-    FormatError
-        The coordinates do not fit single precision.
-    """
+    """Write triangles as binary STL."""
     faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
     origin = needed_origin(cloud.points[used_rows(len(cloud), faces)], "stl")
     title = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"

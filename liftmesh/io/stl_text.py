@@ -38,21 +38,7 @@ _FILLING = "\0\x1a"  # some programs fill the last block of a file
 
 
 def read_corners(stream: BinaryIO, name: str) -> tuple[Floats, int]:
-    """Read the corners of all facets of a text file.
-
-    Returns
-    -------
-    corners : (3 n, 3) ndarray of float64
-        Three rows for each facet, in the order of the file.
-    colors : int
-        The number of lines ``color``, which are left out.
-
-    Raises
-    ------
-    FormatError
-        A line is not what should be at its place, or the last solid has no end; the message gives
-        the line.
-    """
+    """Read the corners of all facets of a text file."""
     solids = _Solids(name)
     lines = Lines(stream, name, _SYNTAX)
     parts = [_corners(facets, name) for facets in _facets(lines, solids)]

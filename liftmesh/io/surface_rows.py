@@ -42,27 +42,7 @@ _SYSTEMS = ("crs", "to_crs", "color_depth")  # of what is read, not of which row
 def for_surface(
     name: str | os.PathLike[str], choices: Mapping[str, Any], file_format: str | None = None
 ) -> dict[str, Any]:
-    """Return the conditions on the rows of a file that a surface is made of.
-
-    Parameters
-    ----------
-    name : str or path
-        The file.
-    choices : mapping
-        What the caller says, as options of `liftmesh.read`: it counts.
-    file_format : str, optional
-        Its format; by default that of its suffix.
-
-    Returns
-    -------
-    dict
-        Options of `liftmesh.read`.
-
-    Examples
-    --------
-    >>> for_surface("tile.laz", {"classes": "all"}), for_surface("cloud.ply", {})
-    ({'classes': 'all', 'withheld': False}, {})
-    """
+    """Return the conditions on the rows of a file that a surface is made of."""
     name = os.fspath(name)
     kind = file_format or suffix_of(name)
     if not kind or find_format(kind, name).name != "las":
@@ -71,34 +51,7 @@ def for_surface(
 
 
 def read_rows(source: object, classes: ClassChoice = None, **options: Any) -> Cloud:
-    """Read the rows of a surface, or convert an object, of which all rows count.
-
-    Parameters
-    ----------
-    source : path or object
-        As for `read_cloud`.
-    classes : int, iterable of int, "ground" or "all", optional
-        Of a file, the classes to read in place of those of `for_surface`.
-    **options
-        Options of tables.
-
-    Returns
-    -------
-    Cloud
-        The rows.
-
-    Raises
-    ------
-    InputError
-        Classes are asked of what is no file, or a file has rows, but none of these classes.
-    FormatError, UnsupportedTypeError, OSError
-        As for `read_cloud`.
-
-    Examples
-    --------
-    >>> len(read_rows([[0, 0, 5], [1, 0, 6]]))
-    2
-    """
+    """Read the rows of a surface, or convert an object, of which all rows count."""
     if isinstance(source, str | os.PathLike):
         choices = {} if classes is None else {"classes": classes}
         return check_some(read_cloud(source, **for_surface(source, choices), **options), source)
@@ -113,34 +66,7 @@ def read_rows(source: object, classes: ClassChoice = None, **options: Any) -> Cl
 def for_chunks(
     names: Sequence[str | os.PathLike[str]], choices: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """Return the conditions on the rows of files that are read in chunks.
-
-    A chunk does not say whether its file has ground: files are read until a row of it is found.
-
-    Parameters
-    ----------
-    names : sequence of str or path
-        The files of a surface.
-    choices : mapping
-        What the caller says, as options of `liftmesh.read_chunks`.
-
-    Returns
-    -------
-    list of dict
-        Of each file, options of `liftmesh.read_chunks`, in which "ground" is class 2 or all.
-
-    Raises
-    ------
-    InputError
-        As of `check_grounds`.
-    FormatError, OSError
-        As of `liftmesh.read_chunks`.
-
-    Examples
-    --------
-    >>> for_chunks(["cloud.ply"], {"every": 2})
-    [{'every': 2}]
-    """
+    """Return the conditions on the rows of files that are read in chunks."""
     found = [for_surface(name, choices) for name in names]
     asked = {k: each for k, each in enumerate(found) if each.get("classes") == "ground"}
     counts = {k: _ground_of(os.fspath(names[k]), each) for k, each in asked.items()}
@@ -164,26 +90,7 @@ def _ground_of(name: str, choices: Mapping[str, Any]) -> dict[str, int]:
 
 
 def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
-    """Raise if some files have ground and others have none, of which all rows would be taken.
-
-    Parameters
-    ----------
-    files : iterable of (str, mapping)
-        Name of each file, and how many rows were selected, as `Selector.counts` says.
-
-    Raises
-    ------
-    InputError
-        The message names the files without ground, and what can be done.
-
-    Examples
-    --------
-    >>> with_ground, without = {"ground": 1, "selected": 5}, {"ground": 0, "selected": 9}
-    >>> check_grounds([("a.laz", with_ground), ("b.laz", {"ground": 0, "selected": 0})])
-    >>> check_grounds([("a.laz", with_ground), ("b.laz", without)])
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: b.laz: no ground (class 2), while other files have some: give ...
-    """
+    """Raise if some files have ground and others have none, of which all rows would be taken."""
     asked = [(name, counts) for name, counts in files if "ground" in counts]
     lacking = [name for name, each in asked if each["selected"] and not each["ground"]]
     if not lacking or not any(each["ground"] for _, each in asked):
@@ -197,20 +104,7 @@ def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
 
 
 def check_some(cloud: Cloud, name: str | os.PathLike[str]) -> Cloud:
-    """Return a cloud; raise if conditions on rows have left none.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        What was read.
-    name : str or path
-        The file, or what is merged.
-
-    Raises
-    ------
-    InputError
-        There were rows, and none was selected.
-    """
+    """Return a cloud; raise if conditions on rows have left none."""
     rows = found_selection(cloud.metadata).get("rows")
     if rows and not len(cloud):
         raise InputError(f"{os.fspath(name)}: none of {rows:,} rows meets the conditions")
@@ -218,33 +112,13 @@ def check_some(cloud: Cloud, name: str | os.PathLike[str]) -> Cloud:
 
 
 def classes_of(attributes: Mapping[str, Array]) -> dict[int, int]:
-    """Count the rows of each class.
-
-    Parameters
-    ----------
-    attributes : mapping of str to (n, ...) ndarray
-        Values by name, as `Cloud.attributes`.
-
-    Returns
-    -------
-    dict of int to int
-        Rows by class, increasing; empty without a column of classes from 0 to 255.
-
-    Examples
-    --------
-    >>> classes_of({"classification": np.array([2, 9, 2], np.uint8)})
-    {2: 2, 9: 1}
-    """
+    """Count the rows of each class."""
     name = class_column(attributes)
     return {} if name is None else bytes_of(attributes[name])
 
 
 def bytes_of(values: Array) -> dict[int, int]:
-    """Count whole numbers from 0 to 255; empty if there are others.
-
-    >>> bytes_of(np.array([1.0, 3.0, 1.0])), bytes_of(np.array([0.5]))
-    ({1: 2, 3: 1}, {})
-    """
+    """Count whole numbers from 0 to 255; empty if there are others."""
     total = np.zeros(MOST_CLASSES, np.int64)
     if values.ndim != 1 or values.dtype.kind not in "iuf":
         return {}

@@ -30,13 +30,7 @@ _WORD = re.compile(r"\S+")
 def number_table(
     block: Block, name: str, *, width: int | None = None, delimiter: str | None = None
 ) -> Floats:
-    """Parse every line of a block as ``width`` numbers (by default as many as its first line).
-
-    Raises
-    ------
-    FormatError
-        A line has a different number of values, or a value is not a number.
-    """
+    """Parse every line of a block as ``width`` numbers (by default as many as its first line)."""
     if not len(block):
         return np.empty((0, width or 0))
     if block.long:
@@ -91,10 +85,7 @@ def _count_words(text: str) -> int:
 def exact_values(
     values: Array, dtype: np.dtype, name: str, what: str, line_of: Callable[[int], int]
 ) -> Array:
-    """Convert parsed numbers to the type in the header; raise if a value is not of that type.
-
-    ``line_of`` gives the line of the value at a position.
-    """
+    """Convert parsed numbers to the type in the header; raise if a value is not of that type."""
     with np.errstate(invalid="ignore", over="ignore"):
         converted = values.astype(dtype)
     if dtype.kind in "iu":
@@ -174,12 +165,7 @@ def write_rows(
     shortest: bool = False,
     plus: int = 0,
 ) -> None:
-    """Write one line per row: ``prefix``, then the values of all columns, then ``end``.
-
-    Columns are (n,) or (n, k) arrays of floats or integers. ``between`` stands between all values,
-    or is what stands between each and the next. With ``shortest``, single precision too gets the
-    shortest digits. ``plus`` is added to indices.
-    """
+    """Write one line per row: ``prefix``, then the values of all columns, then ``end``."""
     flat = [part for each in columns for part in ([each] if each.ndim == 1 else each.T)]
     marks = [between] * (len(flat) - 1) if isinstance(between, str) else between
     threads, _ = as_threads(None, len(flat) * len(flat[0]))

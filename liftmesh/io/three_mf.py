@@ -57,26 +57,7 @@ _DATE = (1980, 1, 1, 0, 0, 0)  # the first that zip has: bytes are a function of
 
 
 def write_3mf(stream: BinaryIO, cloud: Cloud, *, unit: Unit | None = None) -> Origin | None:
-    """Write the faces of a mesh as 3MF.
-
-    Parameters
-    ----------
-    unit : {"micron", "millimeter", "centimeter", "inch", "foot", "meter"}, optional
-        Of the coordinates.
-
-    Returns
-    -------
-    tuple of float, or None
-        The origin that was subtracted.
-
-    Raises
-    ------
-    FormatError
-        Coordinates do not fit single precision even so, there are more than 2^31 - 1 vertices, or
-        a face has a corner twice, which the format forbids.
-    InputError
-        The unit is unknown.
-    """
+    """Write the faces of a mesh as 3MF."""
     if unit is not None:
         check_option("unit", unit, Unit)
     if cloud.faces is None:

@@ -31,46 +31,12 @@ _MARKER = "boundary_marker"
 
 
 def read_node(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read the points of a .node file.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the columns take besides their values, 2,000 bytes each.
-
-    Returns
-    -------
-    Cloud
-        Points of two dimensions get z = 0; attributes are ``attribute_1`` and so on, and
-        ``boundary_marker``.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid; the message gives the line.
-    """
+    """Read the points of a .node file."""
     return _nodes(stream, name, max_bytes)[0]
 
 
 def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read the triangles of an .ele file, with the points of the .node file beside it.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        As for `read_node`.
-
-    Returns
-    -------
-    Cloud
-        The points as from `read_node`, and faces. Midpoints of edges, and attributes of triangles,
-        are counted in ``metadata["skipped"]``.
-
-    Raises
-    ------
-    FormatError
-        A file is invalid, or there is no .node file; the message gives the line.
-    """
+    """Read the triangles of an .ele file, with the points of the .node file beside it."""
     with _beside(name, max_bytes) as (nodes, beside):
         cloud, first = _nodes(nodes, beside, max_bytes)
     lines = Lines(stream, name, HASH)

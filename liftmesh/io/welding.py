@@ -24,26 +24,7 @@ Hashes = NDArray[np.uint64]
 
 
 def weld(points: Floats) -> tuple[Integers, Integers]:
-    """Find the equal rows of an array.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float64
-        Coordinates; -0.0 equals 0.0, and NaN no other.
-
-    Returns
-    -------
-    kept : (m,) ndarray of int64
-        The first row at each position, in increasing order.
-    place : (n,) ndarray of int64
-        For each row, the index in ``kept`` of the row that is equal to it.
-
-    Examples
-    --------
-    >>> kept, place = weld(np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0], [1.0, 2.0, 3.0]]))
-    >>> kept.tolist(), place.tolist()
-    ([0, 1], [0, 1, 0])
-    """
+    """Find the equal rows of an array."""
     rows = np.arange(len(points))
     first = rows.copy()
     hashes = _hashes(points)

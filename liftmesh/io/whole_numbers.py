@@ -14,25 +14,7 @@ SINGLE, DOUBLE = 24, 53  # bits of a significand
 
 
 def fit(values: Array, bits: int) -> bool:
-    """Whether significands of so many bits hold all values of an array of integers.
-
-    Parameters
-    ----------
-    values : ndarray of integers
-        The values.
-    bits : int
-        Bits of the significand: `SINGLE` or `DOUBLE`.
-
-    Returns
-    -------
-    bool
-        True if each value, without the zeros at its end, has no more bits.
-
-    Examples
-    --------
-    >>> fit(np.array([2**24, -5]), SINGLE), fit(np.array([2**24 + 1]), SINGLE)
-    (True, False)
-    """
+    """Whether significands of so many bits hold all values of an array of integers."""
     if not values.size or max(-int(values.min()), int(values.max())) <= 1 << bits:
         return True
     sizes = np.abs(values.astype(np.int64)) if values.dtype.kind == "i" else values

@@ -21,30 +21,7 @@ _Z, _M, _SRID = 0x80000000, 0x40000000, 0x20000000  # marks of another dialect (
 
 
 def geometry_of(data: bytes, begin: int = 0) -> Geometry:
-    """Convert a geometry.
-
-    Parameters
-    ----------
-    data : bytes
-        Text of well-known binary, perhaps behind something else.
-    begin : int
-        Where it begins.
-
-    Returns
-    -------
-    dict
-        Type and coordinates, or geometries.
-
-    Raises
-    ------
-    ValueError, struct.error
-        It is damaged, or a curve or surface, which has no equal in GeoJSON.
-
-    Examples
-    --------
-    >>> geometry_of(struct.pack("<BI2d", 1, 1, 2.0, 3.0))
-    {'type': 'Point', 'coordinates': [2.0, 3.0]}
-    """
+    """Convert a geometry."""
     return _Reader(data, begin).geometry()
 
 

@@ -26,33 +26,7 @@ _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 @contextmanager
 def working_folder(place: str | os.PathLike[str], kind: str) -> Iterator[Path]:
-    """Make a folder, and remove it with all that it holds in the end.
-
-    Parameters
-    ----------
-    place : str or path
-        The folder in which to make it.
-    kind : str
-        What it is for: a part of its name, and of the abandoned ones that are removed before.
-
-    Yields
-    ------
-    Path
-        The folder; it holds a file, `LOCK`.
-
-    Raises
-    ------
-    OSError
-        The folder cannot be made, or not removed.
-
-    Examples
-    --------
-    >>> with working_folder("/tmp", "example") as folder:
-    ...     [path.name for path in folder.iterdir()]
-    ['in-use']
-    >>> folder.exists()
-    False
-    """
+    """Make a folder, and remove it with all that it holds in the end."""
     here = Path(place).absolute()
     _remove_abandoned(here, kind)
     folder = here / f".liftmesh-{kind}-{os.urandom(8).hex()}"

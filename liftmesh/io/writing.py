@@ -150,27 +150,7 @@ def write(
 
 
 def writer_of(found: Format, name: str, options: Mapping[str, Any]) -> Callable[..., Origin | None]:
-    """Return the writer of a format.
-
-    Parameters
-    ----------
-    found : Format
-        The format.
-    name : str
-        The file for messages.
-    options : mapping
-        Options of the writer.
-
-    Returns
-    -------
-    callable
-        The writer; of the stream, the cloud and the options.
-
-    Raises
-    ------
-    FormatError
-        The format cannot be written, or its writer has no such option.
-    """
+    """Return the writer of a format."""
     if found.write is None:
         raise FormatError(
             f"{name}: {found.name} files cannot be written ({found.description}): "

@@ -35,22 +35,7 @@ _NO_MEMORY = "Error -4 "  # begins what zlib says if it cannot allocate memory
 
 
 class Content:
-    """The bytes of one member, from its start; ``left`` are still to come.
-
-    Parameters
-    ----------
-    stream : binary stream
-        The archive. Its position is set for every read: several members can be read in turns.
-    info : ZipInfo
-        The member's entry in the directory.
-    most : int, optional
-        Number of bytes that will be read at most: a decompressor needs no more memory.
-
-    Raises
-    ------
-    BadZipFile
-        The member is encrypted, of unknown compression, or its header contradicts the directory.
-    """
+    """The bytes of one member, from its start; ``left`` are still to come."""
 
     def __init__(self, stream: BinaryIO, info: ZipInfo, most: int | None = None) -> None:
         self.left = info.file_size if most is None else min(most, info.file_size)
@@ -63,13 +48,7 @@ class Content:
         self._decoder = self._decoder_of(info)
 
     def read(self, size: int = -1) -> bytes:
-        """Read ``size`` bytes, or those that are left if they are fewer.
-
-        Raises
-        ------
-        BadZipFile
-            The stream ends before.
-        """
+        """Read ``size`` bytes, or those that are left if they are fewer."""
         wanted = self.left if size < 0 else min(size, self.left)
         memory = memoryview(bytearray(wanted))
         start = 0
@@ -78,13 +57,7 @@ class Content:
         return bytes(memory)
 
     def readinto(self, memory: memoryview) -> int:
-        """Read some of the bytes that are left into memory; return their number.
-
-        Raises
-        ------
-        BadZipFile
-            The stream ends before.
-        """
+        """Read some of the bytes that are left into memory; return their number."""
         memory = memory[: min(self.left, _MOST)]
         count = self._fill(memory) if memory else 0
         if not count and self.left:
@@ -94,13 +67,7 @@ class Content:
         return count
 
     def finish(self) -> None:
-        """Read what is left, and check the end of the data and the checksum.
-
-        Raises
-        ------
-        BadZipFile
-            The stream ends before or goes on after the stated size, or the checksum is wrong.
-        """
+        """Read what is left, and check the end of the data and the checksum."""
         while self.left:
             self.read(_MOST)
         if self._goes_on():
@@ -168,11 +135,7 @@ class Content:
         return makers[info.compress_type]()
 
     def _lzma(self) -> _Decoder:
-        """Read the properties in front of LZMA data; no dictionary exceeds the content.
-
-        Data without a marker at their end are decoded as those of an .lzma file, whose header
-        states the size: so the decoder knows where they end.
-        """
+        """Read the properties in front of LZMA data; no dictionary exceeds the content."""
         head = self._raw(9)
         if len(head) < 9 or head[2:4] != b"\5\0" or head[4] >= 9 * 5 * 5:
             raise BadZipFile("its LZMA properties are invalid")

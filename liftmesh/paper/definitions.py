@@ -21,70 +21,13 @@ Polygon: TypeAlias = list[Exact]
 
 
 def is_lower_facet(a: Point, b: Point, p: Point, points: Iterable[Point]) -> bool:
-    """Definition 2.1: all points of P are on or above the plane (a, b, p).
-
-    Parameters
-    ----------
-    a, b, p : sequence of three numbers
-        The vertices, in any order.
-    points : iterable of points
-        P.
-
-    Returns
-    -------
-    bool
-        Whether the triangle is a lower facet; False for a vertical plane.
-
-    Notes
-    -----
-    With four coplanar points, which the paper excludes, lower facets overlap: all four triangles of
-    a horizontal square are lower facets.
-
-    Examples
-    --------
-    >>> tetrahedron = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-    >>> is_lower_facet(*tetrahedron[:3], tetrahedron)
-    True
-    >>> is_lower_facet(*tetrahedron[1:], tetrahedron)
-    False
-    """
+    """Definition 2.1: all points of P are on or above the plane (a, b, p)."""
     plane = Plane.through(a, b, p)
     return plane.n[2] != 0 and all(plane.position(v) != "below" for v in points)
 
 
 def lifted(u: Point, points: Sequence[Point], facets: Iterable[Facet]) -> Exact:
-    """The lifting tau* of Definition 2.2 at one point of the planar hull.
-
-    Parameters
-    ----------
-    u : sequence of two numbers
-        A planar point.
-    points : sequence of points
-        P.
-    facets : iterable of three rows each
-        Lower facets.
-
-    Returns
-    -------
-    tuple of three Fraction
-        The one point of the facets that projects to u.
-
-    Raises
-    ------
-    InputError
-        No facet lies above u, or facets lie above it at different heights.
-
-    Notes
-    -----
-    This is not the mapping mu of Section 2, with which it agrees only at the points of P*: between
-    them it follows the facets, and mu the paraboloid below.
-
-    Examples
-    --------
-    >>> points = [(0, 0, 0), (2, 0, 4), (0, 2, 4)]
-    >>> tuple(map(int, lifted((1, 1), points, [(0, 1, 2)])))
-    (1, 1, 4)
-    """
+    """The lifting tau* of Definition 2.2 at one point of the planar hull."""
     x, y = exact(u)
     corners = [[points[i] for i in facet] for facet in facets]
     heights = {Plane.through(*abp).height(x, y) for abp in corners if _covers(abp, u)}
@@ -100,33 +43,7 @@ def _covers(corners: Sequence[Point], u: Point) -> bool:
 
 
 def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
-    """Definition 2.2, for the projection tau = mu* of CH(P) and the inverse given by the facets.
-
-    (ii) Their union is one of closed faces of CH(P) if all points are on or above each facet's
-    plane. Then they are parts of the graph of one function, the least height of CH(P), and (i) the
-    inverse is single-valued; it is defined everywhere if their projections cover the planar hull,
-    that is, if nothing is left after subtracting each from it.
-
-    Parameters
-    ----------
-    points : sequence of points
-        P.
-    facets : iterable of three rows each
-        The facets, for example the simplices of a Delaunay triangulation.
-
-    Returns
-    -------
-    bool
-        Whether the pair is a lifting; False if the planar hull has no area.
-
-    Examples
-    --------
-    >>> pyramid = [(0, 0, 0), (2, 0, 4), (0, 2, 4), (-3, -3, 18)]
-    >>> is_lifting(pyramid, [(0, 1, 2), (0, 2, 3), (0, 3, 1)])
-    True
-    >>> is_lifting(pyramid, [(0, 1, 2), (0, 2, 3)])
-    False
-    """
+    """Definition 2.2, for the projection tau = mu* of CH(P) and the inverse given by the facets."""
     corners = [[points[i] for i in facet] for facet in facets]
     if not all(is_lower_facet(abp[0], abp[1], abp[2], points) for abp in corners):
         return False
@@ -138,23 +55,7 @@ def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
 
 
 def planar_hull(points: Iterable[Point]) -> Polygon:
-    """The convex hull L of the projected points, a polygon according to the paper.
-
-    Parameters
-    ----------
-    points : iterable of points
-        In the plane or in space.
-
-    Returns
-    -------
-    list of planar points
-        Its corners, counter-clockwise; fewer than three if the points are collinear.
-
-    Examples
-    --------
-    >>> len(planar_hull([(0, 0), (1, 0), (2, 0), (2, 2), (1, 1)]))
-    3
-    """
+    """The convex hull L of the projected points, a polygon according to the paper."""
     distinct = sorted({mu_star(p) for p in points})
     return _half_hull(distinct)[:-1] + _half_hull(distinct[::-1])[:-1]
 

@@ -27,80 +27,21 @@ from liftmesh.paper.region import Circle
 
 @dataclass(frozen=True, slots=True)
 class Disk:
-    """A disk in the plane Oxy, to be lifted.
-
-    Parameters
-    ----------
-    centre : tuple of two Fraction
-        Its centre.
-    radius : Fraction
-        Its radius.
-
-    Examples
-    --------
-    >>> Disk.of((1, 2), 3).radius
-    Fraction(3, 1)
-    """
+    """A disk in the plane Oxy, to be lifted."""
 
     centre: Exact
     radius: Fraction
 
     @classmethod
     def of(cls, centre: Point, radius: Number) -> Disk:
-        """Make a disk of exact numbers.
-
-        Parameters
-        ----------
-        centre : sequence of two numbers
-            Its centre.
-        radius : number
-            Its radius.
-
-        Returns
-        -------
-        Disk
-            The disk.
-
-        Raises
-        ------
-        InputError
-            The radius is negative.
-
-        Examples
-        --------
-        >>> Disk.of((0, 0), -1)
-        Traceback (most recent call last):
-        liftmesh.errors.InputError: the radius is -1: radii are not negative
-        """
+        """Make a disk of exact numbers."""
         if radius < 0:
             raise InputError(f"the radius is {radius}: radii are not negative")
         return cls(exact(centre), fraction(radius))
 
 
 def position_of_disk(plane: Plane, disk: Disk, q: Point = (0, 0)) -> Position:
-    """Where a lifted disk is, by Lemma 4.2: above a plane, on it, or in part below.
-
-    Parameters
-    ----------
-    plane : Plane
-        A plane that is not vertical.
-    disk : Disk
-        A disk in the plane Oxy.
-    q : sequence of two numbers, default (0, 0)
-        The vertex of the paraboloid.
-
-    Returns
-    -------
-    {"above", "on", "below"}
-        "above" if all lifted points are, "on" if they are but for one that is on the plane, "below"
-        if any is below.
-
-    Examples
-    --------
-    >>> plane = Plane(exact((0, 0, -1)), Fraction(-9))  # z = 9: the circle about q of radius 3
-    >>> [position_of_disk(plane, Disk.of((5, 0), radius)) for radius in (1, 2, 3)]
-    ['above', 'on', 'below']
-    """
+    """Where a lifted disk is, by Lemma 4.2: above a plane, on it, or in part below."""
     circle = Circle.of(plane, q)
     (cx, cy), (x, y) = circle.centre, disk.centre
     apart = (x - cx) ** 2 + (y - cy) ** 2
@@ -113,28 +54,7 @@ def position_of_disk(plane: Plane, disk: Disk, q: Point = (0, 0)) -> Position:
 
 
 def plane_of_circle(centre: Point, radius: Number, q: Point = (0, 0)) -> Plane:
-    """The plane whose circle (C) is given.
-
-    Parameters
-    ----------
-    centre : sequence of two numbers
-        c.
-    radius : number
-        r; only its square counts.
-    q : sequence of two numbers, default (0, 0)
-        The vertex of the paraboloid.
-
-    Returns
-    -------
-    Plane
-        z = alpha x + beta y + gamma, with its normal downward.
-
-    Examples
-    --------
-    >>> plane = plane_of_circle((1, 0), 1)
-    >>> int(plane.alpha), int(plane.beta), int(plane.gamma)
-    (2, 0, 0)
-    """
+    """The plane whose circle (C) is given."""
     (cx, cy), (qx, qy) = exact(centre), exact(q)
     alpha, beta = 2 * (cx - qx), 2 * (cy - qy)
     squared = fraction(radius) ** 2

@@ -27,48 +27,14 @@ _ENOUGH = 1_000
 
 
 def growth(table: TableName) -> float:
-    """Return the power of n with which the printed seconds of LF and LFRes together grow.
-
-    Parameters
-    ----------
-    table : {"5.1", "5.2"}
-        The printed table.
-
-    Returns
-    -------
-    float
-        The exponent, from the first and last rows.
-
-    Examples
-    --------
-    >>> [round(growth(table), 2) for table in ("5.1", "5.2")]
-    [2.15, 2.14]
-    """
+    """Return the power of n with which the printed seconds of LF and LFRes together grow."""
     first, last = TABLES[table].rows[0], TABLES[table].rows[-1]
     ratio = (last.lf + last.lfres) / (first.lf + first.lfres)
     return math.log(ratio) / math.log(last.n / first.n)
 
 
 def calibrate(trials: Iterable[Trial]) -> Estimate:
-    """Time LF and LFRes on a small set for each table, to predict the time of all trials.
-
-    Parameters
-    ----------
-    trials : iterable of Trial
-        The trials to be measured. At most 1,000 points are timed here, whatever their size.
-
-    Returns
-    -------
-    callable
-        Maps a trial to the predicted seconds of all methods and rounds together.
-
-    Examples
-    --------
-    >>> small, large = Trial("5.1", 50, seed=1), Trial("5.1", 50_000, seed=1)
-    >>> estimate = calibrate([small, large])
-    >>> estimate(small) < 1 < estimate(large)
-    True
-    """
+    """Time LF and LFRes on a small set for each table, to predict the time of all trials."""
     timed: dict[TableName, Trial] = {}
     for trial in sorted(trials):
         timed.setdefault(trial.table, replace(trial, n=min(trial.n, _ENOUGH)))

@@ -47,22 +47,7 @@ BURST = 0.01
 
 @dataclass(frozen=True, slots=True, order=True)
 class Trial:
-    """A random set of points and the vertex of the paraboloid, the input of all methods.
-
-    Parameters
-    ----------
-    table : {"5.1", "5.2"}
-        The printed table, which determines the vertex q.
-    n : int
-        Number of points, at least three.
-    seed : int
-        Seed of NumPy's default generator.
-
-    Examples
-    --------
-    >>> Trial("5.2", 1_000, seed=1).q
-    'median'
-    """
+    """A random set of points and the vertex of the paraboloid, the input of all methods."""
 
     table: TableName
     n: int
@@ -74,51 +59,13 @@ class Trial:
         return TABLES[self.table].q
 
     def points(self) -> Floats:
-        """Generate the points, the same for both tables.
-
-        Returns
-        -------
-        (n, 2) ndarray of float64
-            Uniform in the paper's square.
-
-        Examples
-        --------
-        >>> Trial("5.1", 1_000, seed=1).points().mean(axis=0).round()
-        array([100., 101.])
-        """
+        """Generate the points, the same for both tables."""
         return np.random.default_rng(self.seed).uniform(0.0, SQUARE, (self.n, 2))
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Measurement of one method on one set of points.
-
-    Parameters
-    ----------
-    trial : Trial
-        The points.
-    method : str
-        Its name in `liftmesh.delaunay`.
-    seconds, fastest, slowest : float
-        Median and extremes of all runs.
-    runs : int
-        Number of runs.
-    facets : int
-        Number of lower facets, which are the triangles.
-    calls, planes, evaluations, undecided : int
-        Calls of the procedure, candidate planes, dot products, and dot products whose sign the
-        exact predicate decided; zero for the default engine, which is not gift wrapping.
-    rejected : mapping of str to int
-        Points rejected by each proposition in `liftmesh.planar.counters.REJECTIONS`.
-
-    Examples
-    --------
-    >>> found = measure(Trial("5.1", 20, seed=1))
-    >>> [measurement.method for measurement in found]
-    ['lf', 'lfres', 'lfres-indexed', 'divide-and-conquer']
-    >>> found[0].evaluations > found[1].evaluations > 0
-    True
-    """
+    """Measurement of one method on one set of points."""
 
     trial: Trial
     method: str
@@ -144,30 +91,7 @@ class _Runs:
 
 
 def measure(trial: Trial, progress: Callable[[str], None] = lambda _: None) -> list[Measurement]:
-    """Time every method on one set of points.
-
-    Parameters
-    ----------
-    trial : Trial
-        The points.
-    progress : callable, optional
-        Called with the name of a method before it runs.
-
-    Returns
-    -------
-    list of Measurement
-        In the order of `METHODS`.
-
-    Raises
-    ------
-    RuntimeError
-        Two methods found different facets, which is a bug.
-
-    Examples
-    --------
-    >>> len({measurement.facets for measurement in measure(Trial("5.2", 30, seed=4))})
-    1
-    """
+    """Time every method on one set of points."""
     points = trial.points()
     q = resolve_q(trial.q, points)
     runs = [_Runs(method) for method in METHODS]
@@ -181,12 +105,7 @@ def measure(trial: Trial, progress: Callable[[str], None] = lambda _: None) -> l
 
 
 def warm_up() -> None:
-    """Run every method once, so that no measurement includes the loading of modules.
-
-    Examples
-    --------
-    >>> warm_up()
-    """
+    """Run every method once, so that no measurement includes the loading of modules."""
     for table in TABLES:
         for method in METHODS:
             delaunay(Trial(table, 100, seed=0).points(), method=method, q=TABLES[table].q)

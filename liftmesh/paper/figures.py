@@ -74,39 +74,7 @@ def draw_all(
     results: Sequence[Row] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
-    """Draw all figures into a folder, each as PNG and as SVG.
-
-    The same results give the same bytes.
-
-    Parameters
-    ----------
-    directory : path
-        The folder; created if missing.
-    results : sequence of Row, optional
-        The measured tables. Without them Figures 6.1 and 6.2 show the printed numbers only, and
-        the two figures on the effect of the restricted region are omitted.
-    progress : callable, optional
-        Called with the name of each figure before it is drawn.
-
-    Returns
-    -------
-    list of Path
-        The files, in the order of the paper.
-
-    Raises
-    ------
-    MissingDependencyError
-        matplotlib is not installed.
-    OSError
-        The folder cannot be created or written to.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> files = draw_all(Path(tempfile.mkdtemp()))
-    >>> len(files), files[0].name
-    (32, 'figure_2_1.png')
-    """
+    """Draw all figures into a folder, each as PNG and as SVG."""
     directory.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     for name, draw in _drawers(results or ()):

@@ -33,22 +33,7 @@ Edge: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class FirstEdge:
-    """Result of finding the first edge by the projection onto Oyz.
-
-    Parameters
-    ----------
-    v1, v2, vn : int
-        Rows of the points named in the paper.
-    case : {1, 2, 3}
-        The paper's case that holds, with strict inequalities.
-    edges : tuple of (int, int)
-        The edges of the lower hull that were found, v1 first: one, or in the first case two.
-
-    Examples
-    --------
-    >>> first_edge([(0, 0, 0), (0, 1, 1), (0, -1, 1), (1, 0, 9)]).edges
-    ((0, 2), (0, 1))
-    """
+    """Result of finding the first edge by the projection onto Oyz."""
 
     v1: int
     v2: int
@@ -58,31 +43,7 @@ class FirstEdge:
 
 
 def first_edge(points: Sequence[Point]) -> FirstEdge:
-    """Find edges of the lower convex hull by the projection onto Oyz.
-
-    Parameters
-    ----------
-    points : sequence of points in space
-        P, of any size and in any position.
-
-    Returns
-    -------
-    FirstEdge
-        v_1, v_2, v_n, the case, and its edges.
-
-    Raises
-    ------
-    DegenerateInputError
-        All points have the same y: they lie in a vertical plane, and there is no lower facet.
-
-    Examples
-    --------
-    The segment from row 0 to row 1 is vertical in P' and not an edge; [v_1, v_n] is an edge.
-
-    >>> found = first_edge([(0, 0, 0), (1, 0, 10), (2, 0, 1), (0, 5, 50), (2, 5, 51)])
-    >>> found.case, found.edges
-    (3, ((0, 3),))
-    """
+    """Find edges of the lower convex hull by the projection onto Oyz."""
     rows = [exact(p) for p in points]
     v1 = min(range(len(rows)), key=lambda i: (rows[i][2], rows[i][:2]), default=0)
     if len({y for _, y, _ in rows}) < 2:
@@ -113,27 +74,7 @@ def _turn(v1: Exact, i: Exact, j: Exact) -> int:
 
 
 def tie_sign(value: Fraction, rises: Iterable[tuple[Exact, Fraction]]) -> int:
-    """The sign of a sum of heights after the canonical perturbation.
-
-    Parameters
-    ----------
-    value : Fraction
-        The sum as it is.
-    rises : iterable of (point, Fraction)
-        The coefficient of each point's height in the sum.
-
-    Returns
-    -------
-    int
-        The sign of the value; if it is zero, the sign of the coefficient of the lexicographically
-        largest point, which is lifted infinitely more than all others; 0 if there is none.
-
-    Examples
-    --------
-    >>> low, high = exact((0, 0, 1)), exact((1, 0, 1))
-    >>> tie_sign(low[2] - high[2], [(low, Fraction(1)), (high, Fraction(-1))])
-    -1
-    """
+    """The sign of a sum of heights after the canonical perturbation."""
     totals: dict[Exact, Fraction] = {}
     for point, factor in rises:
         totals[point[:2]] = totals.get(point[:2], Fraction(0)) + factor

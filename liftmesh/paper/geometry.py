@@ -21,54 +21,12 @@ Position: TypeAlias = Literal["above", "on", "below"]
 
 
 def exact(point: Iterable[Number]) -> Exact:
-    """Convert coordinates to their exact values.
-
-    Parameters
-    ----------
-    point : iterable of int, float or Fraction
-        Coordinates; NumPy's numbers are accepted too.
-
-    Returns
-    -------
-    tuple of Fraction
-        The same coordinates.
-
-    Raises
-    ------
-    InputError
-        A coordinate is not finite.
-
-    Examples
-    --------
-    >>> exact((0.1, 2))
-    (Fraction(3602879701896397, 36028797018963968), Fraction(2, 1))
-    """
+    """Convert coordinates to their exact values."""
     return tuple(fraction(value) for value in point)
 
 
 def fraction(value: Number) -> Fraction:
-    """Convert a number to its exact value.
-
-    Parameters
-    ----------
-    value : int, float or Fraction
-        The number.
-
-    Returns
-    -------
-    Fraction
-        The same number.
-
-    Raises
-    ------
-    InputError
-        The number is not finite.
-
-    Examples
-    --------
-    >>> fraction(0.75)
-    Fraction(3, 4)
-    """
+    """Convert a number to its exact value."""
     if isinstance(value, Fraction):
         return value
     try:
@@ -78,110 +36,32 @@ def fraction(value: Number) -> Fraction:
 
 
 def orient(a: Point, b: Point, c: Point) -> Fraction:
-    """Twice the signed area of the planar triangle a, b, c.
-
-    Parameters
-    ----------
-    a, b, c : sequence of numbers
-        Points; coordinates beyond the first two are ignored.
-
-    Returns
-    -------
-    Fraction
-        Positive if a, b, c are counter-clockwise, zero if they are collinear.
-
-    Examples
-    --------
-    >>> orient((0, 0), (2, 0), (0, 1))
-    Fraction(2, 1)
-    """
+    """Twice the signed area of the planar triangle a, b, c."""
     (ax, ay), (bx, by), (cx, cy) = exact(a[:2]), exact(b[:2]), exact(c[:2])
     return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 
 
 def mu(u: Point, q: Point) -> Exact:
-    """Lift a planar point to the paraboloid with vertex q: Section 2, step 1.
-
-    Parameters
-    ----------
-    u, q : sequence of two numbers
-        The point and the vertex.
-
-    Returns
-    -------
-    tuple of three Fraction
-        u and the square of its distance from q.
-
-    Examples
-    --------
-    >>> tuple(map(int, mu((3, 4), q=(0, 0))))
-    (3, 4, 25)
-    """
+    """Lift a planar point to the paraboloid with vertex q: Section 2, step 1."""
     (x, y), (qx, qy) = exact(u), exact(q)
     return x, y, (x - qx) ** 2 + (y - qy) ** 2
 
 
 def mu_star(w: Point) -> Exact:
-    """Project a point parallel to the z-axis onto the plane Oxy: Section 2, step 3.
-
-    Parameters
-    ----------
-    w : sequence of three numbers
-        A point in space.
-
-    Returns
-    -------
-    tuple of two Fraction
-        Its x and y.
-
-    Examples
-    --------
-    >>> mu_star(mu((3, 4), q=(1, 1))) == (3, 4)
-    True
-    """
+    """Project a point parallel to the z-axis onto the plane Oxy: Section 2, step 3."""
     return exact(w[:2])
 
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """The plane x n_x + y n_y + z n_z = d.
-
-    Parameters
-    ----------
-    n : tuple of three Fraction
-        A normal vector.
-    d : Fraction
-        Its inner product with every point of the plane.
-
-    Examples
-    --------
-    >>> plane = Plane.through((0, 0, 0), (0, 1, 0), (1, 0, 1))
-    >>> plane.position((1, 1, 5))
-    'above'
-    """
+    """The plane x n_x + y n_y + z n_z = d."""
 
     n: Exact
     d: Fraction
 
     @classmethod
     def through(cls, a: Point, b: Point, p: Point) -> Plane:
-        """Construct the plane (a, b, p), with n = ab x ap.
-
-        Parameters
-        ----------
-        a, b, p : sequence of three numbers
-            Its points. n_z is negative if they are clockwise seen from above.
-
-        Returns
-        -------
-        Plane
-            With d = p . n, as in Procedure 1.
-
-        Examples
-        --------
-        >>> tuple(map(int, Plane.through((0, 0, 0), (0, 1, 0), (1, 0, 1)).n))
-        (1, 0, -1)
-        """
+        """Construct the plane (a, b, p), with n = ab x ap."""
         (ax, ay, az), (bx, by, bz), (px, py, pz) = exact(a), exact(b), exact(p)
         ux, uy, uz = bx - ax, by - ay, bz - az
         vx, vy, vz = px - ax, py - ay, pz - az
@@ -204,71 +84,18 @@ class Plane:
         return self.d / self.n[2]
 
     def dot(self, v: Point) -> Fraction:
-        """The paper's unit of work, n . v, for one point.
-
-        Parameters
-        ----------
-        v : sequence of three numbers
-            The point.
-
-        Returns
-        -------
-        Fraction
-            n_x v_x + n_y v_y + n_z v_z.
-
-        Examples
-        --------
-        >>> Plane.through((0, 0, 0), (0, 1, 0), (1, 0, 1)).dot((3, 4, 1))
-        Fraction(2, 1)
-        """
+        """The paper's unit of work, n . v, for one point."""
         return sum((n * x for n, x in zip(self.n, exact(v), strict=True)), Fraction(0))
 
     def height(self, x: Number, y: Number) -> Fraction:
-        """The height w*_z of the plane over a planar point.
-
-        Parameters
-        ----------
-        x, y : number
-            The planar point.
-
-        Returns
-        -------
-        Fraction
-            (d - x n_x - y n_y) / n_z.
-
-        Raises
-        ------
-        InputError
-            The plane is vertical.
-
-        Examples
-        --------
-        >>> Plane.through((0, 0, 0), (0, 1, 0), (1, 0, 1)).height(7, 2)
-        Fraction(7, 1)
-        """
+        """The height w*_z of the plane over a planar point."""
         if self.n[2] == 0:
             raise InputError("the plane is vertical (n_z = 0): nothing is above or below it")
         x, y = exact((x, y))
         return (self.d - x * self.n[0] - y * self.n[1]) / self.n[2]
 
     def position(self, w: Point) -> Position:
-        """Classify a point as above, below or on the plane: Section 2.
-
-        Parameters
-        ----------
-        w : sequence of three numbers
-            The point.
-
-        Returns
-        -------
-        {"above", "on", "below"}
-            Its position along the z-axis. Raises for a vertical plane, like `height`.
-
-        Examples
-        --------
-        >>> Plane.through((0, 0, 0), (0, 1, 0), (1, 0, 1)).position((1, 0, 0.5))
-        'below'
-        """
+        """Classify a point as above, below or on the plane: Section 2."""
         x, y, z = exact(w)
         return _position(z - self.height(x, y))
 

@@ -16,36 +16,14 @@ _PROCESSORS = Path("/proc/cpuinfo")
 
 
 def describe_machine() -> str:
-    """Describe this machine.
-
-    Returns
-    -------
-    str
-        Processor, number of processors, memory if known, and system.
-
-    Examples
-    --------
-    >>> "processor" in describe_machine()
-    True
-    """
+    """Describe this machine."""
     count = os.cpu_count() or 1
     words = [_processor(), f"{count} processor" + ("s" if count > 1 else ""), _memory()]
     return ", ".join([*filter(None, words), f"{platform.system()} {platform.machine()}"])
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the software that measurements depend on.
-
-    Returns
-    -------
-    dict of str to str
-        Versions; for the compiled kernel the first digits of its SHA-256, to distinguish builds.
-
-    Examples
-    --------
-    >>> sorted(versions())
-    ['kernel', 'liftmesh', 'numpy', 'python']
-    """
+    """Return the versions of the software that measurements depend on."""
     kernel = Path(str(_kernel.__file__)).read_bytes()
     return {
         "liftmesh": version("liftmesh"),

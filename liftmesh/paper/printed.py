@@ -23,24 +23,7 @@ SQUARE = 200.0
 
 @dataclass(frozen=True, slots=True)
 class PrintedRow:
-    """One line of a printed table.
-
-    Parameters
-    ----------
-    n : int
-        Number of points.
-    median : tuple of float, optional
-        The median point, if the table prints one.
-    lf, lfres : float
-        Seconds of Algorithm 2 using LF, and using LFRes.
-    ratio : float
-        The speedup ratio as printed.
-
-    Examples
-    --------
-    >>> PrintedRow(1_000, (100.82, 98.73), 0.088, 0.052, 1.70).ratio
-    1.7
-    """
+    """One line of a printed table."""
 
     n: int
     median: tuple[float, float] | None
@@ -51,45 +34,14 @@ class PrintedRow:
 
 @dataclass(frozen=True, slots=True)
 class PrintedTable:
-    """A printed table.
-
-    Parameters
-    ----------
-    name : {"5.1", "5.2"}
-        Its number.
-    q : {"origin", "median"}
-        The vertex of the paraboloid: the paper's case 1 and case 2.
-    rows : tuple of PrintedRow
-        Its lines, n increasing.
-
-    Examples
-    --------
-    >>> TABLES["5.2"].q
-    'median'
-    """
+    """A printed table."""
 
     name: TableName
     q: Vertex
     rows: tuple[PrintedRow, ...]
 
     def row(self, n: int) -> PrintedRow | None:
-        """Return the line for a number of points.
-
-        Parameters
-        ----------
-        n : int
-            Number of points.
-
-        Returns
-        -------
-        PrintedRow or None
-            None if the table has no such line.
-
-        Examples
-        --------
-        >>> TABLES["5.1"].row(20_000).lf
-        102.257
-        """
+        """Return the line for a number of points."""
         return next((row for row in self.rows if row.n == n), None)
 
 

@@ -23,27 +23,7 @@ COLUMNS = ("table", "n", "seed", "method", *_TIMES, *_COUNTS, *_REJECTED.values(
 
 
 def to_line(measurement: Measurement) -> str:
-    """Convert a measurement to a line without losing digits.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        One method on one set of points.
-
-    Returns
-    -------
-    str
-        Its values in the order of `COLUMNS`, separated by commas.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import measure
-    >>> found = measure(Trial("5.1", 20, seed=1))
-    >>> to_line(found[0])[:11]
-    '5.1,20,1,lf'
-    >>> from_lines([to_line(measurement) for measurement in found], first=1) == found
-    True
-    """
+    """Convert a measurement to a line without losing digits."""
     trial, values = measurement.trial, asdict(measurement)
     cells = [trial.table, trial.n, trial.seed, measurement.method]
     cells += [repr(values[name]) for name in (*_TIMES, *_COUNTS)]
@@ -51,31 +31,7 @@ def to_line(measurement: Measurement) -> str:
 
 
 def from_lines(lines: Sequence[str], *, first: int) -> list[Measurement]:
-    """Parse lines of measurements.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        Lines written by `to_line`.
-    first : int
-        The number of the first line, for messages.
-
-    Returns
-    -------
-    list of Measurement
-        One for each line.
-
-    Raises
-    ------
-    ValueError
-        A line is invalid or in the wrong place; the message gives its number.
-
-    Examples
-    --------
-    >>> from_lines(["5.1,20,1,lf"], first=3)
-    Traceback (most recent call last):
-    ValueError: line 3: 4 columns instead of 19
-    """
+    """Parse lines of measurements."""
     found: list[Measurement] = []
     seen: set[Trial] = set()
     for k, line in enumerate(lines):

@@ -21,49 +21,13 @@ from liftmesh.paper.geometry import Exact, Number, Plane, Point, exact, fraction
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surd:
-    """A rational plus or minus the square root of a rational, compared without computing the root.
-
-    ``t < Surd`` means t - c < s, where the square of the root s is known. As x |x| increases with
-    x, this is equivalent to (t - c) |t - c| < s |s|, which is rational. So c_x - r is written
-    ``Surd(c_x, -r_squared)``.
-
-    Parameters
-    ----------
-    rational : Fraction
-        The rational part.
-    square : Fraction
-        The square of the root, negative if the root is subtracted.
-
-    Examples
-    --------
-    >>> bound = Surd(Fraction(1), Fraction(-2))  # 1 - sqrt(2)
-    >>> Fraction(-1) < bound < Fraction(-2, 5)
-    True
-    >>> float(bound)
-    -0.41421356237309503
-    """
+    """A rational plus or minus the square root of a rational, compared exactly."""
 
     rational: Fraction
     square: Fraction
 
     def compare(self, value: Number) -> int:
-        """Compare with a rational number.
-
-        Parameters
-        ----------
-        value : number
-            The number.
-
-        Returns
-        -------
-        int
-            1 if the surd is greater than the value, -1 if it is less, 0 if they are equal.
-
-        Examples
-        --------
-        >>> Surd(Fraction(1), Fraction(9, 4)).compare(2.5)
-        0
-        """
+        """Compare with a rational number."""
         difference = fraction(value) - self.rational
         gap = self.square - difference * abs(difference)
         return (gap > 0) - (gap < 0)
@@ -89,71 +53,20 @@ class Surd:
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """The circle (C): the projection of (E) onto Oxy.
-
-    Parameters
-    ----------
-    centre : tuple of two Fraction
-        c.
-    squared_radius : Fraction
-        The square of r.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.geometry import mu
-    >>> lifted = [mu(u, (0, 0)) for u in [(0, 0), (0, 2), (2, 0)]]
-    >>> circle = Circle.of(Plane.through(*lifted), q=(0, 0))
-    >>> circle.centre == (1, 1), circle.squared_radius == 2
-    (True, True)
-    """
+    """The circle (C): the projection of (E) onto Oxy."""
 
     centre: Exact
     squared_radius: Fraction
 
     @classmethod
     def of(cls, plane: Plane, q: Point) -> Circle:
-        """Project the intersection of a plane with the paraboloid: Section 4.
-
-        Parameters
-        ----------
-        plane : Plane
-            A plane that is not vertical.
-        q : sequence of two numbers
-            The vertex of the paraboloid.
-
-        Returns
-        -------
-        Circle
-            Through a', b', p' if the plane is (a, b, p). A negative squared radius means that the
-            plane does not intersect the paraboloid.
-
-        Examples
-        --------
-        >>> Circle.of(Plane(exact((0, 0, -1)), Fraction(-9)), q=(5, 5)).squared_radius
-        Fraction(9, 1)
-        """
+        """Project the intersection of a plane with the paraboloid: Section 4."""
         (qx, qy), alpha, beta = exact(q), plane.alpha, plane.beta
         squared = alpha * qx + beta * qy + (alpha**2 + beta**2) / 4 + plane.gamma
         return cls((qx + alpha / 2, qy + beta / 2), squared)
 
     def position(self, t: Point) -> Literal["outside", "on", "inside"]:
-        """Classify a point by its projection, relative to the circle.
-
-        Parameters
-        ----------
-        t : sequence of two or three numbers
-            A point; only x and y are used.
-
-        Returns
-        -------
-        {"outside", "on", "inside"}
-            The position of its projection t'.
-
-        Examples
-        --------
-        >>> Circle((Fraction(1), Fraction(1)), Fraction(2)).position((2, 2))
-        'on'
-        """
+        """Classify a point by its projection, relative to the circle."""
         (x, y), (cx, cy) = exact(t[:2]), self.centre
         difference = (x - cx) ** 2 + (y - cy) ** 2 - self.squared_radius
         if difference > 0:
@@ -163,24 +76,7 @@ class Circle:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """The ellipse (E) in which a plane intersects the paraboloid, with its six extents.
-
-    The extents along z are those of Lemma 4.1: the squares of L_cq - r and of L_cq + r, multiplied
-    out to the surds (L_cq^2 + r^2) -+ sqrt(4 L_cq^2 r^2).
-
-    Parameters
-    ----------
-    plane : Plane
-        The plane (a, b, p), not vertical.
-    q : tuple of two numbers
-        The vertex of the paraboloid.
-
-    Examples
-    --------
-    >>> ellipse = Ellipse(Plane.through((3, 4, 25), (5, 0, 25), (4, 3, 25)), (0, 0))
-    >>> float(ellipse.min_x), float(ellipse.max_y), float(ellipse.max_z)
-    (-5.0, 5.0, 25.0)
-    """
+    """The ellipse (E) in which a plane intersects the paraboloid, with its six extents."""
 
     plane: Plane
     q: Point

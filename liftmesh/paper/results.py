@@ -30,94 +30,26 @@ _HEADING = "# liftmesh paper "
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Settings that all measurements of a table have in common.
-
-    Parameters
-    ----------
-    sizes : tuple of int
-        Numbers of points.
-    seeds : int
-        Number of random sets of each size: seeds 1, 2, ...
-    machine : str
-        Description of the machine.
-
-    Examples
-    --------
-    >>> [trial.seed for trial in Settings((50,), 2, "a desk").trials(["5.1"])]
-    [1, 2]
-    """
+    """Settings that all measurements of a table have in common."""
 
     sizes: tuple[int, ...]
     seeds: int
     machine: str
 
     def trials(self, tables: Sequence[TableName]) -> list[Trial]:
-        """List the sets of points, small ones first.
-
-        Parameters
-        ----------
-        tables : sequence of {"5.1", "5.2"}
-            The tables.
-
-        Returns
-        -------
-        list of Trial
-            One for each size, seed and table.
-
-        Examples
-        --------
-        >>> len(Settings((50, 60), 3, "a desk").trials(["5.1", "5.2"]))
-        12
-        """
+        """List the sets of points, small ones first."""
         seeds = range(1, self.seeds + 1)
         return [Trial(t, n, seed) for n in sorted(self.sizes) for seed in seeds for t in tables]
 
     def record(self) -> dict[str, Any]:
-        """Return the settings, the versions and the repetition of runs as JSON values.
-
-        Returns
-        -------
-        dict
-            The heading of a file of measurements.
-
-        Examples
-        --------
-        >>> Settings((50,), 2, "a desk").record()["sizes"]
-        [50]
-        """
+        """Return the settings, the versions and the repetition of runs as JSON values."""
         timing = {"rounds": ROUNDS, "patience": PATIENCE, "burst": BURST}
         own = {"sizes": sorted(self.sizes), "seeds": self.seeds, "machine": self.machine}
         return {**own, "methods": [*METHODS], **timing, **versions()}
 
 
 class Results:
-    """The measurements in a folder: those there already, and those added.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-    settings : Settings
-        The settings of the measurements.
-
-    Raises
-    ------
-    InputError
-        The folder holds measurements with other settings.
-    FormatError
-        Its file is damaged, not only at its end.
-    OSError
-        The file cannot be read or written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from liftmesh.paper.experiments import measure
-    >>> folder, settings = Path(tempfile.mkdtemp()), Settings((50,), 1, "a desk")
-    >>> Results(folder, settings).add(measure(Trial("5.1", 50, seed=1)))
-    >>> Results(folder, settings).done
-    {Trial(table='5.1', n=50, seed=1)}
-    """
+    """The measurements in a folder: those there already, and those added."""
 
     def __init__(self, folder: Path, settings: Settings) -> None:
         self.path = folder / FILE
@@ -136,18 +68,7 @@ class Results:
         return {measurement.trial for measurement in self.measurements}
 
     def add(self, measurements: Sequence[Measurement]) -> None:
-        """Append the measurements of a set of points; they are on disk when this returns.
-
-        Parameters
-        ----------
-        measurements : sequence of Measurement
-            All methods on one set, in the order of `METHODS`.
-
-        Raises
-        ------
-        OSError
-            The disk is full, or the file can no longer be written.
-        """
+        """Append the measurements of a set of points; they are on disk when this returns."""
         text = "".join(f"{to_line(measurement)}\n" for measurement in measurements)
         with self.path.open("ab") as stream:
             stream.write(text.encode())

@@ -21,42 +21,7 @@ LF, LFRES, INDEXED, ENGINE = METHODS
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line of a table: the printed numbers, and the medians of our measurements over the seeds.
-
-    Parameters
-    ----------
-    table : {"5.1", "5.2"}
-        The printed table.
-    q : {"origin", "median"}
-        The vertex of the paraboloid.
-    n, seeds : int
-        Numbers of points, and of random sets of that size.
-    printed_median : tuple of float, optional
-        The median point of the paper's set; None if the paper prints none.
-    printed_lf, printed_lfres, printed_ratio : float, optional
-        As printed in the paper; None if it has no such line.
-    median : tuple of float, optional
-        The median point of our set with the lowest seed; None if q is the origin.
-    seconds : mapping of str to float
-        For each method, the median over the seeds.
-    spread : mapping of str to (float, float)
-        For each method, the seconds of the fastest and the slowest seed.
-    facets : float
-        Number of lower facets.
-    dot_products : mapping of str to float
-        For each gift wrapping method, dot products per facet.
-    planes : mapping of str to float
-        For each gift wrapping method, candidate planes per facet.
-    rejected : mapping of str to float
-        For each proposition, the share of the points examined by LFRes that it rejects.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
-    >>> row.dot_products["lf"] > row.dot_products["lfres"]
-    True
-    """
+    """One line of a table: the printed numbers, and the medians of our measurements."""
 
     table: TableName
     q: Vertex
@@ -91,23 +56,7 @@ class Row:
 
 
 def summarise(measurements: Iterable[Measurement]) -> list[Row]:
-    """Convert measurements to the rows of the tables.
-
-    Parameters
-    ----------
-    measurements : iterable of Measurement
-        All methods on each set of points.
-
-    Returns
-    -------
-    list of Row
-        Ordered by table and number of points.
-
-    Examples
-    --------
-    >>> summarise([])
-    []
-    """
+    """Convert measurements to the rows of the tables."""
     groups: dict[tuple[TableName, int], list[Measurement]] = {}
     for measurement in measurements:
         key = (measurement.trial.table, measurement.trial.n)

@@ -67,25 +67,7 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
 
 
 def values(row: Row) -> dict[str, float | int | None]:
-    """Return the values of a row by the names of `COLUMNS`.
-
-    Parameters
-    ----------
-    row : Row
-        One line of a table.
-
-    Returns
-    -------
-    dict
-        Numbers; None if the paper has none.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
-    >>> list(values(row)) == list(COLUMNS)
-    True
-    """
+    """Return the values of a row by the names of `COLUMNS`."""
     found: dict[str, float | int | None] = {
         "n": row.n,
         "seeds": row.seeds,
@@ -110,23 +92,7 @@ def values(row: Row) -> dict[str, float | int | None]:
 
 
 def to_csv(rows: Sequence[Row]) -> str:
-    """Format the rows of one table as CSV with a header of column names.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        One table.
-
-    Returns
-    -------
-    str
-        One line per row; numbers with six digits.
-
-    Examples
-    --------
-    >>> to_csv([])[:15]
-    'n,seeds,printed'
-    """
+    """Format the rows of one table as CSV with a header of column names."""
     lines = [
         ",".join("" if v is None else f"{v:.6g}" for v in values(row).values()) for row in rows
     ]
@@ -148,25 +114,7 @@ WORK_HEADER = ("n", "LF", "LFRes", "LF / LFRes", "indexed", *REJECTIONS)
 
 
 def seconds_cells(row: Row) -> tuple[str, ...]:
-    """Format the seconds of a row: the paper's, and ours with their spread over the seeds.
-
-    Parameters
-    ----------
-    row : Row
-        One line of a table.
-
-    Returns
-    -------
-    tuple of str
-        Cells in the order of `MARKDOWN_SECONDS_HEADER`.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
-    >>> seconds_cells(row)[:4]
-    ('50', '-', '-', '-')
-    """
+    """Format the seconds of a row: the paper's, and ours with their spread over the seeds."""
     printed = (row.printed_lf, row.printed_lfres)
     return (
         f"{row.n:,}",
@@ -182,25 +130,7 @@ def seconds_cells(row: Row) -> tuple[str, ...]:
 
 
 def work_cells(row: Row) -> tuple[str, ...]:
-    """Format the dot products per facet, and the share of points that each proposition rejects.
-
-    Parameters
-    ----------
-    row : Row
-        One line of a table.
-
-    Returns
-    -------
-    tuple of str
-        Cells in the order of `WORK_HEADER`.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> (row,) = summarise(measure(Trial("5.1", 50, seed=1)))
-    >>> work_cells(row)[0]
-    '50'
-    """
+    """Format the dot products per facet, and the share of points that each proposition rejects."""
     return (
         f"{row.n:,}",
         f"{row.dot_products[LF]:,.0f}",
@@ -212,63 +142,14 @@ def work_cells(row: Row) -> tuple[str, ...]:
 
 
 def to_markdown(rows: Sequence[Row]) -> str:
-    """Format the rows of one table as two Markdown tables: seconds, then operations.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        One table.
-
-    Returns
-    -------
-    str
-        The tables, each below a line that describes it.
-
-    Examples
-    --------
-    >>> to_markdown([]).splitlines()[0]
-    'Seconds, as printed and as measured (median over the seeds; half the spread between them):'
-    """
+    """Format the rows of one table as two Markdown tables: seconds, then operations."""
     seconds = _markdown(MARKDOWN_SECONDS_HEADER, [seconds_cells(row) for row in rows])
     work = _markdown(WORK_HEADER, [work_cells(row) for row in rows])
     return "\n".join([_ABOVE_SECONDS, "", *seconds, "", _ABOVE_WORK, "", *work, ""])
 
 
 def write_all(folder: Path, results: Results, settings: Settings, command: str) -> list[Path]:
-    """Write the CSV file of every complete table, ``tables.md`` and ``paper.json``.
-
-    Parameters
-    ----------
-    folder : Path
-        An existing folder.
-    results : Results
-        The measurements.
-    settings : Settings
-        Their settings.
-    command : str
-        The command that reproduces them.
-
-    Returns
-    -------
-    list of Path
-        The files.
-
-    Raises
-    ------
-    OSError
-        A file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> from liftmesh.paper.results import Results, Settings
-    >>> folder, settings = Path(tempfile.mkdtemp()), Settings((50,), 1, "a desk")
-    >>> results = Results(folder, settings)
-    >>> results.add(measure(Trial("5.1", 50, seed=1)))
-    >>> [path.name for path in write_all(folder, results, settings, "liftmesh paper")]
-    ['table_5_1.csv', 'tables.md', 'paper.json']
-    """
+    """Write the CSV file of every complete table, ``tables.md`` and ``paper.json``."""
     tables = complete_tables(results, settings)
     texts = {f"table_{name.replace('.', '_')}.csv": to_csv(rows) for name, rows in tables.items()}
     texts["tables.md"] = _page(tables, settings, command)
@@ -280,28 +161,7 @@ def write_all(folder: Path, results: Results, settings: Settings, command: str) 
 
 
 def complete_tables(results: Results, settings: Settings) -> dict[TableName, list[Row]]:
-    """Return the rows of each table for which every set of points was measured.
-
-    Parameters
-    ----------
-    results : Results
-        The measurements.
-    settings : Settings
-        The settings, which determine the sets of points of a table.
-
-    Returns
-    -------
-    dict of str to list of Row
-        Rows by the name of the table.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from liftmesh.paper.results import Results, Settings
-    >>> settings = Settings((50,), 1, "a desk")
-    >>> complete_tables(Results(Path(tempfile.mkdtemp()), settings), settings)
-    {}
-    """
+    """Return the rows of each table for which every set of points was measured."""
     names: list[TableName] = ["5.1", "5.2"]
     complete = [name for name in names if results.done.issuperset(settings.trials([name]))]
     rows = summarise(results.measurements)

@@ -128,34 +128,7 @@ def _among_all_rows(
 
 
 def as_metrics(metrics: ArrayLike, rows: int, nonfinite: NonFinite = "error") -> Floats:
-    """Convert a matrix for each row.
-
-    Parameters
-    ----------
-    metrics : array_like of shape (rows, 2, 2)
-        Symmetric, positive definite matrices.
-    rows : int
-        How many there must be.
-    nonfinite : {"error", "skip"}, default "error"
-        As for `anisotropic_stars`: those that are not finite raise, or are not judged.
-
-    Returns
-    -------
-    (rows, 2, 2) ndarray of float64
-        An array of its own.
-
-    Raises
-    ------
-    InputError
-        As for `anisotropic_stars`.
-    NonFiniteError
-        A number is not finite.
-
-    Examples
-    --------
-    >>> as_metrics([[[2, 1], [1, 2]]], 1).shape
-    (1, 2, 2)
-    """
+    """Convert a matrix for each row."""
     try:
         given = np.asanyarray(metrics)
     except ValueError as error:

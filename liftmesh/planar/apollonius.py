@@ -104,23 +104,7 @@ def apollonius(
 
 
 def are_finite(disks: Floats) -> Mask:
-    """Return which rows of disks are finite.
-
-    Parameters
-    ----------
-    disks : (n, 3) ndarray of float64
-        As of `as_disks`.
-
-    Returns
-    -------
-    (n,) ndarray of bool
-        Whether all three numbers of a row are.
-
-    Examples
-    --------
-    >>> are_finite(np.array([[0, 1, 2], [0, np.inf, 2]])).tolist()
-    [True, False]
-    """
+    """Return which rows of disks are finite."""
     finite: Mask = np.asarray(np.isfinite(disks).all(axis=1))
     return finite
 
@@ -132,36 +116,7 @@ def as_disks(
     *,
     skippable: bool = True,
 ) -> Floats:
-    """Convert centres and radii to rows x, y, r.
-
-    Parameters
-    ----------
-    centers : array_like of shape (n, 2)
-        The centre of each disk.
-    radii : (n,) array_like
-        The radius of each disk.
-    nonfinite : {"error", "skip"}, default "error"
-        As for `apollonius`.
-    skippable : bool, default True
-        Whether the message says that rows that are not finite can be skipped.
-
-    Returns
-    -------
-    (n, 3) ndarray of float64
-        An array of its own.
-
-    Raises
-    ------
-    InputError
-        As for `apollonius`.
-    NonFiniteError
-        As for `apollonius`.
-
-    Examples
-    --------
-    >>> as_disks([[0, 1]], [2])
-    array([[0., 1., 2.]])
-    """
+    """Convert centres and radii to rows x, y, r."""
     rows = as_coordinates(centers)
     if rows.shape[1] != 2:
         raise InputError(f"centers need the shape (n, 2), not {rows.shape}: give x and y alone")

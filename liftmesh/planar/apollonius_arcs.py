@@ -46,15 +46,7 @@ class TooManyPointsError(Exception):
 
 
 class Polylines(NamedTuple):
-    """Points along arcs.
-
-    Parameters
-    ----------
-    starts : (s + 1,) ndarray of int64
-        Arc i has the points from ``starts[i]`` to ``starts[i + 1]``: two at least.
-    points : (k, 2) ndarray of float64
-        Where they are.
-    """
+    """Points along arcs."""
 
     starts: Integers
     points: Floats
@@ -62,31 +54,7 @@ class Polylines(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Arcs:
-    """Parts of the curves of points as far from a disk p as from another, q, which is not smaller.
-
-    Parameters
-    ----------
-    rows : (s, 2) ndarray of int32
-        p and q of each.
-    ends : (s, 2) ndarray of int32
-        The vertices where it starts and ends, counter-clockwise about p; -1 if there is none.
-    focus, axis : (s, 2) ndarray of float64
-        The centre of p, and the vector from there to the centre of q.
-    radius_difference : (s,) ndarray of float64
-        The radius of q less that of p.
-    power : (s,) ndarray of float64
-        P.
-    turns : (s, 2) ndarray of float64
-        The directions of both ends, in radians from that of q.
-
-    Examples
-    --------
-    >>> rows, zero = np.array([[0, 1]]), np.zeros((1, 2))
-    >>> axis, power = np.array([[2.0, 0]]), np.array([4.0])
-    >>> arcs = Arcs(rows, rows - 2, zero, axis, np.zeros(1), power, zero)
-    >>> arcs.at(np.array([0]), np.array([np.pi / 4])).round(9)
-    array([[1., 1.]])
-    """
+    """Parts of the curves of points as far from a disk p as from a disk q, not smaller."""
 
     rows: Rows
     ends: Rows
@@ -115,18 +83,7 @@ class Arcs:
         return clearance
 
     def select(self, chosen: Mask) -> Arcs:
-        """Return some arcs.
-
-        Parameters
-        ----------
-        chosen : (s,) ndarray of bool
-            Which.
-
-        Returns
-        -------
-        Arcs
-            These.
-        """
+        """Return some arcs."""
         rows, ends, focus, axis = (
             self.rows[chosen], self.ends[chosen], self.focus[chosen], self.axis[chosen]
         )  # fmt: skip
@@ -134,18 +91,7 @@ class Arcs:
         return Arcs(rows, ends, focus, axis, difference, power, self.turns[chosen])
 
     def near(self, box: Box) -> Arcs:
-        """Cut off what is farther from p than all of a box.
-
-        Parameters
-        ----------
-        box : tuple of float
-            The least x and y, and the greatest.
-
-        Returns
-        -------
-        Arcs
-            Those of which something is left. They end outside of the box where they are cut.
-        """
+        """Cut off what is farther from p than all of a box."""
         corners = np.array([[box[i], box[j]] for i in (0, 2) for j in (1, 3)])
         step = corners - self.focus[:, None]
         reach = _FARTHER * np.hypot(step[..., 0], step[..., 1]).max(axis=1)
@@ -160,20 +106,7 @@ class Arcs:
         return limited.select(left)
 
     def at(self, arc: Indices, turn: Floats) -> Floats:
-        """Return points of curves.
-
-        Parameters
-        ----------
-        arc : (k,) ndarray of intp
-            Of which curve each is.
-        turn : (k,) ndarray of float64
-            In which direction from p.
-
-        Returns
-        -------
-        (k, 2) ndarray of float64
-            x and y.
-        """
+        """Return points of curves."""
         return self.focus[arc] + self._seen(arc, turn, turn, 0)
 
     def _seen(self, arc: Indices, turn: Floats, mean: Floats, half: Floats | int) -> Floats:
@@ -192,35 +125,7 @@ class Arcs:
         return meets
 
     def polylines(self, vertices: Floats, box: Box, tolerance: float) -> Polylines:
-        """Return polylines whose chords are at most a tolerance off, wherever a box sees them.
-
-        Parameters
-        ----------
-        vertices : (m, 2) ndarray of float64
-            Where the vertices are.
-        box : tuple of float
-            The least x and y, and the greatest; inside of it the tolerance is kept.
-        tolerance : float
-            In the unit of the coordinates.
-
-        Returns
-        -------
-        Polylines
-            With both ends of each.
-
-        Raises
-        ------
-        TooManyPointsError
-            The tolerance is so small that there are too many points to hold.
-
-        Examples
-        --------
-        >>> rows, zero = np.array([[0, 1]]), np.zeros((1, 2))
-        >>> axis, power = np.array([[3.0, 0]]), np.array([8.0])
-        >>> arcs = Arcs(rows, rows - 2, zero, axis, np.ones(1), power, zero + [-1, 1])
-        >>> arcs.polylines(zero, (-9, -9, 9, 9), 0.1).points[:, 1].round(2)
-        array([-1.28,  0.  ,  1.28])
-        """
+        """Return polylines whose chords are at most a tolerance off, wherever a box sees them."""
         arc, turn = self._halved(box, tolerance)
         every = np.arange(len(self.rows))
         arc = np.concatenate([every, arc, every])
@@ -256,11 +161,7 @@ class Arcs:
     def _coarse(
         self, arc: Indices, low: Floats, high: Floats, box: Box, tolerance: float
     ) -> tuple[Mask, float]:
-        """Return which chords are too far off, or pass p on the wrong side, and what is to come.
-
-        The second is about how many more points there will be after these are halved, counted where
-        that is known: all of the arc is in the box, and each half is a quarter as high.
-        """
+        """Return which chords are too far off, or pass p on the wrong side, and what is to come."""
         mean, half = (low + high) / 2, (high - low) / 2
         difference = self.radius_difference[arc]
         meets, clearance = self._meets(arc, mean, half), self.clearance[arc]

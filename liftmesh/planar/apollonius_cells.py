@@ -25,39 +25,14 @@ _COINCIDENT = 2.0**-44  # of the numbers involved: what rounding may put between
 
 
 class Sides(NamedTuple):
-    """The sides of all cells.
-
-    Parameters
-    ----------
-    pairs : (s, 2) ndarray of int32
-        The two disks of each.
-    ends : (s, 2) ndarray of int32
-        The triangles to the left and to the right of the edge from one disk to the other, whose
-        circles have their centres at the ends; -1 where the side has no end.
-    """
+    """The sides of all cells."""
 
     pairs: Rows
     ends: Rows
 
 
 def sides(simplices: Rows, neighbors: Rows, hull: Rows) -> Sides:
-    """List the sides of all cells.
-
-    Parameters
-    ----------
-    simplices, neighbors, hull : ndarray
-        As of an `ApolloniusGraph`.
-
-    Returns
-    -------
-    Sides
-        Those with an end first, by the triangle to the left.
-
-    Examples
-    --------
-    >>> sides(np.zeros((0, 3), int), np.zeros((0, 3), int), np.array([[0, 1], [1, 0]])).pairs
-    array([[0, 1]], dtype=int32)
-    """
+    """List the sides of all cells."""
     left = np.repeat(np.arange(len(simplices)), 3)
     right = neighbors.reshape(-1)
     edges = simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
@@ -78,29 +53,7 @@ def _named(pairs: Rows) -> Integers:
 
 
 def arcs_of(found: Sides, disks: Floats, vertices: Floats) -> Arcs:
-    """Describe sides as arcs.
-
-    Parameters
-    ----------
-    found : Sides
-        The sides.
-    disks : (n, 3) ndarray of float64
-        All disks, as rows x, y, r.
-    vertices : (m, 2) ndarray of float64
-        The centre of the circle of each triangle.
-
-    Returns
-    -------
-    Arcs
-        Seen from the smaller disk, or from the first of equal ones. Without an end the direction is
-        the opposite one, for `Arcs.near` to cut off.
-
-    Examples
-    --------
-    >>> two = Sides(np.array([[0, 1]]), np.array([[-1, -1]]))
-    >>> arcs_of(two, np.array([[0, 0, 0.5], [2, 0, 0]]), np.zeros((0, 2))).rows
-    array([[1, 0]])
-    """
+    """Describe sides as arcs."""
     is_turned = disks[found.pairs[:, 1], 2] < disks[found.pairs[:, 0], 2]
     rows = np.where(is_turned[:, None], found.pairs[:, ::-1], found.pairs)
     # Counter-clockwise about the first disk, a side starts at the triangle on its right.
@@ -119,30 +72,7 @@ def arcs_of(found: Sides, disks: Floats, vertices: Floats) -> Arcs:
 
 
 def coinciding(found: Sides, centers: Floats, vertices: Floats) -> Floats:
-    """Give one position to vertices that only rounding keeps apart.
-
-    Where more than three disks touch one circle, several triangles have its centre.
-
-    Parameters
-    ----------
-    found : Sides
-        The sides, of which those without a length count.
-    centers : (n, 2) ndarray of float64
-        The centres of all disks.
-    vertices : (m, 2) ndarray of float64
-        Where the cells meet.
-
-    Returns
-    -------
-    (m, 2) ndarray of float64
-        Of vertices between which sides are no longer than their rounding, that of the first.
-
-    Examples
-    --------
-    >>> side = Sides(np.array([[0, 1]]), np.array([[1, 0]]))
-    >>> coinciding(side, np.zeros((2, 2)), np.array([[1.0, 0], [1 + 2**-52, 0]])).tolist()
-    [[1.0, 0.0], [1.0, 0.0]]
-    """
+    """Give one position to vertices that only rounding keeps apart."""
     bounded = (found.ends >= 0).all(axis=1)
     one, other = found.ends[bounded].T
     near = centers[found.pairs[bounded, 0]]
@@ -169,22 +99,7 @@ def _first_of(count: int, one: Rows, other: Rows) -> Indices:
 
 
 class Traced(NamedTuple):
-    """The sides of all cells that come near a box, as polylines.
-
-    Parameters
-    ----------
-    rows : (s, 2) ndarray of int32
-        The disks on the left and on the right of each.
-    ends : (s, 2) ndarray of int32
-        The vertices where it starts and ends; -1 where it has no end, or is cut off outside of the
-        box.
-    starts : (s + 1,) ndarray of int64
-        Side i has the points from ``starts[i]`` to ``starts[i + 1]``.
-    points : (k, 2) ndarray of float64
-        Where they are.
-    box : tuple of float
-        The box. Outside of it sides are coarse, and some are left out.
-    """
+    """The sides of all cells that come near a box, as polylines."""
 
     rows: Rows
     ends: Rows
@@ -201,34 +116,7 @@ class Traced(NamedTuple):
 
 
 def traced(graph: ApolloniusGraph, box: Box, tolerance: float) -> Traced:
-    """Follow the sides of all cells as far as a box sees them.
-
-    Parameters
-    ----------
-    graph : ApolloniusGraph
-        The disks and their triangles.
-    box : tuple of float
-        The least x and y, and the greatest.
-    tolerance : float
-        How far chords may be from the arcs, in the unit of the coordinates.
-
-    Returns
-    -------
-    Traced
-        Sides that meet have a point in common, bit for bit.
-
-    Raises
-    ------
-    InputError
-        The tolerance is so small that there are too many points to hold.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> traced(liftmesh.apollonius([[0, 0], [4, 0]], [1, 1]), (0, -1, 4, 1), 0.1).points.round(3)
-    array([[ 2.   , -3.653],
-           [ 2.   ,  3.653]])
-    """
+    """Follow the sides of all cells as far as a box sees them."""
     largest = max(np.abs(graph.centers).max(initial=0), graph.radii.max(initial=0), *map(abs, box))
     scale = int(np.frexp(largest)[1])  # no square overflows, and no product of such underflows
 
@@ -254,26 +142,7 @@ def traced(graph: ApolloniusGraph, box: Box, tolerance: float) -> Traced:
 
 
 def pieces_in(found: Traced) -> Iterator[tuple[tuple[int, int], Floats]]:
-    """Cut off what of polylines is outside of their box.
-
-    Parameters
-    ----------
-    found : Traced
-        The polylines.
-
-    Yields
-    ------
-    tuple
-        The two disks of each piece, the lower row first, and its points, (k, 2) float64.
-
-    Examples
-    --------
-    >>> line = np.array([[-1.0, 0.5], [3.0, 0.5]])
-    >>> box = (0, 0, 1, 1)
-    >>> side = Traced(np.array([[1, 0]]), np.array([[-1, -1]]), np.array([0, 2]), line, box)
-    >>> [(pair, piece.tolist()) for pair, piece in pieces_in(side)]
-    [((0, 1), [[0.0, 0.5], [1.0, 0.5]])]
-    """
+    """Cut off what of polylines is outside of their box."""
     first = found.segments
     start, end = found.points[first], found.points[first + 1]
     low, high = shares_in(start, end, found.box)
@@ -297,25 +166,7 @@ def pieces_in(found: Traced) -> Iterator[tuple[tuple[int, int], Floats]]:
 
 
 def shares_in(start: Floats, end: Floats, box: Box) -> tuple[Floats, Floats]:
-    """Return from which to which share of each segment it is in a box (Liang and Barsky).
-
-    Parameters
-    ----------
-    start, end : (k, 2) ndarray of float64
-        The segments.
-    box : tuple of float
-        The least x and y, and the greatest.
-
-    Returns
-    -------
-    first, last : (k,) ndarray of float64
-        Not ascending where nothing is inside.
-
-    Examples
-    --------
-    >>> shares_in(np.array([[-1.0, 0.5]]), np.array([[3.0, 0.5]]), (0, 0, 1, 1))
-    (array([0.25]), array([0.5]))
-    """
+    """Return from which to which share of each segment it is in a box (Liang and Barsky)."""
     first, last = np.zeros(len(start)), np.ones(len(start))
     step = end - start
     for axis in range(2):

@@ -248,30 +248,7 @@ def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
 
 
 def as_tolerance(tolerance: float, box: ArrayLike) -> float:
-    """Convert how far polylines may be from their arcs.
-
-    Parameters
-    ----------
-    tolerance : float
-        Positive, in the unit of the coordinates.
-    box : (4,) array_like
-        Where the arcs are.
-
-    Returns
-    -------
-    float
-        The same, or the longer side of the box if that is less.
-
-    Raises
-    ------
-    InputError
-        It is no positive, finite number, or less than the rounding of coordinates of the box.
-
-    Examples
-    --------
-    >>> as_tolerance(0.5, (0, 0, 1, 1)), as_tolerance(1e300, (0, 0, 1, 2))
-    (0.5, 2.0)
-    """
+    """Convert how far polylines may be from their arcs."""
     value = _numbers("tolerance", tolerance)
     is_number = value.shape == () and not isinstance(tolerance, bool | np.bool_)
     if not (is_number and 0 < value < np.inf):

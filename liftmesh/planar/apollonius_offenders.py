@@ -61,48 +61,13 @@ _NOT_HIDDEN = ("has triangles", "is listed twice", "is within no other disk")
 
 @dataclass(frozen=True, slots=True)
 class DiskEvidence:
-    """Descriptions of places in a graph whose arrays are converted.
-
-    Parameters
-    ----------
-    centers : (n, 2) ndarray of float64
-        The centres.
-    lists : dict of str to ndarray of int32
-        simplices, neighbors, convex_hull, hidden and duplicates.
-
-    Examples
-    --------
-    >>> evidence = DiskEvidence(np.zeros((1, 2)), {})
-    >>> evidence.flaw("missing_vertices", 1, [(0, 0)]).first[0].text
-    'row 0 (0.0, 0.0) is in no triangle, not hidden, and no duplicate'
-    """
+    """Descriptions of places in a graph whose arrays are converted."""
 
     centers: Floats
     lists: dict[str, Rows]
 
     def flaw(self, kind: str, count: int, places: list[Place]) -> Flaw:
-        """Describe one kind of flaw.
-
-        Parameters
-        ----------
-        kind : str
-            Its name.
-        count : int
-            How often it occurs.
-        places : list of (int, int)
-            Where the first are, as the kernel says.
-
-        Returns
-        -------
-        Flaw
-            What it means, and its first occurrences.
-
-        Examples
-        --------
-        >>> evidence = DiskEvidence(np.zeros((1, 2)), {})
-        >>> evidence.flaw("wrong_hidden", 1, [(0, 2)]).text
-        '1 row is not hidden'
-        """
+        """Describe one kind of flaw."""
         describe = getattr(self, f"_{kind}")
         return counted(kind, count, MEANINGS[kind], [describe(*place) for place in places])
 

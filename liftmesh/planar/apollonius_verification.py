@@ -32,36 +32,7 @@ _OF_ROWS = ("missing_vertices", "wrong_hidden", "wrong_duplicates")
 def verify_graph(
     graph: ApolloniusGraph, *, threads: int | None = None, progress: Progress | None = None
 ) -> Certificate:
-    """Verify exactly that a graph, from any source, is the Delaunay graph of its disks.
-
-    Parameters
-    ----------
-    graph : ApolloniusGraph
-        Its arrays may hold anything.
-    threads : int, optional
-        As for `delaunay`. The certificate is the same for any number.
-    progress : callable, optional
-        As for `delaunay`.
-
-    Returns
-    -------
-    Certificate
-        Of the member "apollonius".
-
-    Raises
-    ------
-    InputError
-        An array has another shape or type, or the disks are none that `apollonius` takes.
-    NonFiniteError
-        A coordinate or a radius is not finite, and no row is said to be skipped.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> graph = liftmesh.apollonius([[0, 0], [5, 0], [0, 5]], [1, 1, 1])
-    >>> verify_graph(graph).canonical
-    True
-    """
+    """Verify exactly that a graph, from any source, is the Delaunay graph of its disks."""
     check_progress(progress)
     disks = as_disks(graph.centers, graph.radii, "skip" if len(graph.skipped) else "error")
     lists = {name: _whole(name, getattr(graph, name), shape) for name, shape in _SHAPES.items()}

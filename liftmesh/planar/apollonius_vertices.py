@@ -25,28 +25,7 @@ _DIGITS = 1024  # binary ones of a root
 
 
 def vertices_of(disks: Floats, simplices: Rows, circles: Floats) -> Floats:
-    """Compute where cells meet.
-
-    Parameters
-    ----------
-    disks : (n, 3) ndarray of float64
-        All disks, as rows x, y, r: see `differences_of`.
-    simplices : (m, 3) ndarray of int32
-        The triangles, counter-clockwise about their circles.
-    circles : (m, 3) ndarray of float64
-        The circles, roughly.
-
-    Returns
-    -------
-    (m, 2) ndarray of float64
-        Their centres.
-
-    Examples
-    --------
-    >>> disks, three = np.array([[0.0, 0, 1], [4, 0, 1], [0, 4, 1]]), np.array([[0, 1, 2]])
-    >>> vertices_of(disks, three, np.array([[2.1, 1.9, 1.7]]))
-    array([[2., 2.]])
-    """
+    """Compute where cells meet."""
     turn = disks[simplices, 2].argmin(axis=1)[:, None] + np.arange(3)
     p, q, r = np.take_along_axis(simplices, turn % 3, axis=1).T
     (first, power), (second, other) = (differences_of(disks, k, p) for k in (q, r))

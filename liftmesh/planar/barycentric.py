@@ -20,27 +20,7 @@ _WORST = 2.0**-42  # 1024 eps: what SciPy allows, and a margin for rounding
 
 
 def barycentric_transforms(points: Floats, simplices: Rows) -> Floats:
-    """Compute the barycentric transforms of triangles.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Planar points.
-    simplices : (m, 3) ndarray of int
-        Triangles as rows of `points`.
-
-    Returns
-    -------
-    (m, 3, 2) ndarray of float64
-        For triangle i, ``result[i, :2] @ (x - result[i, 2])`` are the first two barycentric
-        coordinates of x. NaN for triangles so thin that they would have less than three digits.
-
-    Examples
-    --------
-    >>> transform = barycentric_transforms(np.eye(3, 2), np.array([[0, 1, 2]]))[0]
-    >>> transform[:2] @ ((0.25, 0.5) - transform[2])
-    array([0.25, 0.5 ])
-    """
+    """Compute the barycentric transforms of triangles."""
     origin = points[simplices[:, 2]]
     result = np.empty((len(simplices), 3, 2))
     result[:, 2] = origin

@@ -177,28 +177,7 @@ def solve(  # noqa: PLR0913 - as above
     metric: ArrayLike | None = None,
     scratch: str | os.PathLike[str] | None = None,
 ) -> dict[str, Any]:
-    """Compute what a `Triangulation` is made of.
-
-    Parameters
-    ----------
-    points, method, q, nonfinite, order, threads, progress, copy, metric, scratch
-        As for `delaunay`.
-
-    Returns
-    -------
-    dict
-        The arguments of `Triangulation`.
-
-    Raises
-    ------
-    InputError
-        As for `delaunay`.
-
-    Examples
-    --------
-    >>> solve([[0, 0], [2, 0], [0, 2]])["simplices"].shape
-    (1, 3)
-    """
+    """Compute what a `Triangulation` is made of."""
     if not (method is _AUTO and nonfinite is _ERROR and order is _ENGINE and progress is None):
         check_option("method", method, Method)
         check_options(nonfinite, order, progress)
@@ -256,33 +235,7 @@ def solution_of(
     progress: Progress | None,
     more: dict[str, Any],
 ) -> dict[str, Any]:
-    """Convert the outcome of a run of the kernel.
-
-    Parameters
-    ----------
-    outcome : tuple
-        What the kernel returns.
-    rows : (n, 2) or (n, 3) ndarray
-        The rows as the caller gave them, for messages.
-    planar : (n, 2) ndarray
-        Their planar points.
-    order, progress
-        As for `delaunay`.
-    more : dict
-        Further arguments.
-
-    Returns
-    -------
-    dict
-        Arguments of `Triangulation`.
-
-    Raises
-    ------
-    NonFiniteError
-        A row is not finite.
-    DegenerateInputError
-        There are fewer than three distinct points, or all lie on one line.
-    """
+    """Convert the outcome of a run of the kernel."""
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
     if status == "non-finite":
         raise non_finite(row, rows[row])
@@ -304,18 +257,7 @@ def solution_of(
 
 
 def check_options(nonfinite: NonFinite, order: RowOrder, progress: object) -> None:
-    """Raise unless the options that all triangulations share have valid values.
-
-    Parameters
-    ----------
-    nonfinite, order, progress
-        As for `delaunay`.
-
-    Raises
-    ------
-    InputError
-        One of them is unknown.
-    """
+    """Raise unless the options that all triangulations share have valid values."""
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("order", order, RowOrder)
     check_progress(progress)

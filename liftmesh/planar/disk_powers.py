@@ -15,30 +15,7 @@ _SPLIT = 2.0**27 + 1
 
 
 def differences_of(disks: Floats, of: Rows, than: Rows) -> tuple[Floats, Floats]:
-    """Subtract disks from others, and compute the powers of the pairs.
-
-    Parameters
-    ----------
-    disks : (n, 3) ndarray of float64
-        Rows x, y, r, less than 2^300 and with squares that do not underflow.
-    of, than : (k,) ndarray of int32
-        The disks, and those that are subtracted from them.
-
-    Returns
-    -------
-    difference : (k, 3) ndarray of float64
-        The differences of x, y and r.
-    powers : (k,) ndarray of float64
-        P of each pair.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> disks = np.array([[0, 0, 1.0], [3, 4, 1.0], [2**-30, 0, 1 - 2**-30 + 2**-52]])
-    >>> difference, powers = differences_of(disks, np.array([1, 2]), np.array([0, 0]))
-    >>> float(powers[0]), bool(abs(powers[1] / (2**-81 - 2**-104) - 1) < 1e-15)
-    (25.0, True)
-    """
+    """Subtract disks from others, and compute the powers of the pairs."""
     a, b = disks[of], disks[than]
     difference = a - b
     rounded = difference - a

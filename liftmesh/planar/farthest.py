@@ -15,35 +15,7 @@ from liftmesh.threads import as_threads
 
 
 def solve(rows: Floats, *, copy: bool = False) -> dict[str, Any]:
-    """Compute what a farthest-point `Delaunay` is made of.
-
-    Parameters
-    ----------
-    rows : (n, 2) ndarray of float64
-        Planar points.
-    copy : bool, default False
-        Whether to copy them first.
-
-    Returns
-    -------
-    dict
-        The arguments of `Triangulation`, and "hidden", the rows that are no corner of the convex
-        hull, nor at one.
-
-    Raises
-    ------
-    NonFiniteError
-        A row is not finite.
-    DegenerateInputError
-        There are fewer than three distinct points, or all lie on one line.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> square = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [1, 1]])
-    >>> solve(square)["hidden"]
-    array([4, 5], dtype=int32)
-    """
+    """Compute what a farthest-point `Delaunay` is made of."""
     planar = rows.copy() if copy else rows
     outcome, hidden = _kernel.farthest(planar, False, *as_threads(None, len(rows)), None)
     return solution_of(outcome, rows, planar, "engine", None, {"hidden": hidden})

@@ -18,47 +18,14 @@ from liftmesh.planar.lifting import lift
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heights:
-    """The heights of points: those of a paraboloid or a metric, less the weights.
-
-    Parameters
-    ----------
-    metric : (2, 2) ndarray of float64, optional
-        The matrix of a quadratic form; by default z = |p|^2.
-    weights, radii : (n,) ndarray of float64, optional
-        By how much each row is lowered: by its weight, or by the square of its radius.
-
-    Examples
-    --------
-    >>> heights = Heights(weights=np.array([1.0, 0.0, 5.0]))
-    >>> rows = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]])
-    >>> heights.lifted_rows(rows)[:, 2]
-    array([-1., 16., 11.])
-    """
+    """The heights of points: those of a paraboloid or a metric, less the weights."""
 
     metric: Floats | None = None
     weights: Floats | None = None
     radii: Floats | None = None
 
     def lifted(self, points: Floats, q: tuple[float, float] = (0.0, 0.0)) -> Floats:
-        """Lift points without weight.
-
-        Parameters
-        ----------
-        points : (n, 2) ndarray of float64
-            Planar points.
-        q : tuple of float
-            The point at which the height is zero.
-
-        Returns
-        -------
-        (n, 3) ndarray of float64
-            z is infinite if it overflows.
-
-        Examples
-        --------
-        >>> Heights(metric=np.array([[2.0, 1.0], [1.0, 3.0]])).lifted(np.array([[1.0, 10.0]]))
-        array([[  1.,  10., 322.]])
-        """
+        """Lift points without weight."""
         if self.metric is None:
             return lift(points, q)
         placed = np.empty((len(points), 3))
@@ -68,20 +35,7 @@ class Heights:
         return placed
 
     def lifted_rows(self, points: Floats, q: tuple[float, float] = (0.0, 0.0)) -> Floats:
-        """Lift the rows, each lowered by its weight.
-
-        Parameters
-        ----------
-        points : (n, 2) ndarray of float64
-            The points of all rows.
-        q : tuple of float
-            The vertex of the paraboloid.
-
-        Returns
-        -------
-        (n, 3) ndarray of float64
-            z is infinite if it overflows.
-        """
+        """Lift the rows, each lowered by its weight."""
         lifted = self.lifted(points, q)
         with np.errstate(all="ignore"):
             if self.weights is not None:
@@ -91,20 +45,7 @@ class Heights:
         return lifted
 
     def planes(self, points: Floats, simplices: Rows) -> Floats:
-        """Compute the planes of lifted triangles.
-
-        Parameters
-        ----------
-        points : (n, 2) ndarray of float64
-            The points of all rows.
-        simplices : (m, 3) ndarray of int32
-            Triangles.
-
-        Returns
-        -------
-        (m, 4) ndarray of float64
-            The downward unit normal and the offset of each.
-        """
+        """Compute the planes of lifted triangles."""
         a, b, c = (points[corner] for corner in simplices.T)
         u, v = b - a, c - a
         with np.errstate(all="ignore"):

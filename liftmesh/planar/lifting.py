@@ -29,30 +29,7 @@ if TYPE_CHECKING:
 
 
 def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
-    """Convert the option q to the coordinates of the paraboloid's vertex.
-
-    Parameters
-    ----------
-    q : {"origin", "median"} or (2,) array_like
-        The origin, the coordinate-wise median of the finite points, or any finite point.
-    points : (n, 2) ndarray
-        The planar points.
-
-    Returns
-    -------
-    tuple of float
-        qx and qy.
-
-    Raises
-    ------
-    InputError
-        q is not one of these.
-
-    Examples
-    --------
-    >>> resolve_q("median", np.array([[0.0, 5.0], [1.0, 7.0], [9.0, 6.0]]))
-    (1.0, 6.0)
-    """
+    """Convert the option q to the coordinates of the paraboloid's vertex."""
     vertex = given_vertex(q)
     if vertex is not None:
         return vertex
@@ -60,28 +37,7 @@ def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
 
 
 def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
-    """Validate the option q, and return the point if it is one.
-
-    Parameters
-    ----------
-    q : {"origin", "median"} or (2,) array_like
-        The vertex of the paraboloid.
-
-    Returns
-    -------
-    tuple of float, or None
-        qx and qy; None for "origin" and "median".
-
-    Raises
-    ------
-    InputError
-        q is not one of these.
-
-    Examples
-    --------
-    >>> given_vertex((1, 2)), given_vertex("median")
-    ((1.0, 2.0), None)
-    """
+    """Validate the option q, and return the point if it is one."""
     if isinstance(q, str):
         if q in ("origin", "median"):
             return None

@@ -28,20 +28,7 @@ _NONE = np.empty(0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Member:
-    """A member of the family, and what it needs to be known.
-
-    Parameters
-    ----------
-    kind : {"delaunay", "weights", "radii", "metric", "farthest"}
-        Which it is.
-    values : ndarray of float64
-        The weight or the radius of each row, (n,); or a, b and c of the metric [[a, b], [b, c]].
-
-    Examples
-    --------
-    >>> Member("metric", np.array([2.0, 1.0, 3.0])).metric
-    ((2.0, 1.0), (1.0, 3.0))
-    """
+    """A member of the family, and what it needs to be known."""
 
     kind: str = "delaunay"
     values: Floats = field(default_factory=lambda: _NONE)
@@ -72,18 +59,7 @@ class Member:
         return hashlib.sha256(np.ascontiguousarray(self.values, dtype="<f8").data).hexdigest()
 
     def non_finite(self, row: int) -> NonFiniteError | None:
-        """Return the error for a row whose value is not finite; None if it is.
-
-        Parameters
-        ----------
-        row : int
-            The row.
-
-        Returns
-        -------
-        NonFiniteError or None
-            What to raise.
-        """
+        """Return the error for a row whose value is not finite; None if it is."""
         if not self.has_values or np.isfinite(self.values[row]):
             return None
         return NonFiniteError(
@@ -93,26 +69,7 @@ class Member:
         )
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:
-        """Return the exact side of a lifted row: positive below the plane of three others.
-
-        Parameters
-        ----------
-        rows : tuple of int
-            Four rows, of which the first three turn counter-clockwise.
-        points : tuple of (float, float)
-            Where they are.
-
-        Returns
-        -------
-        int
-            1 below, -1 above, 0 on the plane.
-
-        Examples
-        --------
-        >>> square = (0, 0), (1, 0), (1, 1), (0, 1)
-        >>> Member("weights", np.array([0.0, 0, 0, 9])).side((0, 1, 2, 3), square)
-        1
-        """
+        """Return the exact side of a lifted row: positive below the plane of three others."""
         if self.kind in ("delaunay", "farthest"):
             sign = int(incircle(*points))
             return -sign if self.kind == "farthest" else sign
@@ -130,30 +87,7 @@ def as_member(
     metric: ArrayLike | None,
     furthest_site: bool,
 ) -> Member:
-    """Validate the options of `verify` that tell by what points are lifted.
-
-    Parameters
-    ----------
-    rows : int
-        How many there are.
-    weights, radii, metric, furthest_site
-        As for `verify`: at most one of them.
-
-    Returns
-    -------
-    Member
-        What they say.
-
-    Raises
-    ------
-    InputError
-        Several are given, or one of them is invalid.
-
-    Examples
-    --------
-    >>> as_member(3, None, None, None, furthest_site=True).kind
-    'farthest'
-    """
+    """Validate the options of `verify` that tell by what points are lifted."""
     given = {"weights": weights, "radii": radii, "metric": metric}
     named = [name for name, value in given.items() if value is not None]
     is_farthest = as_switch("furthest_site", furthest_site)
@@ -176,25 +110,7 @@ def _finite_or_nan(weights: Weights) -> Floats:
 
 
 def options_of(triangulation: Any) -> dict[str, Any]:
-    """Return what a triangulation says about itself, as options of `verify`.
-
-    Parameters
-    ----------
-    triangulation : object
-        A `Triangulation`, a `Cloud`, or anything else.
-
-    Returns
-    -------
-    dict
-        At most one of weights, radii, metric and furthest_site.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> options_of(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], metric=[[2, 0], [0, 1]]))
-    {'metric': array([[2., 0.],
-           [0., 1.]])}
-    """
+    """Return what a triangulation says about itself, as options of `verify`."""
     metadata = getattr(triangulation, "metadata", None)
     if isinstance(metadata, Mapping) and metadata:
         return _stated(triangulation, metadata)

@@ -21,33 +21,7 @@ _REMEDY = "give [[a, b], [b, c]] with a > 0 and a c > b^2"
 
 
 def as_metric(metric: ArrayLike) -> Floats:
-    """Validate the option ``metric``.
-
-    Parameters
-    ----------
-    metric : (2, 2) array_like
-        A symmetric matrix.
-
-    Returns
-    -------
-    (2, 2) ndarray of float64
-        The matrix, as an array of its own.
-
-    Raises
-    ------
-    InputError
-        It is no symmetric matrix of finite float64 numbers, or not positive definite, of which the
-        exact determinant decides.
-
-    Examples
-    --------
-    >>> as_metric([[2, 1], [1, 3]])
-    array([[2., 1.],
-           [1., 3.]])
-    >>> as_metric([[1, 2], [2, 4]])
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: metric [[1.0, 2.0], [2.0, 4.0]] is not positive definite: ...
-    """
+    """Validate the option ``metric``."""
     matrix = _as_matrix(metric)
     shown = matrix.tolist()
     if not np.isfinite(matrix).all():

@@ -56,53 +56,13 @@ _OF_LIFTED = {
 
 
 def counted(kind: str, count: int, meanings: tuple[str, str], first: list[Offender]) -> Flaw:
-    """Make a flaw whose text says how often it occurs.
-
-    Parameters
-    ----------
-    kind : str
-        Its name.
-    count : int
-        How often it occurs.
-    meanings : tuple of str
-        What it means, of one occurrence and of several.
-    first : list of Offender
-        The first occurrences.
-
-    Returns
-    -------
-    Flaw
-        With all of this.
-
-    Examples
-    --------
-    >>> counted("degenerate", 2, MEANINGS["degenerate"], []).text
-    '2 triangles are degenerate'
-    """
+    """Make a flaw whose text says how often it occurs."""
     one, more = meanings
     return Flaw(kind, count, f"1 {one}" if count == 1 else f"{count:,} {more}", tuple(first))
 
 
 def named(rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> str:
-    """Name rows with their coordinates.
-
-    Parameters
-    ----------
-    rows : tuple of int
-        The rows, at least one.
-    points : tuple of (float, float)
-        Where they are.
-
-    Returns
-    -------
-    str
-        A list of words.
-
-    Examples
-    --------
-    >>> named((3, 7), ((0.0, 1.0), (2.0, 0.5)))
-    'rows 3 (0.0, 1.0) and 7 (2.0, 0.5)'
-    """
+    """Name rows with their coordinates."""
     each = [f"{row} ({x!r}, {y!r})" for row, (x, y) in zip(rows, points, strict=True)]
     listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
     return f"row{'s' if len(rows) > 1 else ''} {listed}"
@@ -117,22 +77,7 @@ class Evidence:
         self._member = member
 
     def flaw(self, kind: str, count: int, places: list[Place]) -> Flaw:
-        """Describe one kind of flaw.
-
-        Parameters
-        ----------
-        kind : str
-            Its name.
-        count : int
-            How often it occurs.
-        places : list of (int, int)
-            Where the first are, as the kernel says.
-
-        Returns
-        -------
-        Flaw
-            What it means, and its first occurrences.
-        """
+        """Describe one kind of flaw."""
         meanings = MEANINGS if self._member.kind == "delaunay" else MEANINGS | _OF_LIFTED
         describe = getattr(self, f"_{kind}")
         return counted(kind, count, meanings[kind], [describe(*place) for place in places])

@@ -27,25 +27,7 @@ _PIECE = 1 << 15  # of so many triangles, the points fit the cache
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Positions:
-    """The distinct positions of planar points.
-
-    Parameters
-    ----------
-    count : int
-        Their number.
-    collinear : bool
-        Whether all lie exactly on one line, or there are fewer than three.
-    duplicates : (k, 2) ndarray of int32
-        Rows whose position an earlier row has, in ascending order, each with the first such row.
-    spacing : float, optional
-        The median over the positions of the distance to the nearest other one; infinite if it
-        exceeds float64, None for fewer than two.
-
-    Examples
-    --------
-    >>> find_positions([[0, 0], [4, 0], [0, 3], [4, 0]]).duplicates
-    array([[3, 1]], dtype=int32)
-    """
+    """The distinct positions of planar points."""
 
     count: int
     collinear: bool
@@ -54,29 +36,7 @@ class Positions:
 
 
 def find_positions(points: ArrayLike) -> Positions:
-    """Find the distinct positions of planar points and their spacing, at every scale.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2) or (n, 3)
-        Planar points; a third column is ignored, and rows that are not finite are left out.
-
-    Returns
-    -------
-    Positions
-        The positions.
-
-    Raises
-    ------
-    InputError
-        `points` has the wrong shape, values that are not real numbers, or too many rows.
-
-    Examples
-    --------
-    >>> positions = find_positions([[0, 0], [0, 1e-20], [1, 0], [1, 1e-20], [0, 5]])
-    >>> positions.count, positions.spacing
-    (5, 1e-20)
-    """
+    """Find the distinct positions of planar points and their spacing, at every scale."""
     rows = as_coordinates(points)[:, :2]
     run = (rows, True, *as_threads(None, len(rows)), None)
     status, _, count, simplices, _, _, duplicates, skipped = _kernel.delaunay(*run)
@@ -92,23 +52,7 @@ def find_positions(points: ArrayLike) -> Positions:
 
 
 def pieces(length: int, size: int = _PIECE) -> Iterator[slice]:
-    """Cut an array into pieces.
-
-    Parameters
-    ----------
-    length, size : int
-        Of the array, and of a piece.
-
-    Yields
-    ------
-    slice
-        The next piece.
-
-    Examples
-    --------
-    >>> list(pieces(5, 3))
-    [slice(0, 3, None), slice(3, 6, None)]
-    """
+    """Cut an array into pieces."""
     return (slice(start, start + size) for start in range(0, length, size))
 
 
@@ -134,10 +78,7 @@ def _as_complex(rows: Reals) -> NDArray[np.complex128]:
 
 
 def _gaps_on_line(rows: Reals, is_first: Mask) -> Floats:
-    """Return the distance from each of some collinear positions to the nearer one beside it.
-
-    Along the line both coordinates are in order, so each is sorted by itself.
-    """
+    """Return the distance from each of some collinear positions to the nearer one beside it."""
     x, y = rows[is_first].T.astype(np.float64)
     if len(x) < 2:
         return np.empty(0)

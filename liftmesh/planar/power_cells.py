@@ -25,25 +25,7 @@ if TYPE_CHECKING:
 
 
 def rows_without_area(triangulation: RegularTriangulation) -> Rows:
-    """Find the vertices whose power cell has area zero.
-
-    Parameters
-    ----------
-    triangulation : RegularTriangulation
-        The triangulation.
-
-    Returns
-    -------
-    (d,) ndarray of int32
-        Rows in ascending order.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> points = [[0, 0], [4, 0], [0, 4], [4, 4], [2, 2]]
-    >>> rows_without_area(liftmesh.regular(points, weights=[0, 0, 0, 0, -8]))
-    array([4], dtype=int32)
-    """
+    """Find the vertices whose power cell has area zero."""
     quads = _interior_edges(triangulation)
     is_flat = _are_coplanar(triangulation, quads)
     flat = quads[is_flat][:, 1:3]

@@ -28,27 +28,7 @@ _OF_RESULT = {  # what there is instead, and where rows at one position are list
 
 
 def check_qhull_options(options: str | None, kind: str = "Delaunay") -> None:
-    """Raise if options of Qhull would change a triangulation.
-
-    Parameters
-    ----------
-    options : str or None
-        Options as SciPy passes them to Qhull, separated by blanks.
-    kind : {"Delaunay", "Voronoi"}
-        The class that takes them, for the message.
-
-    Raises
-    ------
-    InputError
-        An option may change the triangulation or is unknown, or `options` is not a string.
-
-    Examples
-    --------
-    >>> check_qhull_options("Qbb Qc Qz Q12")
-    >>> check_qhull_options("Qt QbB")
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: qhull_options: 'QbB' ...
-    """
+    """Raise if options of Qhull would change a triangulation."""
     if options is not None and not isinstance(options, str):
         raise InputError(
             f"qhull_options are a {type(options).__name__}: give a string, such as 'Qbb Qc Qz'"

@@ -126,32 +126,7 @@ def solve(
     progress: Progress | None = None,
     copy: bool = False,
 ) -> dict[str, Any]:
-    """Compute what a `RegularTriangulation` is made of.
-
-    Parameters
-    ----------
-    points, nonfinite, order, threads, progress, copy
-        As for `regular`.
-    kind : {"weights", "radii"}
-        What is given.
-    given : (n,) array_like
-        The values.
-
-    Returns
-    -------
-    dict
-        The arguments of `RegularTriangulation`.
-
-    Raises
-    ------
-    InputError
-        As for `regular`.
-
-    Examples
-    --------
-    >>> solve([[0, 0], [3, 0], [0, 3], [1, 1]], "weights", [0, 0, 0, -5])["hidden"].tolist()
-    [3]
-    """
+    """Compute what a `RegularTriangulation` is made of."""
     check_options(nonfinite, order, progress)
     is_copied = as_switch("copy", copy)
     rows = as_coordinates(points)

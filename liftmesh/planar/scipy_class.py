@@ -30,14 +30,7 @@ class NotIncrementalError(InputError, RuntimeError):
 
 
 class Growing:
-    """The incremental mode: points can be added until it is closed.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> issubclass(liftmesh.Delaunay, Growing), issubclass(liftmesh.Voronoi, Growing)
-    (True, True)
-    """
+    """The incremental mode: points can be added until it is closed."""
 
     _kind = "result"  # what is computed, for messages
     _can_grow = False
@@ -111,34 +104,7 @@ class Growing:
 
 
 def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
-    """Triangulate points, with the errors that SciPy's callers expect.
-
-    Parameters
-    ----------
-    rows : (n, 2) ndarray of float64
-        The points.
-    furthest_site : bool
-        Whether the triangulation is the farthest-point one.
-    copy : bool
-        Whether to copy the points first.
-
-    Returns
-    -------
-    dict
-        As `liftmesh.planar.delaunay.solve` returns it.
-
-    Raises
-    ------
-    DegenerateQhullError
-        No triangle exists.
-    NonFiniteError
-        A row is not finite.
-
-    Examples
-    --------
-    >>> solved(planar_rows([[0, 0], [2, 0], [0, 2]]), furthest_site=False, copy=True)["simplices"]
-    array([[0, 1, 2]], dtype=int32)
-    """
+    """Triangulate points, with the errors that SciPy's callers expect."""
     try:
         return (farthest.solve if furthest_site else solve)(rows, copy=copy)
     except DegenerateInputError as error:
@@ -148,30 +114,7 @@ def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
 
 
 def planar_rows(points: ArrayLike, kind: str = "Delaunay") -> Floats:
-    """Convert points to contiguous rows of float64, which SciPy's compiled code reads.
-
-    Parameters
-    ----------
-    points : array_like of shape (n, 2)
-        Planar points.
-    kind : {"Delaunay", "Voronoi"}
-        The class that takes them, for the message.
-
-    Returns
-    -------
-    (n, 2) ndarray of float64
-        The caller's array itself if it has this type and layout already.
-
-    Raises
-    ------
-    InputError
-        They are no planar points.
-
-    Examples
-    --------
-    >>> planar_rows([[0, 1]])
-    array([[0., 1.]])
-    """
+    """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
     with suppress(ValueError):  # of rows that differ in length, which the conversion names
         array = np.asanyarray(points)
         points = array if array.ndim else points  # what is no array, the conversion names, too

@@ -24,50 +24,13 @@ ONE_EACH = {"weights": "weight", "radii": "radius"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """The weights or the radii of rows.
-
-    Parameters
-    ----------
-    kind : {"weights", "radii"}
-        What the values are.
-    values : (n,) ndarray of float64 or float32
-        One for each row.
-
-    Examples
-    --------
-    >>> as_weights("radii", [1, 2], 2).values
-    array([1., 2.])
-    """
+    """The weights or the radii of rows."""
 
     kind: str
     values: Reals
 
     def finite(self, *, skipping: bool) -> Mask | None:
-        """Check the values.
-
-        Parameters
-        ----------
-        skipping : bool
-            Whether rows may be skipped because their value is not finite.
-
-        Returns
-        -------
-        (n,) ndarray of bool, or None
-            Which rows are not to be skipped; None for all.
-
-        Raises
-        ------
-        NonFiniteError
-            A value is not finite, and `skipping` is false.
-        InputError
-            A radius is negative.
-
-        Examples
-        --------
-        >>> as_weights("weights", [0, np.inf], 2).finite(skipping=False)
-        Traceback (most recent call last):
-        liftmesh.errors.NonFiniteError: row 1 has the weight inf: remove such rows, or skip ...
-        """
+        """Check the values."""
         one = ONE_EACH[self.kind]
         if self.kind == "radii" and len(self.values) and (negative := self.values < 0).any():
             row = int(negative.argmax())
@@ -89,34 +52,7 @@ class Weights:
 
 
 def as_weights(kind: str, given: Any, rows: int) -> Weights:
-    """Convert weights or radii.
-
-    Parameters
-    ----------
-    kind : {"weights", "radii"}
-        What is given.
-    given : (n,) array_like
-        Real numbers, of which the kernel reads float64 and float32 of any strides in place.
-    rows : int
-        How many there must be.
-
-    Returns
-    -------
-    Weights
-        The values, a view of the caller's memory where possible; masked ones are NaN.
-
-    Raises
-    ------
-    InputError
-        There are more or fewer than rows, or they are no real numbers that float64 represents
-        exactly.
-
-    Examples
-    --------
-    >>> as_weights("weights", [1, 2, 3], 4)
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: weights hold 3 numbers for 4 rows: give one for each
-    """
+    """Convert weights or radii."""
     try:
         array = np.asanyarray(given)
     except ValueError as error:
@@ -138,30 +74,7 @@ def as_weights(kind: str, given: Any, rows: int) -> Weights:
 
 
 def chosen(weights: Any, radii: Any) -> tuple[str, Any]:
-    """Return the name and the value of the one of the two options that is given.
-
-    Parameters
-    ----------
-    weights, radii : object or None
-        The options.
-
-    Returns
-    -------
-    kind : {"weights", "radii"}
-        Which it is.
-    given : object
-        Its value.
-
-    Raises
-    ------
-    InputError
-        Both or none are given.
-
-    Examples
-    --------
-    >>> chosen(None, "size")
-    ('radii', 'size')
-    """
+    """Return the name and the value of the one of the two options that is given."""
     if weights is not None and radii is not None:
         raise InputError("both weights and radii are given: give one of them")
     if weights is None and radii is None:
@@ -173,34 +86,7 @@ def chosen(weights: Any, radii: Any) -> tuple[str, Any]:
 
 
 def named_values(cloud: Cloud, kind: str, name: str) -> Any:
-    """Return the named values of a cloud that are to be weights or radii.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The points.
-    kind : {"weights", "radii"}
-        The option, for the message.
-    name : str
-        Its value.
-
-    Returns
-    -------
-    ndarray
-        The values.
-
-    Raises
-    ------
-    InputError
-        There are no values of that name; the message lists those that are there.
-
-    Examples
-    --------
-    >>> from liftmesh import Cloud
-    >>> named_values(Cloud(np.zeros((1, 3)), attributes={"size": np.ones(1)}), "radii", "length")
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: radii are 'length', and the points have no values of that name: ...
-    """
+    """Return the named values of a cloud that are to be weights or radii."""
     if name in cloud.attributes:
         return cloud.attributes[name]
     there = ", ".join(repr(each) for each in list(cloud.attributes)[:8])

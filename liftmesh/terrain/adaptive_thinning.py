@@ -25,34 +25,7 @@ if TYPE_CHECKING:
 
 
 def most_significant(cloud: Cloud, wanted: int) -> Rows:
-    """Choose the rows that adaptive thinning keeps.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Points with heights. Of rows at one planar position the first counts.
-    wanted : int
-        How many rows to keep.
-
-    Returns
-    -------
-    (k,) ndarray of int32
-        The rows, increasing.
-
-    Raises
-    ------
-    InputError
-        More rows than wanted are corners of the hull, which stay.
-    NonFiniteError, DegenerateInputError
-        As for `triangulate`.
-
-    Examples
-    --------
-    >>> from liftmesh.cloud import Cloud
-    >>> roof = [[0, 0, 0], [4, 0, 0], [2, 1, 3], [0, 4, 0], [4, 4, 0], [2, 3, 3], [1, 2, 1.5]]
-    >>> most_significant(Cloud(np.array(roof, float)), 6).tolist()
-    [0, 1, 2, 3, 4, 5]
-    """
+    """Choose the rows that adaptive thinning keeps."""
     check_finite(cloud.points, skippable=False)
     surface = triangulate(cloud)
     used, plane, hull = positions_of(surface)

@@ -32,25 +32,7 @@ if TYPE_CHECKING:
 
 
 def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
-    """Make a copy of a surface with other values for some of its parts.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    given : mapping
-        New values by the names of `Surface.replace`.
-
-    Returns
-    -------
-    Surface
-        The copy.
-
-    Raises
-    ------
-    InputError
-        As `Surface.replace`.
-    """
+    """Make a copy of a surface with other values for some of its parts."""
     depth = given.get("color_depth")
     parts = as_parts({name: value for name, value in given.items() if name != "color_depth"})
     if "vertices" in parts:

@@ -242,23 +242,7 @@ class Contours:
 
 
 def length_of(length: Any) -> float:
-    """Convert the least length that lines are to have.
-
-    Parameters
-    ----------
-    length : float
-        As for `Contours.longer_than`.
-
-    Returns
-    -------
-    float
-        The length.
-
-    Raises
-    ------
-    InputError
-        It is no number, or negative.
-    """
+    """Convert the least length that lines are to have."""
     try:
         least = float(as_reals(length))
     except (TypeError, ValueError, OverflowError):
@@ -269,20 +253,7 @@ def length_of(length: Any) -> float:
 
 
 def check_name(path: Path) -> None:
-    """Raise if contours cannot be written to a file of this name.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    FormatError
-        Its suffix is that of another format.
-    MissingDependencyError
-        What writes it is not installed.
-    """
+    """Raise if contours cannot be written to a file of this name."""
     kinds = (".geojson", ".json", ".gpkg")
     check_suffix(path, kinds, "contours are written as GeoJSON or GeoPackage (.gpkg)")
     if path.suffix.lower() == ".gpkg":
@@ -360,27 +331,7 @@ def wanted_levels(
     index_every: int,
     heights: Callable[[], tuple[Fraction, Fraction]],
 ) -> tuple[Floats, Array]:
-    """Decide which levels have lines.
-
-    Parameters
-    ----------
-    levels, interval, base, index_every
-        As for `Surface.contours`.
-    heights : callable
-        Returns the least and the greatest height of the surface.
-
-    Returns
-    -------
-    levels : (k,) ndarray of float64
-        Ascending.
-    is_index : (k,) ndarray of bool
-        Whether their lines are index contours.
-
-    Raises
-    ------
-    InputError
-        As for `Surface.contours`.
-    """
+    """Decide which levels have lines."""
     if (levels is None) == (interval is None):
         raise InputError("give either levels or an interval")
     if interval is None:

@@ -18,28 +18,7 @@ _LONG = 10**15
 
 
 def as_decimal(value: ArrayLike) -> Fraction:
-    """Convert a number to the decimal that it is printed as.
-
-    Parameters
-    ----------
-    value : array_like
-        A finite number.
-
-    Returns
-    -------
-    fractions.Fraction
-        The decimal.
-
-    Raises
-    ------
-    ValueError
-        It is no finite number.
-
-    Examples
-    --------
-    >>> as_decimal(0.1)
-    Fraction(1, 10)
-    """
+    """Convert a number to the decimal that it is printed as."""
     try:
         found = float(as_reals(value))
     except (TypeError, OverflowError) as error:
@@ -50,23 +29,7 @@ def as_decimal(value: ArrayLike) -> Fraction:
 
 
 def as_thousands(count: int) -> str:
-    """Show a number, which may be of any size, in a message.
-
-    Parameters
-    ----------
-    count : int
-        The number, 0 or more.
-
-    Returns
-    -------
-    str
-        With commas, or only its first digit and a power of ten.
-
-    Examples
-    --------
-    >>> as_thousands(12345), as_thousands(3 * 10**40)
-    ('12,345', '3e+40')
-    """
+    """Show a number, which may be of any size, in a message."""
     if count < _LONG:
         return f"{count:,}"
     digits = str(count)

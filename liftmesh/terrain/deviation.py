@@ -47,15 +47,7 @@ _LARGE = 2**12  # more than exponents
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """The largest distance of points from a surface.
-
-    Parameters
-    ----------
-    largest : float
-        Not less than the largest distance.
-    beyond : int
-        How many points are further away than the bound, exactly.
-    """
+    """The largest distance of points from a surface."""
 
     largest: float
     beyond: int
@@ -69,36 +61,7 @@ def deviation(
     bound: float,
     progress: Progress | None = None,
 ) -> Deviation:
-    """Compare points with a surface.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-        The planar triangles, which cover the points.
-    heights : (n,) ndarray of float64
-        Of its rows.
-    points : (m, 2) ndarray of float64
-        The planar points.
-    z : (m,) ndarray of float64
-        Their heights.
-    bound : float
-        The distance that none should exceed.
-    progress : callable, optional
-        Called with the share of the points that is done.
-
-    Returns
-    -------
-    Deviation
-        The largest distance, and how many exceed the bound.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> tri = liftmesh.delaunay([[0, 0], [4, 0], [0, 4]])
-    >>> found = deviation(tri, np.zeros(3), np.array([[1.0, 1.0]]), np.array([0.5]), 0.5)
-    >>> found.beyond, round(found.largest, 9)
-    (0, 0.5)
-    """
+    """Compare points with a surface."""
     largest, beyond = 0.0, 0
     corners = np.column_stack([triangulation.points, heights])
     for part in pieces(len(points), _PIECE):
@@ -166,10 +129,7 @@ def _difference(numbers: Floats, less: Floats) -> tuple[Floats, Array]:
 
 
 def _in_steps(values: Floats) -> tuple[Floats, Array]:
-    """Divide columns by the largest power of two of which all values are multiples.
-
-    Returns them, and how many bits the largest of each column has.
-    """
+    """Divide columns by the largest power of two of which all values are multiples."""
     mantissa, exponent = np.frexp(values)
     digits = np.ldexp(mantissa, 53).astype(np.int64)
     lowest = np.frexp((digits & -digits).astype(np.float64))[1] - 54 + exponent
@@ -223,25 +183,7 @@ def _upwards(value: Fraction) -> float:
 
 
 def of_rows(heights: Floats, left_out: Rows, representatives: Rows) -> float:
-    """Return the largest distance of merged rows from the row that stands for them.
-
-    Parameters
-    ----------
-    heights : (n,) ndarray of float64
-        Of all rows.
-    left_out, representatives : (k,) ndarray of int32
-        As in a `Report`.
-
-    Returns
-    -------
-    float
-        0 if no rows are merged.
-
-    Examples
-    --------
-    >>> of_rows(np.array([1.0, 4.0]), np.array([1]), np.array([0]))
-    3.0
-    """
+    """Return the largest distance of merged rows from the row that stands for them."""
     merged = representatives >= 0
     apart = heights[left_out[merged]] - heights[representatives[merged]]
     return float(np.abs(apart).max(initial=0.0))

@@ -21,21 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draped:
-    """Lines over a surface, in parts where they leave its faces.
-
-    Attributes
-    ----------
-    points : (n, 3) ndarray of float64
-        As in `Profile`, of one part after the other.
-    distances : (n,) ndarray of float64
-        How far along their line they are.
-    starts : (k + 1,) ndarray of int64
-        Where each part begins, and where the last ends.
-    lines : (k,) ndarray of int64
-        The line that each part is of, from 0.
-    crs : str, optional
-        The coordinate system of the surface, if its plane is that of x and y.
-    """
+    """Lines over a surface, in parts where they leave its faces."""
 
     points: Floats
     distances: Floats
@@ -50,13 +36,7 @@ class Draped:
         return lengths
 
     def as_cloud(self) -> Cloud:
-        """Return the points with their distance, line and part.
-
-        Returns
-        -------
-        Cloud
-            Parts are numbered from 0, over all lines.
-        """
+        """Return the points with their distance, line and part."""
         counts = np.diff(self.starts)
         values = {
             "distance": self.distances,
@@ -66,27 +46,7 @@ class Draped:
         return Cloud(self.points, attributes=values, crs=self.crs)
 
     def save(self, path: Path) -> Path:
-        """Write the parts as lines in space, with their line, its stretch and their length.
-
-        Parameters
-        ----------
-        path : Path
-            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        InputError
-            The coordinate system is unknown to GeoPackage.
-        MissingDependencyError
-            GeoPackage needs geopandas.
-        OSError
-            The file cannot be written.
-        """
+        """Write the parts as lines in space, with their line, its stretch and their length."""
         columns = {
             "line": self.lines,
             "start": self.distances[self.starts[:-1]],
@@ -106,32 +66,7 @@ class Draped:
 
 
 def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
-    """Drape lines over the faces of a surface.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    lines : sequence of (k, 2) array_like
-        The corners of each line in the plane.
-
-    Returns
-    -------
-    Draped
-        The parts of all lines.
-
-    Raises
-    ------
-    InputError
-        A line has fewer than two corners, or one is not finite; or no line meets a face.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
-    >>> drape(slope, [[[0, 1], [2, 1]], [[0, 0], [4, 0]]]).lengths
-    array([2., 4.])
-    """
+    """Drape lines over the faces of a surface."""
     found = [surface.profile(line) for line in lines]
     counts = [len(each.starts) - 1 for each in found]
     if not any(counts):
@@ -149,23 +84,5 @@ def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
 
 
 def system_of_plane(surface: Surface) -> str | None:
-    """Return the coordinate system of lines over a surface: none over a plane that is turned.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-
-    Returns
-    -------
-    str or None
-        WKT or ``EPSG:n``.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> points = [[0, 0, 0], [1, 0, 1], [0, 1, 2], [1, 2, 0]]
-    >>> system_of_plane(liftmesh.triangulate(points, plane="xz", crs="EPSG:25832")) is None
-    True
-    """
+    """Return the coordinate system of lines over a surface: none over a plane that is turned."""
     return surface.crs if surface.frame.name == "xy" else None

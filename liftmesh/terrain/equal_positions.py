@@ -19,34 +19,7 @@ from liftmesh.errors import DuplicateHeightError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """The row that is used as the vertex at each shared planar position.
-
-    Parameters
-    ----------
-    kept : (g,) ndarray of int32
-        The row of each group that the triangulation kept, increasing.
-    chosen : (g,) ndarray of int32
-        The row of each group that is used as the vertex.
-    left_out : (k,) ndarray of int32
-        The other rows of the groups, increasing.
-    representatives : (k,) ndarray of int32
-        For each row in ``left_out``, the chosen row of its group.
-    overhanging : (k,) ndarray of bool
-        Whether the row in ``left_out`` is at another height than its representative; else it is a
-        duplicate.
-    moved : (j,) ndarray of int32
-        Chosen rows whose height changes: with the policy ``"mean"``, those of groups with several
-        heights.
-    new_heights : (j,) ndarray of float64
-        Their new heights.
-
-    Examples
-    --------
-    >>> pairs = np.array([[2, 0]], dtype=np.int32)
-    >>> choice = choose_rows(pairs, np.array([1.0, 5.0, 3.0]), np.zeros((3, 2)), "highest")
-    >>> choice.chosen, choice.left_out, choice.overhanging
-    (array([2], dtype=int32), array([0], dtype=int32), array([ True]))
-    """
+    """The row that is used as the vertex at each shared planar position."""
 
     kept: Rows
     chosen: Rows
@@ -64,42 +37,7 @@ def choose_rows(
     policy: str,
     names: Integers | None = None,
 ) -> Choice:
-    """Choose the row that is used as the vertex at each shared planar position.
-
-    Parameters
-    ----------
-    duplicates : (k, 2) ndarray of int32
-        Pairs (row, kept row) as a triangulation reports them: the kept row is the first at its
-        position.
-    heights : (n,) ndarray of float64
-        The height of every row.
-    planar : (n, 2) ndarray of float64
-        The planar position of every row, for messages.
-    policy : {"first", "last", "lowest", "highest", "mean", "error"}
-        ``first`` and ``last`` choose the first and last row; ``lowest`` and ``highest`` the row
-        with the least and greatest height, the first of several; ``mean`` chooses the first row and
-        sets its height to the mean of the different heights at its position; ``error`` allows plain
-        duplicates only.
-
-    Returns
-    -------
-    Choice
-        The chosen rows, the other rows, and the heights that change.
-
-    Raises
-    ------
-    InputError
-        The policy is unknown.
-    DuplicateHeightError
-        The policy is ``"error"`` and two rows at one position have different heights.
-
-    Examples
-    --------
-    >>> pairs = np.array([[1, 0], [2, 0]], dtype=np.int32)
-    >>> choice = choose_rows(pairs, np.array([1.0, 1.0, 4.0]), np.zeros((3, 2)), "mean")
-    >>> choice.chosen, choice.new_heights
-    (array([0], dtype=int32), array([2.5]))
-    """
+    """Choose the row that is used as the vertex at each shared planar position."""
     check_option("duplicates", policy, Duplicates)
     if policy == "error":
         _refuse_overhangs(duplicates, heights, planar, names)
@@ -206,10 +144,7 @@ def _sorted_pairs(first: Rows, second: Rows) -> tuple[Rows, Rows]:
 
 
 def _means(heights: Floats, starts: Integers) -> Floats:
-    """Compute the mean of each run of increasing heights, clipped to the run's range.
-
-    Runs of huge heights are scaled down by a power of two, so that no sum overflows.
-    """
+    """Compute the mean of each run of increasing heights, clipped to the run's range."""
     counts = np.diff(starts, append=len(heights))
     lows, highs = heights[starts], heights[starts + counts - 1]
     scales = np.where(np.maximum(-lows, highs) > 2.0**960, 2.0**-40, 1.0)

@@ -208,23 +208,7 @@ def _bare_cells(points: Floats, is_ground: Array, resolution: float) -> tuple[in
 
 
 def bare_warning(counts: Mapping[str, Any]) -> str:
-    """Say that the cloth has lost the ground of many cells, and what helps; "" if it has not.
-
-    Parameters
-    ----------
-    counts : mapping
-        As in ``metadata["ground"]``.
-
-    Returns
-    -------
-    str
-        The sentence.
-
-    Examples
-    --------
-    >>> bare_warning({"cells": 400, "bare_cells": 12, "resolution": 2.0})
-    ''
-    """
+    """Say that the cloth has lost the ground of many cells, and what helps; "" if it has not."""
     cells, bare = counts["cells"], counts["bare_cells"]
     if bare <= _MOST_BARE * cells:
         return ""

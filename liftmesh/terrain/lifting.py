@@ -35,94 +35,32 @@ _DIVIDING = ("auto", "divide-and-conquer")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lifting:
-    """What the planar points of a cloud are lifted by.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The points, with weights or radii among their named values.
-    weights : Weights, optional
-        The weights or radii.
-    metric : (2, 2) ndarray of float64, optional
-        The metric.
-
-    Examples
-    --------
-    >>> from liftmesh import Cloud
-    >>> lifting_of(Cloud(np.eye(3)), [0, 1, 2], None, None, "auto").cloud.attributes
-    {'weights': array([0., 1., 2.])}
-    """
+    """What the planar points of a cloud are lifted by."""
 
     cloud: Cloud
     weights: Weights | None = None
     metric: Floats | None = None
 
     def solve(self, planar: Floats, options: Mapping[str, Any]) -> dict[str, Any]:
-        """Triangulate planar points.
-
-        Parameters
-        ----------
-        planar : (n, 2) ndarray of float64
-            The planar points of the cloud.
-        options : mapping
-            Options of `delaunay`.
-
-        Returns
-        -------
-        dict
-            The arguments of `Triangulation`, or of `RegularTriangulation`.
-        """
+        """Triangulate planar points."""
         if self.weights is None:
             return delaunay.solve(planar, **options, metric=self.metric)
         shared = {name: options[name] for name in ("nonfinite", "threads", "progress")}
         return regular.solve(planar, self.weights.kind, self.weights.values, **shared)
 
     def triangulation(self, solution: dict[str, Any]) -> Triangulation:
-        """Make the triangulation of a solution.
-
-        Parameters
-        ----------
-        solution : dict
-            As from `solve`.
-
-        Returns
-        -------
-        Triangulation
-            A `RegularTriangulation` if there are weights.
-        """
+        """Make the triangulation of a solution."""
         kind = Triangulation if self.weights is None else RegularTriangulation
         return kind(**solution)
 
     def is_weighable(self, rows: Rows) -> Mask:
-        """Tell which rows are not skipped because of their weight.
-
-        Parameters
-        ----------
-        rows : (k,) ndarray of int32
-            Rows of the cloud.
-
-        Returns
-        -------
-        (k,) ndarray of bool
-            Whether the weight of each is finite, or there are no weights.
-        """
+        """Tell which rows are not skipped because of their weight."""
         if self.weights is None:
             return np.ones(len(rows), dtype=np.bool_)
         return np.isfinite(self.weights.values[rows])
 
     def with_hidden(self, rows: Rows) -> dict[str, Any]:
-        """Return the named values of the surface.
-
-        Parameters
-        ----------
-        rows : (h,) ndarray of int32
-            The rows that are hidden.
-
-        Returns
-        -------
-        dict
-            Those of the cloud and, if there are weights, which rows are hidden.
-        """
+        """Return the named values of the surface."""
         named = dict(self.cloud.attributes)
         if self.weights is not None:
             named[HIDDEN] = np.zeros(len(self.cloud), dtype=np.uint8)
@@ -137,32 +75,7 @@ def lifting_of(
     metric: ArrayLike | None,
     method: Method,
 ) -> Lifting:
-    """Convert the options to what the points are lifted by.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The points.
-    weights, radii, metric, method
-        As for `triangulate`.
-
-    Returns
-    -------
-    Lifting
-        The cloud has the weights among its named values, and metadata that say so; what they said
-        of a former run is gone.
-
-    Raises
-    ------
-    InputError
-        As for `triangulate`.
-
-    Examples
-    --------
-    >>> from liftmesh import Cloud
-    >>> lifting_of(Cloud(np.eye(3)), None, None, [[2, 0], [0, 1]], "auto").cloud.metadata
-    {'triangulated_by': {'metric': [[2.0, 0.0], [0.0, 1.0]]}}
-    """
+    """Convert the options to what the points are lifted by."""
     cloud = _without_former(cloud)
     if weights is None and radii is None:
         if metric is None:
@@ -185,10 +98,7 @@ def lifting_of(
 
 
 def _check_hidden(cloud: Cloud, kind: str) -> None:
-    """Raise for values that would be replaced, or warn if they are 0 and 1.
-
-    Such may be those of a former run: tables do not keep the metadata that tell.
-    """
+    """Raise for values that would be replaced, or warn if they are 0 and 1."""
     if HIDDEN not in cloud.attributes:
         return
     if not np.isin(cloud.attributes[HIDDEN], (0, 1)).all():
@@ -200,24 +110,7 @@ def _check_hidden(cloud: Cloud, kind: str) -> None:
 
 
 def replaced_flags(cloud: Cloud) -> str:
-    """Say that values of 0 and 1 are replaced by those that tell which rows are hidden.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        What is to be triangulated by weights or radii.
-
-    Returns
-    -------
-    str
-        A sentence; empty if there are none, or the metadata tell that a former run made them.
-
-    Examples
-    --------
-    >>> from liftmesh import Cloud
-    >>> replaced_flags(Cloud(np.eye(3), attributes={"hidden": np.array([0, 1, 1])}))
-    "the values 'hidden' of the points, 1 in 2 of 3 rows, are replaced by those of this run"
-    """
+    """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
     former = lifted_by(cloud.metadata)
     if HIDDEN not in cloud.attributes or (former and "metric" not in former):
         return ""

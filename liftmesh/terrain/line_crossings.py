@@ -28,21 +28,7 @@ Wide: TypeAlias = tuple[
 
 
 class LineCrossings:
-    """What lines meet of a surface.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> ridge = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 8]])
-    >>> [found] = LineCrossings(ridge).of(np.array([[0.0, 1.0], [4.0, 1.0]]))
-    >>> found[:, [0, 2, 3]].tolist()
-    [[0.0, 0.0, 0.0], [1.0, 4.0, 1.0], [3.0, 4.0, 3.0], [4.0, 0.0, 4.0]]
-    """
+    """What lines meet of a surface."""
 
     def __init__(self, surface: Surface) -> None:
         self._surface = surface
@@ -53,18 +39,7 @@ class LineCrossings:
         self._high = np.maximum(np.maximum(a, b), c)
 
     def of(self, corners: Floats) -> list[Floats]:
-        """List what each piece of a line meets.
-
-        Parameters
-        ----------
-        corners : (k, 2) ndarray of float64
-            The corners of the line, whose pieces have finite lengths.
-
-        Returns
-        -------
-        list of (n, 4) ndarray of float64
-            For each piece x, y, height and the distance from its beginning, no position twice.
-        """
+        """List what each piece of a line meets."""
         ends = np.column_stack([corners, self._surface.sample(corners)])
         pieces = [*pairwise(ends)]
         return [
@@ -73,10 +48,7 @@ class LineCrossings:
         ]
 
     def _near(self, corners: Floats, first: int, faces: Array) -> Iterator[tuple[int, Array]]:
-        """Yield each piece, and of some faces those whose boxes meet its own.
-
-        The line is halved again and again, and each half looks at the faces near the whole only.
-        """
+        """Yield each piece, and of some faces those whose boxes meet its own."""
         least, most = corners.min(axis=0), corners.max(axis=0)
         meets = (self._high[faces] >= least) & (self._low[faces] <= most)
         faces = faces[meets.all(axis=1)]

@@ -19,39 +19,7 @@ from liftmesh.terrain.shape_files import read_shapes
 
 
 def lines_of(path: Path, crs: str | None) -> list[Floats]:
-    """Read the lines of a file, which has to be in the system of a surface.
-
-    Parameters
-    ----------
-    path : Path
-        GeoJSON, a GeoPackage or a shapefile.
-    crs : str, optional
-        The system of the surface.
-
-    Returns
-    -------
-    list of (k, 2) ndarray of float64
-        The lines in the order of the file; those of a MultiLineString are several.
-
-    Raises
-    ------
-    InputError
-        The systems are known to differ.
-    FormatError
-        The file cannot be read, or holds no line.
-    MissingDependencyError
-        Polygons of a shapefile that have several rings need shapely.
-    OSError
-        The file cannot be opened.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp(), "road.geojson")
-    >>> _ = path.write_text('{"type": "LineString", "coordinates": [[0, 1, 5], [2, 3, 5]]}')
-    >>> [line.tolist() for line in lines_of(path, None)]
-    [[[0.0, 1.0], [2.0, 3.0]]]
-    """
+    """Read the lines of a file, which has to be in the system of a surface."""
     tree = read_shapes(path, "lines", crs)
     try:
         found = [_line(each) for each in coordinates_of(tree, "LineString")]

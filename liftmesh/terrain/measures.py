@@ -230,11 +230,7 @@ def _inclined(corners: Floats, heights: Floats) -> Floats:
 
 
 def _prisms(areas: Floats, heights: Floats) -> tuple[Floats, Floats]:
-    """Compute the volumes of prisms above and below zero, heights ascending in each row.
-
-    Where a corner alone is on its side, its part is a tetrahedron: its height, and the shares of
-    the two sides that it reaches along. The other part is what is missing to the whole prism.
-    """
+    """Compute the volumes of prisms above and below zero, heights ascending in each row."""
     low, middle, high = heights.T
     whole = areas * ((low + middle + high) / 3)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -257,24 +253,6 @@ def _level(level: Any) -> float:
 
 
 def cubic_metres_of(surface: Surface) -> float | None:
-    """Return how many cubic metres a unit of volume has.
-
-    Parameters
-    ----------
-    surface : Surface
-        Its coordinate system says the units of x, y and z, or does not.
-
-    Returns
-    -------
-    float or None
-        None if a unit is not known.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-    >>> cubic_metres_of(liftmesh.triangulate(points, crs="EPSG:7415"))
-    1.0
-    """
+    """Return how many cubic metres a unit of volume has."""
     metres = metres_of(surface)
     return None if metres is None else math.prod(metres)

@@ -144,23 +144,7 @@ def _listed(clouds: object) -> Iterable[Any]:
 
 
 def parts_of(cloud: Cloud) -> list[dict[str, Any]]:
-    """Return the entries of a merged cloud: "source", "rows" and "overlap" of each part.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        A cloud.
-
-    Returns
-    -------
-    list of dict
-        Empty if it is not merged.
-
-    Examples
-    --------
-    >>> parts_of(merge([[[0, 0, 1]], [[1, 0, 1]]]))[1]
-    {'source': 'cloud 1', 'rows': 1, 'overlap': 0}
-    """
+    """Return the entries of a merged cloud: "source", "rows" and "overlap" of each part."""
     found = cloud.metadata.get("merged")
     return list(found) if isinstance(found, list | tuple) else []
 
@@ -321,10 +305,7 @@ def _lasting(metadata: Mapping[str, Any]) -> list[str]:
 
 
 def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
-    """Return the unit that the bands of all rasters say; raise if two say different ones.
-
-    Warn if only some say one.
-    """
+    """Return the unit that the bands of all rasters say; raise if two say different ones."""
     units = [band_unit(each) for each in parts]
     stated = [(unit, name) for unit, name in zip(units, names, strict=True) if unit is not None]
     for unit, name in stated:

@@ -22,11 +22,7 @@ _FAR = 10  # times the longest side of a box: what is unlikely of tiles of one s
 
 @dataclass(frozen=True, slots=True)
 class Overlap:
-    """Rows in cells that others have, too.
-
-    ``rows`` counts them for each part, beside earlier parts; ``between`` all that are in cells of
-    several of the ``lines``. ``cell`` is the width of cells.
-    """
+    """Rows in cells that others have, too."""
 
     cell: float
     rows: list[int]
@@ -35,28 +31,7 @@ class Overlap:
 
 
 def overlap_of(points: Floats, sizes: Sequence[int], lines: Array | None) -> Overlap:
-    """Count where parts of a cloud, and flight lines, overlap.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float64
-        All rows, part by part.
-    sizes : sequence of int
-        Rows of each part.
-    lines : (n,) ndarray of int, optional
-        The flight line of each row.
-
-    Returns
-    -------
-    Overlap
-        The counts; rows that are not finite are in none.
-
-    Examples
-    --------
-    >>> rows = np.array([[0, 0, 1], [4, 4, 1], [4, 4, 2], [9, 0, 3.0]])
-    >>> overlap_of(rows, [2, 2], None).rows
-    [0, 1]
-    """
+    """Count where parts of a cloud, and flight lines, overlap."""
     ends = np.cumsum(sizes, dtype=np.intp).tolist()
     parts = [slice(end - size, end) for end, size in zip(ends, sizes, strict=True)]
     cell = _width(points, parts)
@@ -71,27 +46,7 @@ def overlap_of(points: Floats, sizes: Sequence[int], lines: Array | None) -> Ove
 
 
 def distances_of(points: Floats, sizes: Sequence[int]) -> list[float]:
-    """Return how far parts of a cloud are from those before them, where that is far.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float64
-        All rows, part by part.
-    sizes : sequence of int
-        Rows of each part.
-
-    Returns
-    -------
-    list of float
-        For each part the distance of its bounding box in the plane from the box of all before it;
-        0 if that is not more than ten times the longest side of a box.
-
-    Examples
-    --------
-    >>> rows = np.array([[0, 0, 1], [4, 4, 1], [1000, 4, 2], [1003, 0, 3.0]])
-    >>> distances_of(rows, [2, 2]), distances_of(rows - [990, 0, 0] * (rows > 900), [2, 2])
-    ([0.0, 996.0], [0.0, 0.0])
-    """
+    """Return how far parts of a cloud are from those before them, where that is far."""
     ends = np.cumsum(sizes, dtype=np.intp).tolist()
     parts = [points[end - size : end, :2] for end, size in zip(ends, sizes, strict=True)]
     boxes = {k: _box(each) for k, each in enumerate(parts) if np.isfinite(each).all(axis=1).any()}

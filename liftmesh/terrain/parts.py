@@ -19,31 +19,7 @@ _WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
 def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
-    """Make a copy of a cloud with what a caller gave besides it.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The points, with values of their own if any.
-    given : mapping
-        As for `as_parts`; None leaves those of the cloud, and named values are added to its own.
-
-    Returns
-    -------
-    Cloud
-        The copy, or the cloud itself if nothing is given.
-
-    Raises
-    ------
-    InputError
-        As for `as_parts`, or an array does not have one row per point.
-
-    Examples
-    --------
-    >>> from liftmesh import Cloud
-    >>> with_parts(Cloud(np.zeros((1, 3))), {"crs": "EPSG:25832"}).crs
-    'EPSG:25832'
-    """
+    """Make a copy of a cloud with what a caller gave besides it."""
     parts = as_parts({name: value for name, value in given.items() if value is not None})
     if "colors" in parts:
         parts["color_depth"] = None  # these are decided anew
@@ -53,28 +29,7 @@ def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
 
 
 def as_parts(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Convert colours, normals and named values to arrays; `Cloud` checks their rows.
-
-    Parameters
-    ----------
-    given : mapping
-        Values by the names of `Cloud`'s fields; None stays.
-
-    Returns
-    -------
-    dict
-        The same names, with arrays.
-
-    Raises
-    ------
-    InputError
-        A value cannot be converted to an array, or the named values are no mapping.
-
-    Examples
-    --------
-    >>> as_parts({"normals": [[0, 0, 1]], "attributes": {"class": [2]}, "crs": None})
-    {'normals': array([[0, 0, 1]]), 'attributes': {'class': array([2])}, 'crs': None}
-    """
+    """Convert colours, normals and named values to arrays; `Cloud` checks their rows."""
     parts = dict(given)
     for name, widths in _WIDTHS.items():
         if parts.get(name) is not None:

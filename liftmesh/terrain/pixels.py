@@ -41,25 +41,7 @@ def layout_of(
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
 ) -> Layout:
-    """Decide where the pixels of a raster are.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    resolution, bounds, transform, shape
-        As for `Surface.raster`.
-
-    Returns
-    -------
-    Layout
-        The pixels.
-
-    Raises
-    ------
-    InputError
-        What is given does not determine a raster.
-    """
+    """Decide where the pixels of a raster are."""
     if (resolution is None) == (transform is None) or (transform is None) != (shape is None):
         raise InputError("give either the resolution, or transform and shape")
     if transform is not None and bounds is not None:
@@ -77,23 +59,7 @@ def layout_of(
 
 
 def steps_of(resolution: object) -> tuple[float, ...]:
-    """Convert a resolution to the width and height of a pixel.
-
-    Parameters
-    ----------
-    resolution : float or pair of float
-        As for `Surface.raster`.
-
-    Returns
-    -------
-    tuple of float
-        Width and height.
-
-    Raises
-    ------
-    InputError
-        It is not one positive number, or two.
-    """
+    """Convert a resolution to the width and height of a pixel."""
     steps = _steps(resolution)
     if not all(step > 0 for step in steps):
         raise InputError(f"resolution is {shown(resolution)}: give a positive number, or two")
@@ -101,23 +67,7 @@ def steps_of(resolution: object) -> tuple[float, ...]:
 
 
 def bounds_of(bounds: object) -> tuple[float, float, float, float]:
-    """Convert bounds to numbers.
-
-    Parameters
-    ----------
-    bounds : sequence of float
-        As for `Surface.raster`.
-
-    Returns
-    -------
-    tuple of float
-        Lowest x and y, highest x and y.
-
-    Raises
-    ------
-    InputError
-        They are not four such numbers.
-    """
+    """Convert bounds to numbers."""
     left, low, right, high = _numbers("bounds", bounds, 4)
     if not (left < right and low < high):
         raise InputError(f"bounds are {shown(bounds)}: give xmin, ymin, xmax, ymax")
@@ -187,28 +137,7 @@ def _whole(shape: Any) -> tuple[int, int]:
 
 
 def centres_of(transform: Transform, rows: range, columns: int | range) -> Floats:
-    """Compute the centres of some rows of pixels.
-
-    Parameters
-    ----------
-    transform : tuple of float
-        As of `Raster`.
-    rows : range
-        The rows.
-    columns : int or range
-        Pixels in a row, or some of them.
-
-    Returns
-    -------
-    (rows, columns, 2) ndarray of float64
-        x and y: a u + b v + c and d u + e v + f in doubles, from left to right, where u and v are
-        the column and the row plus 1/2. Each operation is rounded.
-
-    Examples
-    --------
-    >>> centres_of((1.0, 0.0, 0.0, 0.0, -1.0, 2.0), range(1), 2).tolist()
-    [[[0.5, 1.5], [1.5, 1.5]]]
-    """
+    """Compute the centres of some rows of pixels."""
     a, b, c, d, e, f = transform
     across = range(columns) if isinstance(columns, int) else columns
     u, v = np.array(across) + 0.5, np.array(rows)[:, None] + 0.5

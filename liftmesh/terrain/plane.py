@@ -27,46 +27,7 @@ _REMEDY = (
 
 
 def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
-    """Convert the option ``plane`` to a frame.
-
-    Parameters
-    ----------
-    plane : "xy", "xz", "yz", "fit", (3,), (4,), (2, 3) or (4, 4) array-like
-        ``"xy"``: x and y as they are; ``"xz"``: x and z, seen against y, with the height -y;
-        ``"yz"``: y and z, with the height x. ``"fit"``: the least squares plane of the finite rows;
-        its normal has n_z > 0, or n_z = 0 and n_y > 0, or both zero and n_x > 0. It is computed in
-        floating point and may differ by rounding for another order of the rows. Three numbers: the
-        normal, of any length but zero. Four: a, b, c and d of the plane ax + by + cz + d = 0, as
-        Open3D's ``segment_plane`` returns them. Two rows: a point and the normal, as
-        ``trimesh.points.plane_fit`` returns them. A matrix: the rigid transformation from space to
-        plane coordinates, as ``trimesh.geometry.plane_transform`` returns it. A normal is taken as
-        it is given: heights are measured along it.
-    points : (n, 3) ndarray of float64
-        The rows to be projected; non-finite ones are ignored.
-
-    Returns
-    -------
-    Frame
-        The plane with its axes.
-
-    Raises
-    ------
-    InputError
-        The option is not one of these, the normal is zero, or the matrix is not rigid.
-    DegenerateInputError
-        The plane is to be fitted to fewer than three finite rows, or to collinear rows.
-
-    Notes
-    -----
-    For every plane except ``"xy"``, ``"xz"`` and ``"yz"`` the planar coordinates are rounded, and
-    the triangulation is exact for the rounded coordinates.
-
-    Examples
-    --------
-    >>> roof = np.array([[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [0.0, 3.0, 9.0], [4.0, 3.0, 9.0]])
-    >>> resolve_plane("fit", roof).normal.round(6)
-    array([ 0. , -0.8,  0.6])
-    """
+    """Convert the option ``plane`` to a frame."""
     if isinstance(plane, str):
         return _named(plane, points)
     values = _numbers(plane)
@@ -115,10 +76,7 @@ def _normalized(vector: Floats) -> Floats:
 
 
 def _around(name: str, normal: Floats, centre: Floats, through: Floats | None = None) -> Frame:
-    """Make the frame of a unit normal, through a point if the height of the plane matters.
-
-    Its origin is on the normal through zero if it has the coordinate axes.
-    """
+    """Make the frame of a unit normal, through a point if the height of the plane matters."""
     axes = _axes(normal + 0.0)  # the sum turns -0.0 into 0.0: the axes must not depend on it
     exact = bool(np.isin(axes, (-1.0, 0.0, 1.0)).all())
     if not exact:
@@ -139,11 +97,7 @@ def _from_equation(equation: Floats, centre: Floats) -> Frame:
 
 
 def _axes(normal: Floats) -> Floats:
-    """Right-handed unit axes (u, v, normal) without branches or cancellation.
-
-    T. Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6 (1), 2017: u and v are x and y
-    for the normal z, and depend continuously on the normal in each hemisphere.
-    """
+    """Right-handed unit axes (u, v, normal) without branches or cancellation."""
     x, y, z = normal
     sign = np.copysign(1.0, z)
     factor = -1.0 / (sign + z)
@@ -169,12 +123,7 @@ def _centre(points: Floats) -> Floats:
 
 
 def _fit(points: Floats) -> tuple[Floats, Floats]:
-    """Fit the least squares plane of the finite rows: its normal and the centroid.
-
-    The rows are taken relative to one of them before any sum, so that a large offset costs no
-    digits, and scaled by a power of two, so that nothing overflows. The normal is the last right
-    singular vector; the rows have the same one as the triangular factor of their QR decomposition.
-    """
+    """Fit the least squares plane of the finite rows: its normal and the centroid."""
     rows = _finite(points)
     if len(rows) < 3:
         raise DegenerateInputError(

@@ -30,44 +30,7 @@ _COORDINATES = {"x", "y", "z"}
 
 
 def points_of(path: Path, crs: str | None) -> Cloud:
-    """Read the points of a file, which has to be in the system of a surface.
-
-    Parameters
-    ----------
-    path : Path
-        GeoJSON, a GeoPackage or a shapefile.
-    crs : str, optional
-        The system of the surface.
-
-    Returns
-    -------
-    Cloud
-        The points in the order of the file, at height 0; those of a MultiPoint are several, with
-        the same values. Properties are attributes, NaN where a feature lacks one; what is left out
-        is named in ``metadata["skipped"]``: properties that are no numbers, or are called x, y or
-        z, and geometries other than points. The system is the one that the file states.
-
-    Raises
-    ------
-    InputError
-        The systems are known to differ.
-    FormatError
-        The file cannot be read, holds no point, or one that is not finite.
-    MissingDependencyError
-        Polygons of a shapefile that have several rings need shapely.
-    OSError
-        The file cannot be opened.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp(), "well.geojson")
-    >>> point = '{"type": "Point", "coordinates": [1, 2]}'
-    >>> _ = path.write_text('{"type": "Feature", "properties": {"id": 7}, "geometry": %s}' % point)
-    >>> well = points_of(path, None)
-    >>> well.points.tolist(), well.attributes["id"].tolist()
-    ([[1.0, 2.0, 0.0]], [7])
-    """
+    """Read the points of a file, which has to be in the system of a surface."""
     shapes = read_shapes(path, "points", crs)
     found = _Found()
     try:

@@ -35,74 +35,19 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region:
-    """What is measured by itself: a feature of GeoJSON, or a row of a table.
-
-    Attributes
-    ----------
-    name : str or int
-        Its property ``name``, or its number, from 0.
-    polygons : list of list of (k, 2) ndarray of float64
-        Its polygons, each as its rings.
-    """
+    """What is measured by itself: a feature of GeoJSON, or a row of a table."""
 
     name: str | int
     polygons: list[Polygon]
 
 
 def as_polygons(polygon: object) -> list[Polygon]:
-    """Convert what is given to polygons, each as its rings.
-
-    Parameters
-    ----------
-    polygon : object
-        GeoJSON as a dict, an object with ``__geo_interface__``, or an array of corners.
-
-    Returns
-    -------
-    list of list of (k, 2) ndarray of float64
-        For each polygon its rings, closed or not.
-
-    Raises
-    ------
-    InputError
-        It holds no polygon, or a corner is not finite.
-
-    Examples
-    --------
-    >>> triangle = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1]]]}
-    >>> [[ring.shape for ring in each] for each in as_polygons(triangle)]
-    [[(3, 2)]]
-    """
+    """Convert what is given to polygons, each as its rings."""
     return _found(_polygons(getattr(polygon, "__geo_interface__", polygon)))
 
 
 def as_regions(polygon: object) -> list[Region]:
-    """Convert what is given to regions: the features of a collection, or all in one.
-
-    Parameters
-    ----------
-    polygon : object
-        As for `as_polygons`.
-
-    Returns
-    -------
-    list of Region
-        Features without a polygon are left out, and so are their numbers.
-
-    Raises
-    ------
-    InputError
-        As for `as_polygons`.
-
-    Examples
-    --------
-    >>> triangle = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1]]]}
-    >>> field = {"type": "Feature", "properties": {"name": "A 7"}, "geometry": triangle}
-    >>> other = {"type": "Feature", "properties": {}, "geometry": triangle}
-    >>> both = {"type": "FeatureCollection", "features": [field, other]}
-    >>> [each.name for each in as_regions(both)]
-    ['A 7', 1]
-    """
+    """Convert what is given to regions: the features of a collection, or all in one."""
     described: Any = getattr(polygon, "__geo_interface__", polygon)
     is_collection = isinstance(described, Mapping) and described.get("type") == "FeatureCollection"
     if not is_collection:
@@ -127,26 +72,7 @@ def _name_of(feature: Mapping[str, Any], number: int) -> str | int:
 
 
 def contains(polygons: list[Polygon], points: Floats) -> Array:
-    """Tell which points are inside one of several polygons.
-
-    Parameters
-    ----------
-    polygons : list of list of (k, 2) ndarray of float64
-        As from `as_polygons`.
-    points : (n, 2) ndarray of float64
-        The points.
-
-    Returns
-    -------
-    (n,) ndarray of bool
-        True inside.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-    >>> contains([[square, square / 4 + 0.5]], np.array([[0.2, 0.2], [0.7, 0.7], [3.0, 1.0]]))
-    array([ True, False, False])
-    """
+    """Tell which points are inside one of several polygons."""
     order = np.argsort(points[:, 1], kind="stable")
     lined = np.ascontiguousarray(points[order])
     is_inside = np.zeros(len(points), dtype=np.bool_)
@@ -161,10 +87,7 @@ def contains(polygons: list[Polygon], points: Floats) -> Array:
 
 
 def _is_in(rings: Polygon, lined: Floats) -> Array:
-    """Tell which points, by ascending y, are inside one polygon.
-
-    Strips of points are halved until few edges are near many of them.
-    """
+    """Tell which points, by ascending y, are inside one polygon."""
     tails = np.concatenate(rings)
     heads = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     rises = (tails[:, 1] < heads[:, 1])[:, None]

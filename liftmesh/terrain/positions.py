@@ -13,28 +13,7 @@ if TYPE_CHECKING:
 
 
 def positions_of(surface: Surface) -> tuple[Rows, Floats, Rows]:
-    """Return the rows in use, their planar positions, and which of these are on the hull.
-
-    Parameters
-    ----------
-    surface : Surface
-        A surface; rows that are not in its faces do not count.
-
-    Returns
-    -------
-    used : (k,) ndarray of int32
-        The rows, increasing.
-    points : (k, 2) ndarray of float64
-        Their positions, without -0.0.
-    hull : (h,) ndarray of int32
-        Places among these, counter-clockwise.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> positions_of(liftmesh.triangulate([[0, 0, 5], [0, 0, 5], [1, 0, 6], [0, 1, 7]]))[2]
-    array([0, 1, 2], dtype=int32)
-    """
+    """Return the rows in use, their planar positions, and which of these are on the hull."""
     is_used = np.ones(len(surface.vertices), np.bool_)
     is_used[surface.report.left_out] = False
     used = np.flatnonzero(is_used).astype(np.int32)

@@ -167,18 +167,7 @@ def unit_of(surface: Surface, quantity: str) -> str | None:
 
 
 def check_name(path: Path) -> None:
-    """Raise if a raster cannot be written to a file of this name.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    FormatError
-        Its suffix is that of another format.
-    """
+    """Raise if a raster cannot be written to a file of this name."""
     check_suffix(path, (".tif", ".tiff"), "rasters are written as GeoTIFF")
 
 
@@ -193,27 +182,7 @@ def rasterized(
     z_factor: float | None = None,
     threads: int | None = None,
 ) -> Raster:
-    """Compute the values of a surface at pixels.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    layout : Layout
-        Where the pixels are.
-    quantity, method, dtype, light, z_factor, threads
-        As for `Surface.raster`.
-
-    Returns
-    -------
-    Raster
-        The values.
-
-    Raises
-    ------
-    InputError
-        An option is unknown.
-    """
+    """Compute the values of a surface at pixels."""
     wanted = Wanted.checked(surface, quantity, method, dtype, light, z_factor)
     scan = _Scan(surface, layout, as_threads(threads, layout.rows * layout.columns))
     values = np.empty((layout.rows, layout.columns), wanted.kind)
@@ -251,22 +220,7 @@ def _fill_by(
 
 
 def owners(surface: Surface, layout: Layout, *, threads: int | None = None) -> Array:
-    """Find the face that each pixel of a raster belongs to.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    layout : Layout
-        Where the pixels are.
-    threads : int, optional
-        As for `delaunay`.
-
-    Returns
-    -------
-    (rows, columns) ndarray of int32
-        A row of ``surface.triangulation.simplices``; -1 for none.
-    """
+    """Find the face that each pixel of a raster belongs to."""
     found = np.empty((layout.rows, layout.columns), np.int32)
     _Scan(surface, layout, as_threads(threads, found.size)).fill(found[:, :, None])
     return found

@@ -21,25 +21,7 @@ _STEEP, _SCALE = 2.0**500, 2.0**-600
 
 
 def shade_of(gradients: Floats, light: Floats) -> Floats:
-    """Compute how bright faces are under a distant light.
-
-    Parameters
-    ----------
-    gradients : (..., 2) ndarray of float64
-        As from `Surface.gradient`.
-    light : (3,) ndarray of float64
-        The unit vector towards the light.
-
-    Returns
-    -------
-    (...) ndarray of float64
-        From 0, in the shade, to 255, facing the light.
-
-    Examples
-    --------
-    >>> shade_of(np.array([[0.0, 0.0], [-1.0, 0.0]]), np.array([0.0, 0.0, 1.0])).round()
-    array([255., 180.])
-    """
+    """Compute how bright faces are under a distant light."""
     steep = np.abs(gradients).max(axis=-1, initial=0) > _STEEP
     scale = np.where(steep, _SCALE, 1.0)  # of the normal, so that its square is a double
     x, y = gradients[..., 0] * scale, gradients[..., 1] * scale
@@ -56,37 +38,14 @@ _OF_GRADIENTS: dict[str, Callable[[Floats, Floats], Floats]] = {
 
 
 def check_method(quantity: RasterQuantity, method: SampleMethod) -> None:
-    """Raise unless a quantity has a method of interpolation.
-
-    Parameters
-    ----------
-    quantity, method
-        As for `Surface.raster`.
-
-    Raises
-    ------
-    InputError
-        The quantity is one of faces.
-    """
+    """Raise unless a quantity has a method of interpolation."""
     if quantity != "height" and method != "linear":
         raise InputError(f"{quantity} is that of faces: leave out method={method!r}")
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """Which values a raster is asked to hold, checked.
-
-    Attributes
-    ----------
-    quantity : str
-        As for `Surface.raster`.
-    kind : numpy.dtype
-        Their type.
-    light : (3,) ndarray of float64
-        The unit vector towards the light.
-    rise : (float, float)
-        What gradients are multiplied by.
-    """
+    """Which values a raster is asked to hold, checked."""
 
     quantity: str
     kind: np.dtype[Any]
@@ -103,43 +62,14 @@ class Wanted:
         light: tuple[float, float],
         z_factor: float | None,
     ) -> Wanted:
-        """Check the options.
-
-        Parameters
-        ----------
-        surface : Surface or TiledSurface
-            Whose units decide how steep a gradient is.
-        quantity, method, dtype, light, z_factor
-            As for `Surface.raster`.
-
-        Returns
-        -------
-        Wanted
-            What they say.
-
-        Raises
-        ------
-        InputError
-            One is unknown, or two do not go together.
-        """
+        """Check the options."""
         check_option("quantity", quantity, RasterQuantity)
         check_option("method", method, SampleMethod)
         check_method(quantity, method)
         return cls(quantity, _checked_type(dtype), _light_of(light), rise_of(surface, z_factor))
 
     def check_range(self, heights: Floats) -> None:
-        """Raise if a height is finite, but beyond the type.
-
-        Parameters
-        ----------
-        heights : ndarray of float64
-            Those of all faces, or the least and the greatest of them.
-
-        Raises
-        ------
-        InputError
-            Single precision does not hold one.
-        """
+        """Raise if a height is finite, but beyond the type."""
         farthest = float(heights.ravel()[np.argmax(np.abs(heights))])
         with np.errstate(over="ignore"):
             is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
@@ -149,28 +79,11 @@ class Wanted:
             )
 
     def of_gradients(self, gradients: Floats) -> Floats:
-        """Compute slopes, aspects or shades.
-
-        Parameters
-        ----------
-        gradients : (..., 2) ndarray of float64
-            As from `Surface.gradient`.
-
-        Returns
-        -------
-        (...) ndarray of float64
-            The values.
-        """
+        """Compute slopes, aspects or shades."""
         return _OF_GRADIENTS[self.quantity](gradients * self.rise, self.light)
 
     def finish(self, values: Array) -> None:
-        """Change in place what is another value once it is rounded to the type.
-
-        Parameters
-        ----------
-        values : ndarray
-            Of the type.
-        """
+        """Change in place what is another value once it is rounded to the type."""
         if self.quantity == "aspect":
             values[values == 360] = 0  # which is north, too
 

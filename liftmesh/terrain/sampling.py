@@ -25,18 +25,7 @@ if TYPE_CHECKING:
 
 
 def relief_of(surface: Surface) -> _kernel.Relief:
-    """Hand a surface over to the kernel.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-
-    Returns
-    -------
-    Relief
-        Shares the surface's arrays.
-    """
+    """Hand a surface over to the kernel."""
     solved = surface.triangulation
     return _kernel.Relief(
         solved.points,
@@ -224,45 +213,13 @@ class Sampling:
 
 
 def slope_of(gradients: Floats) -> Floats:
-    """Convert gradients to degrees from the plane.
-
-    Parameters
-    ----------
-    gradients : (..., 2) ndarray of float64
-        As from `Sampling.gradient`.
-
-    Returns
-    -------
-    (...) ndarray of float64
-        As from `Sampling.slope`.
-
-    Examples
-    --------
-    >>> slope_of(np.array([0.0, -1.0])).round(9)
-    np.float64(45.0)
-    """
+    """Convert gradients to degrees from the plane."""
     slopes: Floats = np.degrees(np.arctan(np.hypot(gradients[..., 0], gradients[..., 1])))
     return slopes
 
 
 def aspect_of(gradients: Floats) -> Floats:
-    """Convert gradients to directions of descent.
-
-    Parameters
-    ----------
-    gradients : (..., 2) ndarray of float64
-        As from `Sampling.gradient`.
-
-    Returns
-    -------
-    (...) ndarray of float64
-        As from `Sampling.aspect`.
-
-    Examples
-    --------
-    >>> aspect_of(np.array([[0.0, -1.0], [0.0, 1.0], [0.0, 0.0]]))
-    array([  0., 180.,  nan])
-    """
+    """Convert gradients to directions of descent."""
     east, north = -gradients[..., 0], -gradients[..., 1]
     turned = np.degrees(np.arctan2(east, north)) % 360
     is_level = (east == 0) & (north == 0)

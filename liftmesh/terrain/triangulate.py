@@ -220,27 +220,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
 
 
 def check_system(crs: str | None, plane: object, stacklevel: int = 3) -> None:
-    """Refuse coordinates that have no plane x, y, and warn of those that are no lengths.
-
-    Parameters
-    ----------
-    crs : str, optional
-        The coordinate system.
-    plane : object
-        As for `triangulate`.
-    stacklevel : int
-        Whose line a warning names, as for `warnings.warn` here.
-
-    Raises
-    ------
-    InputError
-        The coordinates are geocentric.
-
-    Warns
-    -----
-    DataWarning
-        The coordinate system has degrees, or units that differ.
-    """
+    """Refuse coordinates that have no plane x, y, and warn of those that are no lengths."""
     system = described(crs)
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
@@ -307,11 +287,7 @@ def _solve(
     options: _Options,
     progress: Progress | None,
 ) -> dict[str, Any]:
-    """Triangulate the planar points; a row whose height is not finite counts as not finite.
-
-    `solve` checks the planar coordinates itself, so only the heights are checked here. If one is
-    not finite, the planar coordinates are copied to mark that row.
-    """
+    """Triangulate the planar points; a row whose height is not finite counts as not finite."""
     points = lifting.cloud.points
     if not np.isfinite(heights).all():
         if options["nonfinite"] == "error":

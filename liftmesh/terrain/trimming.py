@@ -127,56 +127,14 @@ class Trimming:
 
 
 def mask_of(surface: Surface) -> Array:
-    """Return which triangles are left out.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-
-    Returns
-    -------
-    (t,) ndarray of bool
-        Its mask, or one without any.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> mask_of(liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]))
-    array([False])
-    """
+    """Return which triangles are left out."""
     if surface.mask is None:
         return np.zeros(surface.triangulation.nsimplex, dtype=np.bool_)
     return surface.mask
 
 
 def masked(surface: Surface, left_out: Array) -> Surface:
-    """Make a copy that leaves out faces; without any, its faces are the triangulation's own.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    left_out : (t,) ndarray of bool
-        For each triangle.
-
-    Returns
-    -------
-    Surface
-        The copy.
-
-    Raises
-    ------
-    InputError
-        No face is left.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> square = liftmesh.triangulate([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]])
-    >>> masked(square, np.array([True, False]))
-    <Surface of 1 triangle over 4 vertices>
-    """
+    """Make a copy that leaves out faces; without any, its faces are the triangulation's own."""
     if left_out.all():
         raise InputError("no face is left: give larger limits, or a polygon over the faces")
     simplices = surface.triangulation.simplices

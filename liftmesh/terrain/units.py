@@ -22,26 +22,7 @@ _AXES = {"xy": (0, 1, 2), "xz": (0, 2, 1), "yz": (1, 2, 0)}
 
 
 def metres_of(surface: Surface) -> tuple[float, float, float] | None:
-    """Return how many metres the units of both planar coordinates and of heights have.
-
-    Parameters
-    ----------
-    surface : Surface
-        Its coordinate system says the units of x, y and z, or does not; the band of a raster may
-        say that of z.
-
-    Returns
-    -------
-    tuple of three float, or None
-        None if a unit is not known, or if a turned plane mixes different ones.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-    >>> metres_of(liftmesh.triangulate(points, crs="EPSG:7415"))
-    (1.0, 1.0, 1.0)
-    """
+    """Return how many metres the units of both planar coordinates and of heights have."""
     system = system_of(surface)
     units = () if system is None else system.units
     metres = [each.metres for each in units if each is not None and each.metres is not None]
@@ -55,25 +36,7 @@ def metres_of(surface: Surface) -> tuple[float, float, float] | None:
 
 
 def names_of(surface: Surface) -> tuple[str | None, str | None]:
-    """Return the names of the unit in the plane and of that of heights.
-
-    Parameters
-    ----------
-    surface : Surface
-        As for `metres_of`.
-
-    Returns
-    -------
-    tuple of two str or None
-        None where a unit is not known, or where the plane has two.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-    >>> names_of(liftmesh.triangulate(points, crs="EPSG:7415"))
-    ('metre', 'metre')
-    """
+    """Return the names of the unit in the plane and of that of heights."""
     system = system_of(surface)
     axes = _AXES.get(surface.frame.name)
     if axes is None:
@@ -86,31 +49,7 @@ def names_of(surface: Surface) -> tuple[str | None, str | None]:
 
 
 def rise_of(surface: Surface, z_factor: float | None) -> tuple[float, float]:
-    """Return what gradients are multiplied by before they become angles.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    z_factor : float, optional
-        As in `Surface.slope`.
-
-    Returns
-    -------
-    (float, float)
-        For dz/dx and for dz/dy; both are 1 if nothing is known or given.
-
-    Raises
-    ------
-    InputError
-        The factor is not positive.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> rise_of(liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), 0.5)
-    (0.5, 0.5)
-    """
+    """Return what gradients are multiplied by before they become angles."""
     if z_factor is not None:
         factor = _positive(z_factor)
         return factor, factor

@@ -35,27 +35,7 @@ Measured: TypeAlias = tuple[float, float, float]
 def in_all(
     surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
 ) -> Measured:
-    """Measure what polygons cover together.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    polygon : object
-        As for `Surface.trim`.
-    measure : callable
-        `level_within` or `between_within`, for polygons.
-
-    Returns
-    -------
-    (float, float, float)
-        What was measured.
-
-    Raises
-    ------
-    InputError
-        The polygons are invalid, or have no area in common with the faces.
-    """
+    """Measure what polygons cover together."""
     found = measure(polygons_in(_system(surface), polygon))
     if not found[2] > 0:
         raise InputError("the polygon has no area in common with the faces")
@@ -65,23 +45,7 @@ def in_all(
 def in_each(
     surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
 ) -> Iterator[tuple[str | int, Measured]]:
-    """Measure each region by itself.
-
-    Parameters
-    ----------
-    surface, polygon, measure
-        As for `in_all`.
-
-    Yields
-    ------
-    (str or int, (float, float, float))
-        The name of a region, and what was measured: zeros where there are no faces.
-
-    Raises
-    ------
-    InputError
-        Polygons are invalid, and the message names the region; or two regions have one name.
-    """
+    """Measure each region by itself."""
     seen = set()
     for region in regions_in(_system(surface), polygon):
         if region.name in seen:
@@ -94,51 +58,14 @@ def in_each(
 
 
 def check_measured(*totals: tuple[str, float]) -> None:
-    """Raise for what was measured and is no double.
-
-    Parameters
-    ----------
-    *totals : (str, float)
-        What they are, and sums: infinite or NaN if they, or parts of them, are beyond the doubles.
-
-    Raises
-    ------
-    InputError
-        One is not finite.
-
-    Examples
-    --------
-    >>> check_measured(("volume", 4.0), ("area", float("inf")))
-    Traceback (most recent call last):
-    liftmesh.errors.InputError: the area is beyond the largest double: scale the coordinates
-    """
+    """Raise for what was measured and is no double."""
     for name, total in totals:
         if not math.isfinite(total):
             raise InputError(f"the {name} is beyond the largest double: scale the coordinates")
 
 
 def level_within(surface: Surface, level: float, polygons: list[Polygon]) -> Measured:
-    """Measure the volumes between a level and a surface in polygons.
-
-    Parameters
-    ----------
-    surface : Surface
-        The surface.
-    level : float
-        The level.
-    polygons : list of list of (k, 2) ndarray of float64
-        For each polygon its rings.
-
-    Returns
-    -------
-    (float, float, float)
-        Above the level, below it, and the area of the faces in the polygons.
-
-    Raises
-    ------
-    InputError
-        The polygons are invalid.
-    """
+    """Measure the volumes between a level and a surface in polygons."""
     solved = surface.triangulation
     low, high = solved.min_bound, solved.max_bound
     with np.errstate(over="ignore"):
@@ -155,25 +82,7 @@ def level_within(surface: Surface, level: float, polygons: list[Polygon]) -> Mea
 
 
 def between_within(surface: Surface, other: Surface, polygons: list[Polygon]) -> Measured:
-    """Measure the volumes between two surfaces in polygons.
-
-    Parameters
-    ----------
-    surface, other : Surface
-        The surfaces.
-    polygons : list of list of (k, 2) ndarray of float64
-        For each polygon its rings.
-
-    Returns
-    -------
-    (float, float, float)
-        Where the second is above, where it is below, and the area that has faces of both.
-
-    Raises
-    ------
-    InputError
-        The polygons are invalid.
-    """
+    """Measure the volumes between two surfaces in polygons."""
     first = relief_of(surface), surface.triangulation
     second = relief_of(other), other.triangulation
     parts = _triangles(surface, polygons, other.triangulation)
@@ -186,10 +95,7 @@ def between_within(surface: Surface, other: Surface, polygons: list[Polygon]) ->
 def _measured(
     first: tuple[Any, Triangulation], second: tuple[Any, Triangulation], parts: Floats
 ) -> Measured:
-    """Measure in triangles, the finer surface first.
-
-    Triangles that are slivers outside of a hull by rounding count nothing.
-    """
+    """Measure in triangles, the finer surface first."""
     middles = parts.mean(axis=1)
     faces, others = (_faces_at(solved, middles) for _, solved in (first, second))
     inside = (faces >= 0) & (others >= 0)

@@ -28,32 +28,13 @@ _CUTS = "cuts.npy"
 
 
 def neighbors_of(shard: str) -> tuple[str, str]:
-    """Name the two files beside a shard.
-
-    >>> neighbors_of("tile-00007.parquet")
-    ('tile-00007-neighbors.npy', 'tile-00007-links.npy')
-    """
+    """Name the two files beside a shard."""
     stem = Path(shard).stem
     return f"{stem}-neighbors.npy", f"{stem}-links.npy"
 
 
 def link_all(runner: Runner, folders: Folders, done: Sequence[Done]) -> dict[str, str]:
-    """Write the links of all shards.
-
-    Parameters
-    ----------
-    runner : Runner
-        What calls the tasks.
-    folders : Folders
-        Where to read and write.
-    done : sequence of Done
-        What all nodes have done; those with triangles in the order of their shards.
-
-    Returns
-    -------
-    dict of str to str
-        The SHA-256 of each file.
-    """
+    """Write the links of all shards."""
     shards = [each.name for each in done if each.triangles]
     cuts = [each.name for each in done if f"{label(each.name)}-links.npy" in each.notes]
     save_array(folders.scratch / _SHARDS, np.array(shards, dtype=np.int64))
@@ -65,20 +46,7 @@ def link_all(runner: Runner, folders: Folders, done: Sequence[Done]) -> dict[str
 
 
 def link(folders: Folders, name: int) -> str:
-    """Write what other shards have beyond the edges of one.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `link_all` wrote.
-    name : int
-        The node that wrote the shard.
-
-    Returns
-    -------
-    str
-        The SHA-256 of the file.
-    """
+    """Write what other shards have beyond the edges of one."""
     shards, cuts = (np.load(folders.scratch / each) for each in (_SHARDS, _CUTS))
     above = [name, *load_plan(folders).above(name)]
     found = links_to(name, [
@@ -89,22 +57,7 @@ def link(folders: Folders, name: int) -> str:
 
 
 def links_to(name: int, links: Sequence[Integers], shards: Integers) -> Integers:
-    """Gather the links of one shard.
-
-    Parameters
-    ----------
-    name : int
-        The node that wrote it.
-    links : sequence of (l, 4) ndarray of int64
-        What the node and the cuts above it have paired, as from `edges.paired`.
-    shards : (s,) ndarray of int64
-        The nodes in the order of their shards.
-
-    Returns
-    -------
-    (k, 3) ndarray of int64
-        ``3 * row + side``, ascending, the shard beyond, and the row there.
-    """
+    """Gather the links of one shard."""
     both = np.concatenate([np.empty((0, 4), dtype=np.int64), *links])
     both = np.concatenate((both, both[:, [2, 3, 0, 1]]))
     mine = both[both[:, 0] == name]
@@ -115,22 +68,7 @@ def links_to(name: int, links: Sequence[Integers], shards: Integers) -> Integers
 
 
 def as_pairs(shard: int, neighbors: Array, links: Integers) -> Integers:
-    """Put the two files of a shard together.
-
-    Parameters
-    ----------
-    shard : int
-        Its number.
-    neighbors : (m, 3) ndarray
-        Rows of the same shard, or -1.
-    links : (k, 3) ndarray of int64
-        As from `links_to`.
-
-    Returns
-    -------
-    (m, 3, 2) ndarray of int64
-        The shard and the row beyond each edge; both are -1 outside the hull.
-    """
+    """Put the two files of a shard together."""
     pairs = np.empty((*neighbors.shape, 2), dtype=np.int64)
     pairs[:, :, 0] = np.where(neighbors < 0, -1, shard)
     pairs[:, :, 1] = neighbors

@@ -41,15 +41,7 @@ class AdjacencyProof:
         self._waiting: dict[int, Integers] = {}
 
     def add(self, name: int, children: Sequence[int]) -> None:
-        """Check what a node states of its own triangles, and pair the edges that are left.
-
-        Parameters
-        ----------
-        name : int
-            A cut of the plan, or ``~t`` for tile t.
-        children : sequence of int
-            The nodes below it, which came before.
-        """
+        """Check what a node states of its own triangles, and pair the edges that are left."""
         edges = [self._waiting.pop(child) for child in children]
         path = self._shards.get(label(name))
         if path is not None:
@@ -85,13 +77,7 @@ class AdjacencyProof:
         self._found.add("other_neighbors", wrong)
 
     def finish(self, hull_edges: int) -> None:
-        """Compare the links of all shards, and count what is left.
-
-        Parameters
-        ----------
-        hull_edges : int
-            How many edges are on the hull.
-        """
+        """Compare the links of all shards, and count what is left."""
         (left,) = self._waiting.values()
         self._found.add("other_neighbors", abs(len(left) - hull_edges))
         names = [node_of(path.stem) for path in self._tiled.shards]

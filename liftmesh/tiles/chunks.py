@@ -48,29 +48,7 @@ class Scanned:
 
 
 def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
-    """Read a part for the first time.
-
-    Parameters
-    ----------
-    part : Part
-        Rows of the source.
-    first : int
-        The number of its first row.
-    sampled : int
-        How many of its rows to draw.
-    skips : bool
-        Whether rows that are not finite are left out.
-
-    Returns
-    -------
-    Scanned
-        A function of the rows: they also are the seed of the sample.
-
-    Raises
-    ------
-    NonFiniteError
-        A row is not finite.
-    """
+    """Read a part for the first time."""
     rows, values = read_part(part)
     digest, others = digests_of(rows, values)
     finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])  # eight times as fast as `all`
@@ -94,20 +72,7 @@ def classes_in(values: Array) -> dict[int, int]:
 
 
 def digests_of(rows: Floats, values: Array | None) -> tuple[str, str]:
-    """Hash planar positions, and the values of a surface.
-
-    Parameters
-    ----------
-    rows : (n, 2) ndarray of float64
-        Contiguous.
-    values : (n,) structured ndarray, optional
-        Contiguous.
-
-    Returns
-    -------
-    (str, str)
-        SHA-256 in hexadecimal digits; the second is empty without values.
-    """
+    """Hash planar positions, and the values of a surface."""
     others = "" if values is None else hashlib.sha256(values.view(np.uint8).data).hexdigest()
     return hashlib.sha256(rows.data).hexdigest(), others
 
@@ -125,30 +90,7 @@ def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteEr
 def partition(
     folders: Folders, part: Part, number: int, first: int, chunk: Mapping[str, Any]
 ) -> None:
-    """Sort the rows of a part by tile into files of the scratch folder, one for each group.
-
-    Beside them: where each tile begins, the box of each tile's rows, the rows that are not finite,
-    and duplicates of rows at positions that are repeated very often. Of a surface also the values
-    of the rows, and the position and height of those duplicates.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to write.
-    part : Part
-        Rows of the source.
-    number : int
-        The number of the part.
-    first : int
-        The number of its first row.
-    chunk : mapping
-        What its rows were when they were first read, as of `Scanned`.
-
-    Raises
-    ------
-    InputError
-        The rows have changed since.
-    """
+    """Sort the rows of a part by tile into files of the scratch folder, one for each group."""
     stem = Path(stem_of(folders, number))
     record = stem.with_suffix(".json")
     digests: dict[str, str] = load_record(record, folders.plan) or {}
@@ -179,26 +121,7 @@ def _missing(folders: Folders, stem: str, digests: Mapping[str, str]) -> dict[st
 def sorted_by_tile(
     plan: Plan, rows: Floats, first: int, values: Array | None, policy: str
 ) -> dict[str, Array]:
-    """Sort rows by tile.
-
-    Parameters
-    ----------
-    plan : Plan
-        Where the tiles are.
-    rows : (n, 2) ndarray of float64
-        Points, which are changed.
-    first : int
-        The number of the first row.
-    values : (n,) structured ndarray, optional
-        Of a surface, its rows with their values.
-    policy : str
-        As of `Folders`.
-
-    Returns
-    -------
-    dict of str to ndarray
-        What `partition` writes, by the ends of the names.
-    """
+    """Sort rows by tile."""
     if values is not None:
         rows[~np.isfinite(values["z"])] = np.nan
     heights = None if values is None else values["z"]
@@ -219,18 +142,7 @@ def sorted_by_tile(
 
 
 def changed(part: Part) -> InputError:
-    """Return the exception for rows that are not what they were.
-
-    Parameters
-    ----------
-    part : Part
-        The rows.
-
-    Returns
-    -------
-    InputError
-        Not yet raised.
-    """
+    """Return the exception for rows that are not what they were."""
     first = part.origin.row
     return InputError(
         f"{part.origin.source}: rows {first:,} to {first + part.rows - 1:,} have changed since "

@@ -24,13 +24,7 @@ _BLOCK = 1 << 15  # faces that have one box around their circles
 
 
 class Circles:
-    """Knows how far the circles of a surface reach: 32 bytes for each block of faces.
-
-    Parameters
-    ----------
-    tiled : TiledSurface
-        The surface; its faces are read once.
-    """
+    """Knows how far the circles of a surface reach: 32 bytes for each block of faces."""
 
     def __init__(self, tiled: TiledSurface) -> None:
         self._tiled = tiled
@@ -38,20 +32,7 @@ class Circles:
         self._boxes = [_boxes(*self._read(shard)[1:]) for shard in self._shards]
 
     def near(self, box: Bounds) -> Iterator[tuple[Any, Rows]]:
-        """Yield the faces whose circles may have a point of a box inside, shard by shard.
-
-        Parameters
-        ----------
-        box : tuple of float
-            xmin, ymin, xmax and ymax.
-
-        Yields
-        ------
-        vertices : structured ndarray
-            The corners of these faces.
-        faces : (m, 3) ndarray of int32
-            Numbers of them.
-        """
+        """Yield the faces whose circles may have a point of a box inside, shard by shard."""
         window = np.array([box])
         for shard, boxes in zip(self._shards, self._boxes, strict=True):
             meet = (boxes[:, :2] <= window[:, 2:]) & (boxes[:, 2:] >= window[:, :2])

@@ -52,18 +52,7 @@ _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
 def folders_of(out: str | os.PathLike[str], scratch: str | os.PathLike[str] | None) -> Folders:
-    """Name the folders of a run.
-
-    Parameters
-    ----------
-    out, scratch
-        As for `tile`.
-
-    Returns
-    -------
-    Folders
-        A scratch folder in `out`, or one in the given folder that no other `out` has.
-    """
+    """Name the folders of a run."""
     target = Path(os.path.abspath(as_folder("out", out)))  # noqa: PTH100 - links stay
     if scratch is None:
         return Folders(target, target / SCRATCH)
@@ -74,22 +63,7 @@ def folders_of(out: str | os.PathLike[str], scratch: str | os.PathLike[str] | No
 
 @contextmanager
 def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
-    """Hold the folders of a run; what is left of it in the end is removed.
-
-    Parameters
-    ----------
-    folders : Folders
-        They are made if they are missing; after an error, those that are empty are removed again.
-    anew : bool
-        Whether to remove what an interrupted run has left in the scratch folder.
-
-    Raises
-    ------
-    InputError
-        Another run is at work, or there are files that no run has made.
-    OSError
-        The folders cannot be used.
-    """
+    """Hold the folders of a run; what is left of it in the end is removed."""
     if folders.out.exists() and not folders.out.is_dir():
         reason = "cannot write tiles here: this is a file, not a folder"
         raise NotADirectoryError(errno.ENOTDIR, reason, str(folders.out))
@@ -122,20 +96,7 @@ def _make_folders(folder: Path, made: list[Path]) -> None:
 
 
 def check_apart(folders: Folders, parts: Sequence[Part]) -> None:
-    """Raise if a run would overwrite its own source.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where it writes.
-    parts : sequence of Part
-        The source.
-
-    Raises
-    ------
-    InputError
-        A file of the source has a name that the run may use.
-    """
+    """Raise if a run would overwrite its own source."""
     out = os.path.realpath(folders.out)
     for place in {part.place for part in parts if part.place is not None}:
         real = Path(os.path.realpath(place))
@@ -144,15 +105,7 @@ def check_apart(folders: Folders, parts: Sequence[Part]) -> None:
 
 
 def release_copies(folders: Folders, parts: Sequence[Part]) -> None:
-    """Remove the copies of what cannot be read by ranges: the next run makes them anew.
-
-    Parameters
-    ----------
-    folders : Folders
-        Claimed.
-    parts : sequence of Part
-        The source, whose rows have been sorted by tile.
-    """
+    """Remove the copies of what cannot be read by ranges: the next run makes them anew."""
     for place in {part.place for part in parts if part.place is not None}:
         path = Path(place)
         if path.parent == folders.scratch and _NOTE.fullmatch(path.name):
@@ -160,13 +113,7 @@ def release_copies(folders: Folders, parts: Sequence[Part]) -> None:
 
 
 def clear(folders: Folders) -> None:
-    """Remove the triangles of a former run, the manifest first.
-
-    Parameters
-    ----------
-    folders : Folders
-        Claimed.
-    """
+    """Remove the triangles of a former run, the manifest first."""
     (folders.out / MANIFEST).unlink(missing_ok=True)
     for name in _shards(folders.out):
         (folders.out / name).unlink()
@@ -200,10 +147,7 @@ def _named(out: Path) -> set[str]:
 
 
 def _remove_unnamed(out: Path, began: int) -> None:
-    """Remove what a run has left that was stopped before this one began, in nanoseconds.
-
-    That is shards of another plan, and files that were about to get their names.
-    """
+    """Remove what a run has left that was stopped before this one began, in nanoseconds."""
     for name in set(_shards(out)) - _named(out):
         (out / name).unlink()
     for path in out.iterdir():

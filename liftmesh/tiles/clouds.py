@@ -139,25 +139,7 @@ class NpyHeightPart:
 
 
 def read_part(part: Part) -> tuple[Floats, Array | None]:
-    """Read the planar positions of a part, and its records if it has values.
-
-    Parameters
-    ----------
-    part : Part
-        Rows of a source.
-
-    Returns
-    -------
-    rows : (n, 2) ndarray of float64
-        Contiguous, and nobody else's.
-    records : (n,) structured ndarray or None
-        As of `Valued.records`.
-
-    Raises
-    ------
-    InputError, FormatError
-        As for `planar`.
-    """
+    """Read the planar positions of a part, and its records if it has values."""
     if not hasattr(part, "records"):
         return planar(part), None
     records = cast("Valued", part).records()
@@ -165,18 +147,7 @@ def read_part(part: Part) -> tuple[Floats, Array | None]:
 
 
 def planar_of(rows: Array) -> Floats:
-    """Return planar positions.
-
-    Parameters
-    ----------
-    rows : (n, 2) ndarray of float64, or (n,) structured ndarray
-        Positions themselves, or records.
-
-    Returns
-    -------
-    (n, 2) ndarray of float64
-        Those of records are a copy.
-    """
+    """Return planar positions."""
     return rows if rows.dtype.names is None else _planar(rows)
 
 
@@ -186,15 +157,7 @@ def _planar(records: Array) -> Floats:
 
 @dataclass(frozen=True)
 class Reading:
-    """How the rows of a surface are read.
-
-    Attributes
-    ----------
-    crs : str or None
-        The coordinate system, in place of that of the source.
-    options : mapping
-        Those of `read_chunks`, for files.
-    """
+    """How the rows of a surface are read."""
 
     crs: str | None = None
     options: Mapping[str, Any] = field(default_factory=FrozenDict)
@@ -207,31 +170,7 @@ class Reading:
 def valued_parts(
     source: object, rows: int, scratch: Path, reading: Reading, show: Progress = unheard
 ) -> list[Valued]:
-    """Cut a source into parts with values.
-
-    Parameters
-    ----------
-    source : path, array_like, cloud, table, iterator, or a list of paths
-        What `tile_surface` accepts.
-    rows : int
-        How many rows a part may have.
-    scratch : Path
-        Where to write what cannot be read by ranges.
-    reading : Reading
-        How files are read.
-    show : callable
-        Hears which share of that is written.
-
-    Returns
-    -------
-    list of Part
-        In the order of the rows, all with the same schema.
-
-    Raises
-    ------
-    InputError, FormatError, UnsupportedTypeError, OSError
-        The source cannot be read, or its parts do not go together.
-    """
+    """Cut a source into parts with values."""
     files = files_of(source)
     if files is not None:
         given = readings([f.source for f in files], reading)
@@ -260,27 +199,7 @@ def valued_parts_of_file(
     reading: Reading,
     show: Progress = unheard,
 ) -> list[Valued]:
-    """Cut a file into parts with values.
-
-    Parameters
-    ----------
-    origin : Origin
-        The file, as the caller knows it.
-    name : str
-        The path to open.
-    rows, scratch, reading, show
-        As for `valued_parts`.
-
-    Returns
-    -------
-    list of Part
-        In the order of the rows.
-
-    Raises
-    ------
-    InputError, FormatError, OSError
-        It cannot be read, or holds no points.
-    """
+    """Cut a file into parts with values."""
     suffix = Path(name).suffix.lower()
     if suffix == ".npy" and not reading.options:
         schema = Schema(crs=reading.crs)
@@ -304,31 +223,7 @@ def _of_cloud(cloud: Cloud, rows: int) -> list[Valued]:
 
 
 def spooled(clouds: Iterable[Cloud], rows: int, scratch: Path, origin: Origin) -> list[Valued]:
-    """Write clouds, which come once, to files of so many records.
-
-    Parameters
-    ----------
-    clouds : iterable of Cloud
-        Consecutive rows.
-    rows : int
-        How many rows a file has.
-    scratch : Path
-        Where to write.
-    origin : Origin
-        Where they are from.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-
-    Raises
-    ------
-    InputError
-        The clouds have not the same values.
-    OSError
-        A file cannot be written.
-    """
+    """Write clouds, which come once, to files of so many records."""
     seen: list[Schema] = []
 
     def write(records: Array, path: Path, at: Origin) -> Valued:
@@ -348,46 +243,13 @@ def _records_of(clouds: Iterable[Cloud], seen: list[Schema], name: str) -> Itera
 
 
 def in_record_file(records: Array, path: Path, schema: Schema, origin: Origin) -> FilePart:
-    """Write records to a file.
-
-    Parameters
-    ----------
-    records : (n,) structured ndarray
-        Rows with values.
-    path : Path
-        The file.
-    schema : Schema
-        What they are.
-    origin : Origin
-        Where they are from.
-
-    Returns
-    -------
-    Part
-        Its rows.
-    """
+    """Write records to a file."""
     save_array(path, records)
     return FilePart(str(path), len(records), schema, origin)
 
 
 def alike(parts: list[Valued]) -> list[Valued]:
-    """Return parts whose rows all have the same values.
-
-    Parameters
-    ----------
-    parts : list of Part
-        Of one source.
-
-    Returns
-    -------
-    list of Part
-        The same.
-
-    Raises
-    ------
-    InputError
-        Values differ in name, type or shape, or coordinate systems do.
-    """
+    """Return parts whose rows all have the same values."""
     for part in parts[1:]:
         first = parts[0]
         _check_alike(first.schema, part.schema, part.origin.source, first.origin.source)

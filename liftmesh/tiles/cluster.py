@@ -24,25 +24,7 @@ _SETTINGS = {
 
 @contextmanager
 def client_of(given: Any) -> Iterator[Any]:
-    """Use a client, the current one, or a cluster of this machine for as long as it is needed.
-
-    Parameters
-    ----------
-    given : distributed.Client, optional
-        What a caller has given.
-
-    Yields
-    ------
-    distributed.Client
-        One that can be used.
-
-    Raises
-    ------
-    InputError
-        It is none, or asynchronous.
-    MissingDependencyError
-        As for `local_cluster`.
-    """
+    """Use a client, the current one, or a cluster of this machine for as long as it is needed."""
     distributed = load("dask.distributed", extra="dask")
     if given is not None and not isinstance(given, distributed.Client):
         raise InputError(f"client is a {type(given).__name__}: give a dask.distributed.Client")

@@ -33,39 +33,13 @@ def nth(show: Progress, number: int, count: int) -> Progress:
 
 
 def stage_of(files: Sequence[Origin], by_ranges: Collection[str]) -> str:
-    """Say what it is to cut files: to copy some of them, or just to open all.
-
-    Parameters
-    ----------
-    files : sequence of Origin
-        The files of a source.
-    by_ranges : collection of str
-        The suffixes of files that are not copied.
-
-    Returns
-    -------
-    str
-        A stage of `schedule.SHARES`.
-    """
+    """Say what it is to cut files: to copy some of them, or just to open all."""
     suffixes = {Path(each.source).suffix.lower() for each in files}
     return "spool" if suffixes - {*by_ranges} else "open"
 
 
 def of_file(chunks: Iterable[Item], show: Progress) -> Iterator[Item]:
-    """Report which share of the bytes of a file has been read.
-
-    Parameters
-    ----------
-    chunks : iterable
-        What is read of it; text, whose types are found in a first reading, comes in a second one.
-    show : callable
-        Hears the share.
-
-    Yields
-    ------
-    object
-        The same.
-    """
+    """Report which share of the bytes of a file has been read."""
     show(0.0)
     for chunk in chunks:
         yield chunk
@@ -75,20 +49,7 @@ def of_file(chunks: Iterable[Item], show: Progress) -> Iterator[Item]:
 
 
 def of_iterator(chunks: Iterator[Item], show: Progress) -> Iterator[Item]:
-    """Report which share of its items has come from an iterator.
-
-    Parameters
-    ----------
-    chunks : iterator
-        If it does not tell how many items it has, the end alone is reported.
-    show : callable
-        Hears the share.
-
-    Yields
-    ------
-    object
-        The same.
-    """
+    """Report which share of its items has come from an iterator."""
     show(0.0)
     count = length_hint(chunks)
     for number, chunk in enumerate(chunks, 1):
@@ -105,31 +66,7 @@ def written(
     origin: Origin,
     write: Callable[[Array, Path, Origin], Kind],
 ) -> list[Kind]:
-    """Write arrays, which come once, to files of so many rows.
-
-    Parameters
-    ----------
-    arrays : iterable of ndarray
-        Consecutive rows, of one type.
-    rows : int
-        How many rows a file has.
-    scratch : Path
-        Where to write.
-    origin : Origin
-        Where they are from.
-    write : callable
-        Writes some rows to a file, and returns what reads them.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-
-    Raises
-    ------
-    OSError
-        A file cannot be written.
-    """
+    """Write arrays, which come once, to files of so many rows."""
     found: list[Kind] = []
     for held in _regrouped(arrays, rows):
         path = scratch / f"points-{origin.number:05d}-{len(found):05d}.npy"
@@ -152,20 +89,7 @@ def _regrouped(arrays: Iterable[Array], rows: int) -> Iterator[Array]:
 
 
 def in_files(parts: Sequence[Kind], folder: Path) -> list[Kind]:
-    """Write the parts that are in memory to files, for other processes.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        Parts of a source.
-    folder : Path
-        Where to write.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-    """
+    """Write the parts that are in memory to files, for other processes."""
     return [
         cast("Any", part).saved(folder / f"points-{number:05d}.npy") if part.place is None else part
         for number, part in enumerate(parts)
@@ -173,18 +97,7 @@ def in_files(parts: Sequence[Kind], folder: Path) -> list[Kind]:
 
 
 def numbered(parts: Sequence[Kind]) -> list[Kind]:
-    """Tell each part which row of all is its first.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        Parts of one source, in their order.
-
-    Returns
-    -------
-    list of Part
-        The same rows.
-    """
+    """Tell each part which row of all is its first."""
     firsts = [0, *accumulate(part.rows for part in parts)]
     found: list[Any] = [*parts]
     return [

@@ -30,53 +30,21 @@ class Groups:
 
     @classmethod
     def of_plan(cls, tiles: int, chunk_rows: int) -> Groups:
-        """Choose how many groups there are.
-
-        Parameters
-        ----------
-        tiles : int
-            The number of tiles.
-        chunk_rows : int
-            How many rows the largest chunk has.
-
-        Returns
-        -------
-        Groups
-            A finer plan has as many at least, so its files replace all of those before.
-        """
+        """Choose how many groups there are."""
         wanted = max(chunk_rows // _ROWS, min(_FEW, chunk_rows // _LEAST_ROWS), 1)
         return cls(tiles, min(_MOST, tiles, wanted))
 
     def of(self, tile: int) -> int:
-        """Return the group of a tile.
-
-        >>> [Groups(5, 3).of(tile) for tile in range(5)]
-        [0, 0, 1, 1, 2]
-        """
+        """Return the group of a tile."""
         return tile * self.count // self.tiles
 
     def tiles_of(self, group: int) -> range:
-        """Return the tiles of a group.
-
-        >>> [[*Groups(5, 3).tiles_of(group)] for group in range(3)]
-        [[0, 1], [2, 3], [4]]
-        """
+        """Return the tiles of a group."""
         first, end = (-(-each * self.tiles // self.count) for each in (group, group + 1))
         return range(first, end)
 
     def apart(self, arrays: Mapping[str, Array]) -> dict[str, Array]:
-        """Give each group its part of what is sorted by tile.
-
-        Parameters
-        ----------
-        arrays : mapping of str to ndarray
-            What `chunks.sorted_by_tile` returns.
-
-        Returns
-        -------
-        dict of str to ndarray
-            What is written of a chunk, by the ends of the names.
-        """
+        """Give each group its part of what is sorted by tile."""
         found = {what: each for what, each in arrays.items() if what not in _OF_ROWS}
         begins = arrays["-begins"]
         for group in range(self.count):
@@ -88,38 +56,17 @@ class Groups:
         return found
 
     def names(self, *, with_values: bool, without: Collection[int] = ()) -> list[str]:
-        """List what `apart` returns.
-
-        Parameters
-        ----------
-        with_values : bool
-            Whether rows have values.
-        without : collection of int
-            Groups whose rows are not needed.
-
-        Returns
-        -------
-        list of str
-            The ends of the names.
-        """
+        """List what `apart` returns."""
         beside = [*_BESIDE, *(_BESIDE_VALUES if with_values else ())]
         groups = [group for group in range(self.count) if group not in without]
         return beside + [end for group in groups for end in of_rows(group, with_values=with_values)]
 
 
 def suffix(group: int) -> str:
-    """Return what the names of the files of a group have behind the name of the chunk.
-
-    >>> suffix(7)
-    '-07'
-    """
+    """Return what the names of the files of a group have behind the name of the chunk."""
     return f"-{group:02d}"
 
 
 def of_rows(group: int, *, with_values: bool) -> list[str]:
-    """List the ends of the names of the rows of a group in each chunk.
-
-    >>> of_rows(7, with_values=True)
-    ['-07', '-07-values']
-    """
+    """List the ends of the names of the rows of a group in each chunk."""
     return [f"{suffix(group)}{what}" for what in (_OF_ROWS if with_values else _OF_ROWS[:1])]

@@ -52,27 +52,7 @@ class LasPart:
 
 
 def las_parts(origin: Origin, name: str, rows: int) -> list[LasPart] | None:
-    """Cut a LAS file into parts.
-
-    Parameters
-    ----------
-    origin : Origin
-        The file.
-    name : str
-        Its path.
-    rows : int
-        How many points a part may have.
-
-    Returns
-    -------
-    list of LasPart or None
-        None if the file is compressed, or is no file that can be read by ranges.
-
-    Raises
-    ------
-    FormatError
-        It is no LAS file, or damaged.
-    """
+    """Cut a LAS file into parts."""
     if not Path(name).is_file():
         return None
     with Path(name).open("rb") as stream:
@@ -95,27 +75,7 @@ def las_parts(origin: Origin, name: str, rows: int) -> list[LasPart] | None:
 
 
 def readings(names: Sequence[str], reading: Reading) -> list[Reading]:
-    """Say how each file of a surface is read: of lidar its ground, unless the caller says more.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The files.
-    reading : Reading
-        What the caller says.
-
-    Returns
-    -------
-    list of Reading
-        For each file; it may be read for that.
-
-    Raises
-    ------
-    InputError
-        Some files of lidar have ground, and others have rows, but none.
-    FormatError, OSError
-        A file cannot be read.
-    """
+    """Say how each file of a surface is read: of lidar its ground, unless the caller says more."""
     found = [reading] * len(names)
     lidar = [k for k, name in enumerate(names) if name.lower().endswith((".las", ".laz"))]
     chosen = for_chunks([names[k] for k in lidar], reading.options)

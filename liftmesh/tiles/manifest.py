@@ -16,25 +16,7 @@ VERSION = 2
 
 
 def manifest_of(folder: Path) -> dict[str, Any]:
-    """Read the manifest of a folder.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-
-    Returns
-    -------
-    dict
-        What was written, unchanged: it bears a seal.
-
-    Raises
-    ------
-    FormatError
-        There is none, it is of something else, or it is damaged.
-    OSError
-        It cannot be read.
-    """
+    """Read the manifest of a folder."""
     place = folder / MANIFEST
     if not place.is_file():
         raise FormatError(f"{folder}: no finished triangulation is here: {MANIFEST} is missing")

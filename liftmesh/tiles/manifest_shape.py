@@ -20,18 +20,7 @@ _MERGES = ("tiles", "rows_up_from_tiles", "rows_at_root", "bytes_up")
 
 
 def wrong_part(manifest: Mapping[str, Any]) -> str | None:
-    """Find what no run has written.
-
-    Parameters
-    ----------
-    manifest : mapping
-        What JSON held.
-
-    Returns
-    -------
-    str or None
-        What is wrong; None if all is right.
-    """
+    """Find what no run has written."""
     parts = _PARTS | {"surface": _is_surface} if "surface" in manifest else _PARTS
     if {*manifest} != {*parts}:
         return f"the names {sorted({*manifest} ^ {*parts})}"
@@ -42,18 +31,7 @@ def wrong_part(manifest: Mapping[str, Any]) -> str | None:
 
 
 def wrong_job(job: object) -> str | None:
-    """Find what no run has written of its source and its options.
-
-    Parameters
-    ----------
-    job : object
-        What JSON held.
-
-    Returns
-    -------
-    str or None
-        As from `wrong_part`.
-    """
+    """Find what no run has written of its source and its options."""
     if not isinstance(job, dict):
         return "all of it"
     parts = {name: check for name, check in _PARTS.items() if name in _OF_JOBS}

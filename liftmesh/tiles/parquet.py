@@ -43,23 +43,7 @@ class ParquetPart:
 
 
 def parquet_files(name: str) -> list[str]:
-    """List the files of a folder of Parquet in the order of their numbers, as Dask wrote them.
-
-    Parameters
-    ----------
-    name : str
-        Any path.
-
-    Returns
-    -------
-    list of str
-        The path itself if it is no such folder.
-
-    Raises
-    ------
-    FormatError
-        The folder holds no Parquet.
-    """
+    """List the files of a folder of Parquet in the order of their numbers, as Dask wrote them."""
     if not (name.lower().rstrip("/").endswith((".parquet", ".pq")) and Path(name).is_dir()):
         return [name]
     found = [str(path) for path in Path(name).glob("*.parquet")]
@@ -73,27 +57,7 @@ def _numbers(name: str) -> tuple[list[int], str]:
 
 
 def parquet_parts(origin: Origin, name: str, rows: int) -> list[ParquetPart]:
-    """Cut a Parquet file into parts.
-
-    Parameters
-    ----------
-    origin : Origin
-        The file.
-    name : str
-        Its path.
-    rows : int
-        How many rows a part may have, if it has more than one row group.
-
-    Returns
-    -------
-    list of ParquetPart
-        In the order of the rows.
-
-    Raises
-    ------
-    FormatError
-        There are no columns of coordinates.
-    """
+    """Cut a Parquet file into parts."""
     parquet = load("pyarrow.parquet", extra="dask")
     with parquet.ParquetFile(name) as file:
         columns = planar_columns(name, file.schema_arrow.names)
@@ -123,25 +87,7 @@ def _grouped(sizes: Sequence[int], rows: int) -> Iterator[tuple[int, ...]]:
 
 
 def planar_batches(name: str, rows: int) -> Iterator[Array]:
-    """Read the two columns of a file in batches, which need not be whole row groups.
-
-    Parameters
-    ----------
-    name : str
-        Its path.
-    rows : int
-        How many rows a batch may have.
-
-    Yields
-    ------
-    (n, 2) ndarray
-        Consecutive rows.
-
-    Raises
-    ------
-    InputError, FormatError
-        There are no columns of coordinates, or a number is not exactly representable.
-    """
+    """Read the two columns of a file in batches, which need not be whole row groups."""
     parquet = load("pyarrow.parquet", extra="dask")
     with parquet.ParquetFile(name) as file:
         columns = planar_columns(name, file.schema_arrow.names)
@@ -153,25 +99,7 @@ def planar_batches(name: str, rows: int) -> Iterator[Array]:
 
 
 def parquet_clouds(name: str, rows: int) -> Iterator[Cloud]:
-    """Read all columns of a file in batches, with the depth of colours that all of them have.
-
-    Parameters
-    ----------
-    name : str
-        Its path.
-    rows : int
-        How many rows a batch may have.
-
-    Yields
-    ------
-    Cloud
-        Consecutive rows.
-
-    Raises
-    ------
-    InputError
-        They are no points.
-    """
+    """Read all columns of a file in batches, with the depth of colours that all of them have."""
     gaps: set[str] = set()
     read = partial(_tables, name, rows, gaps)
     depths = [cloud.color_depth for cloud in read() if cloud.colors is not None]
@@ -223,25 +151,7 @@ def _array(column: Any) -> Array:
 
 
 def planar_columns(name: str, names: Sequence[str]) -> tuple[str, str]:
-    """Choose the columns of coordinates.
-
-    Parameters
-    ----------
-    name : str
-        The table, for messages.
-    names : sequence of str
-        Its columns.
-
-    Returns
-    -------
-    (str, str)
-        x and y, or X and Y.
-
-    Raises
-    ------
-    FormatError
-        Neither pair is there.
-    """
+    """Choose the columns of coordinates."""
     for pair in (("x", "y"), ("X", "Y")):
         if all(names.count(column) == 1 for column in pair):
             return pair

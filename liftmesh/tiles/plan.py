@@ -26,19 +26,7 @@ _FEW = 16  # points of a sample whose spread says as much as their triangulation
 
 @dataclass(frozen=True)
 class Plan:
-    """A tree of cuts. Cut 0 is the root; a plan without cuts has one tile.
-
-    Attributes
-    ----------
-    axes : (c,) ndarray of uint8
-        Across which coordinate each cut goes: 0 for x, 1 for y.
-    at : (c, 2) ndarray of float64
-        The point that each cut compares with.
-    children : (c, 2) ndarray of int32
-        What is before and after each cut: a later cut, or ``~t`` for tile t.
-    repeated : (h, 2) ndarray of float64
-        Ascending positions at which very many rows are.
-    """
+    """A tree of cuts. Cut 0 is the root; a plan without cuts has one tile."""
 
     axes: Any
     at: Floats
@@ -65,18 +53,7 @@ class Plan:
         return cells
 
     def around(self, boxes: Floats) -> Floats:
-        """Find the boxes of all nodes from those of the tiles.
-
-        Parameters
-        ----------
-        boxes : (tiles, 4) ndarray of float64
-            The tight box of each tile's points.
-
-        Returns
-        -------
-        (2 tiles - 1, 4) ndarray of float64
-            Those of the cuts, then those of the tiles, the last tile first: node i is at index i.
-        """
+        """Find the boxes of all nodes from those of the tiles."""
         found = np.concatenate((np.empty((len(self.axes), 4)), boxes[::-1]))
         for cut in reversed(range(len(self.axes))):
             before, after = found[self.children[cut]]
@@ -85,18 +62,7 @@ class Plan:
         return found
 
     def above(self, name: int) -> list[int]:
-        """List the cuts above a node, the nearest one first.
-
-        Parameters
-        ----------
-        name : int
-            A cut, or ``~t`` for tile t.
-
-        Returns
-        -------
-        list of int
-            None for the root.
-        """
+        """List the cuts above a node, the nearest one first."""
         found: list[int] = []
         while name in self._above:
             name, _ = self._above[name]
@@ -104,19 +70,7 @@ class Plan:
         return found
 
     def others(self, name: int) -> list[int]:
-        """List nodes that together have all tiles but those of a node; few of them are far away.
-
-        Parameters
-        ----------
-        name : int
-            A cut, or ``~t`` for tile t.
-
-        Returns
-        -------
-        list of int
-            From each cut above the node, what is on its other side: as the tiles, if that is at
-            most five cuts deep.
-        """
+        """List nodes that together have all tiles but those of a node; few of them are far away."""
         found: list[int] = []
         while name in self._above:
             parent, sibling = self._above[name]
@@ -140,43 +94,11 @@ class Plan:
         return nodes
 
     def partition(self, rows: Floats, first: int) -> tuple[Integers, Integers, Floats, Integers]:
-        """Sort rows by tile.
-
-        Parameters
-        ----------
-        rows : (n, 2) ndarray of float64
-            Points that nobody else writes to.
-        first : int
-            The number of the first row.
-
-        Returns
-        -------
-        records : (m, 3) ndarray of int64
-            Number, x and y of each finite row, as 64-bit words.
-        begins : (tiles + 1,) ndarray of int64
-            Where the records of each tile begin, and the end.
-        boxes : (tiles, 4) ndarray of float64
-            The tight box of each tile's points; from infinity to -infinity if there are none.
-        skipped : (k,) ndarray of int64
-            The rows that are not finite.
-        """
+        """Sort rows by tile."""
         return _kernel.partition(rows, first, self.axes, self.at, self.children, self.tiles)
 
     def cut_again(self, tile: int, finer: Plan) -> Plan:
-        """Cut a tile by another plan.
-
-        Parameters
-        ----------
-        tile : int
-            The tile; its number goes to the first of the new ones, the others get new numbers.
-        finer : Plan
-            The cuts within it.
-
-        Returns
-        -------
-        Plan
-            This plan, with new cuts behind its own.
-        """
+        """Cut a tile by another plan."""
         if not len(finer.axes):
             return self
         below = finer.children.copy()
@@ -193,18 +115,7 @@ class Plan:
         )
 
     def extends(self, coarser: Plan) -> bool:
-        """Whether this plan is another one, perhaps with tiles that were cut again.
-
-        Parameters
-        ----------
-        coarser : Plan
-            The other plan.
-
-        Returns
-        -------
-        bool
-            Whether it has its cuts, and then perhaps more.
-        """
+        """Whether this plan is another one, perhaps with tiles that were cut again."""
         cuts = len(coarser.axes)
         return (
             np.array_equal(self.axes[:cuts], coarser.axes)
@@ -213,13 +124,7 @@ class Plan:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return lists of numbers, for JSON.
-
-        Returns
-        -------
-        dict
-            The attributes.
-        """
+        """Return lists of numbers, for JSON."""
         return {
             "axes": self.axes.tolist(),
             "at": self.at.tolist(),
@@ -229,23 +134,7 @@ class Plan:
 
     @classmethod
     def from_dict(cls, lists: Mapping[str, Any]) -> Plan:
-        """Return the plan of such lists.
-
-        Parameters
-        ----------
-        lists : mapping
-            What `as_dict` returned.
-
-        Returns
-        -------
-        Plan
-            The same plan.
-
-        Raises
-        ------
-        FormatError
-            It is none.
-        """
+        """Return the plan of such lists."""
         try:
             found = cls(
                 np.array(lists["axes"], dtype=np.uint8),
@@ -274,20 +163,7 @@ class Plan:
 
 
 def planned(sample: Floats, tiles: int) -> Plan:
-    """Cut a sample into tiles of nearly equal numbers of points.
-
-    Parameters
-    ----------
-    sample : (n, 2) ndarray of float64
-        Finite points.
-    tiles : int
-        How many are wanted. Equal points are not separated, so there may be fewer.
-
-    Returns
-    -------
-    Plan
-        A function of its arguments alone.
-    """
+    """Cut a sample into tiles of nearly equal numbers of points."""
     axes: list[int] = []
     at: list[Floats] = []
     children: list[list[int]] = []

@@ -40,19 +40,7 @@ _BLOCK = 1 << 20  # triangles whose corners are looked up at once
 
 @dataclass(frozen=True)
 class Loose:
-    """What a part leaves to others.
-
-    Attributes
-    ----------
-    records : (k, 3) ndarray of int64
-        Row number, x and y of points, by ascending row.
-    edges : (e, 3) ndarray of int32
-        Tail, head and apex, as records, of edges with a triangle on their left only.
-    is_bare : (k,) ndarray of bool
-        Whether a point has no triangle yet.
-    values : (k,) structured ndarray, optional
-        Of a surface, the coordinates and values of the points.
-    """
+    """What a part leaves to others."""
 
     records: Integers
     edges: Rows
@@ -84,18 +72,7 @@ class Proof:
         self.duplicates = 0
 
     def read(self, chunks: Iterator[Array]) -> tuple[int, str]:
-        """Sort the points by tile; return how many rows were skipped, and the hash of all.
-
-        Parameters
-        ----------
-        chunks : iterator of (n, 2) ndarray of float64, or of records
-            All rows; records are those of a surface.
-
-        Returns
-        -------
-        (int, str)
-            The count, and the SHA-256.
-        """
+        """Sort the points by tile; return how many rows were skipped, and the hash of all."""
         digest, number, first = hashlib.sha256(), 0, 0
         for number, chunk in enumerate(chunks, 1):
             rows = np.ascontiguousarray(planar_of(chunk))
@@ -128,13 +105,7 @@ class Proof:
         return pairs
 
     def parts(self) -> Iterator[None]:
-        """Check one part after the other, and the boundary at the end.
-
-        Yields
-        ------
-        None
-            After each part.
-        """
+        """Check one part after the other, and the boundary at the end."""
         waiting: dict[int, Loose] = {}
         for name, children in in_order(self._plan):
             if name < 0:
@@ -288,20 +259,7 @@ class Proof:
 
 
 def duplicated(points: Floats, is_bare: Array) -> Integers:
-    """Find rows at the position of a lower one, where one of them has no triangle.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Points.
-    is_bare : (n,) ndarray of bool
-        Which have no triangle.
-
-    Returns
-    -------
-    (k, 2) ndarray of int64
-        Such rows, each with the lowest of its position.
-    """
+    """Find rows at the position of a lower one, where one of them has no triangle."""
     positions = positions_of(points)
     sought = np.unique(positions[is_bare])
     if not len(sought):
@@ -317,18 +275,7 @@ def duplicated(points: Floats, is_bare: Array) -> Integers:
 
 
 def is_convex(points: Floats) -> bool:
-    """Whether a closed curve turns left only, and winds around once.
-
-    Parameters
-    ----------
-    points : (h, 2) ndarray of float64
-        Its corners in order; some may lie on an edge.
-
-    Returns
-    -------
-    bool
-        A curve that only turns left has one least corner, by x, then y, each time it winds around.
-    """
+    """Whether a closed curve turns left only, and winds around once."""
     before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
     turns = np.empty(len(points), dtype=np.int8)
     _kernel.orient2d(before, points, after, turns)

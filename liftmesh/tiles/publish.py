@@ -37,32 +37,7 @@ def publish(
     done: Sequence[Done],
     skipped: Integers,
 ) -> None:
-    """Write the rows left out, the hull, the plan and the manifest, which is the last.
-
-    Parameters
-    ----------
-    runner : Runner
-        What calls tasks.
-    folders : Folders
-        Where to read and write.
-    parts : sequence of Part
-        The source.
-    plan : Plan
-        Where the tiles are.
-    identity : mapping
-        What the files depend on.
-    done : sequence of Done
-        What all nodes have done; the root is the last.
-    skipped : (k,) ndarray of int64
-        The rows that are not finite.
-
-    Raises
-    ------
-    DegenerateInputError
-        There is no triangle.
-    RuntimeError
-        The counts do not fit Euler's formula, which is a bug.
-    """
+    """Write the rows left out, the hull, the plan and the manifest, which is the last."""
     hull = np.load(folders.scratch / f"{label(done[-1].name)}-hull.npy")
     rows = sum(part.rows for part in parts)
     arrays = {"skipped": np.sort(skipped), "hull": hull}
@@ -180,10 +155,7 @@ def _stated(path: Path) -> dict[str, Any]:
 
 
 def _files(parts: Sequence[Part], out: Path) -> list[dict[str, Any]]:
-    """List the files of a source with the number of their first row, two of one name apart.
-
-    What was a path is also stated as seen from the output folder.
-    """
+    """List the files of a source with the number of their first row, two of one name apart."""
     found: list[dict[str, Any]] = []
     first, number = 0, -1
     for part in parts:

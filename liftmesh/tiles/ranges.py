@@ -21,53 +21,14 @@ _WORD = np.dtype(np.int64)
 
 
 def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> Array:
-    """Read some values of an NPY file that `save_array` has written.
-
-    Parameters
-    ----------
-    path : Path
-        A file of one type.
-    begin, end : int
-        The first value, and the one after the last, counted through all rows.
-    kind : dtype, default int64
-        The type, as from `kind_of`.
-
-    Returns
-    -------
-    (end - begin,) ndarray
-        The values.
-
-    Raises
-    ------
-    FormatError
-        The file is truncated.
-    OSError
-        The file cannot be read.
-    """
+    """Read some values of an NPY file that `save_array` has written."""
     values = np.empty(end - begin, dtype=kind)
     fill(values, path, begin)
     return values
 
 
 def fill(values: Array, path: Path, begin: int) -> None:
-    """Read values of an NPY file that `save_array` has written into an array.
-
-    Parameters
-    ----------
-    values : ndarray
-        Where to read to, contiguous, of the type of the file.
-    path : Path
-        The file.
-    begin : int
-        The first value, counted through all rows.
-
-    Raises
-    ------
-    FormatError
-        The file is truncated.
-    OSError
-        The file cannot be read.
-    """
+    """Read values of an NPY file that `save_array` has written into an array."""
     rest = values.reshape(-1).view(np.uint8).data
     with opened(path, os.O_RDONLY) as file:
         begun = os.pread(file, _NPY_LENGTH + 4, 0)
@@ -81,23 +42,5 @@ def fill(values: Array, path: Path, begin: int) -> None:
 
 
 def kind_of(path: Path) -> np.dtype[Any]:
-    """Read the type of the values in an NPY file that `save_array` has written.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    dtype
-        That of each value, or record.
-
-    Raises
-    ------
-    FormatError
-        It is damaged.
-    OSError
-        The file cannot be read.
-    """
+    """Read the type of the values in an NPY file that `save_array` has written."""
     return mapped(path).dtype

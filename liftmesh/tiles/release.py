@@ -23,24 +23,7 @@ if TYPE_CHECKING:
 
 
 def release(folders: Folders, group: int, done: Sequence[Done]) -> None:
-    """Remove the rows of a group from all chunks.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `partition` wrote.
-    group : int
-        The group.
-    done : sequence of Done
-        What all of its tiles have done.
-
-    Raises
-    ------
-    RuntimeError
-        A tile of the group is missing, which is a bug.
-    OSError
-        A file cannot be removed.
-    """
+    """Remove the rows of a group from all chunks."""
     if {~each.name for each in done} != {*folders.groups.tiles_of(group)}:
         raise RuntimeError(f"the rows of group {group} are still needed, which is a bug")
     names_to_disk(folders.scratch)  # the records of the tiles
@@ -50,20 +33,7 @@ def release(folders: Folders, group: int, done: Sequence[Done]) -> None:
 
 
 def released(runner: Runner, folders: Folders) -> frozenset[int]:
-    """Find the groups whose rows are not needed.
-
-    Parameters
-    ----------
-    runner : Runner
-        What calls tasks.
-    folders : Folders
-        Where an earlier run may have written.
-
-    Returns
-    -------
-    frozenset of int
-        Groups all of whose tiles are done, with sound files.
-    """
+    """Find the groups whose rows are not needed."""
     groups = folders.groups
     begun = [
         group
@@ -77,18 +47,5 @@ def released(runner: Runner, folders: Folders) -> frozenset[int]:
 
 
 def is_done(folders: Folders, group: int) -> bool:
-    """Whether all tiles of a group are done, and their files sound.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where an earlier run may have written.
-    group : int
-        The group.
-
-    Returns
-    -------
-    bool
-        False if a record is missing, damaged, or of another plan.
-    """
+    """Whether all tiles of a group are done, and their files sound."""
     return all(earlier(folders, ~tile) is not None for tile in folders.groups.tiles_of(group))

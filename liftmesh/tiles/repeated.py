@@ -20,37 +20,13 @@ _STRETCH = 1 << 22  # rows
 
 
 def positions_of(rows: Floats) -> Array:
-    """Return x and y as one number for each row, where 0 and -0 are equal.
-
-    Parameters
-    ----------
-    rows : (n, 2) ndarray of float64
-        Points.
-
-    Returns
-    -------
-    (n,) ndarray of complex128
-        Ordered as the points, by x, then y.
-    """
+    """Return x and y as one number for each row, where 0 and -0 are equal."""
     found: Array = np.ascontiguousarray(rows + 0.0).view(np.complex128).reshape(-1)
     return found
 
 
 def frequent(sample: Floats) -> tuple[Floats, Floats]:
-    """Find positions that are often in a sample.
-
-    Parameters
-    ----------
-    sample : (n, 2) ndarray of float64
-        Finite points.
-
-    Returns
-    -------
-    positions : (h, 2) ndarray of float64
-        The frequent ones, ascending.
-    others : (k, 2) ndarray of float64
-        The sample, with each of them once.
-    """
+    """Find positions that are often in a sample."""
     found, first, counts = np.unique(positions_of(sample), return_index=True, return_counts=True)
     often = found[counts >= _OFTEN]
     is_other = ~np.isin(positions_of(sample), often)
@@ -61,28 +37,7 @@ def frequent(sample: Floats) -> tuple[Floats, Floats]:
 def set_apart(
     rows: Floats, repeated: Floats, heights: Floats | None = None, policy: str = "first"
 ) -> tuple[Integers, Integers, Integers]:
-    """Replace all rows but the first at each of some positions by NaN.
-
-    Parameters
-    ----------
-    rows : (n, 2) ndarray of float64
-        Points, which are changed.
-    repeated : (h, 2) ndarray of float64
-        Ascending positions.
-    heights : (n,) ndarray of float64, optional
-        Of a surface: then rows that its policy may choose, or have to know, stay, too.
-    policy : str
-        As ``duplicates`` of `triangulate`.
-
-    Returns
-    -------
-    apart : (k,) ndarray of int64
-        The rows that were replaced, ascending.
-    which : (k,) ndarray of int64
-        The position of each.
-    firsts : (h,) ndarray of int64
-        The first row at each position; -1 where there is none.
-    """
+    """Replace all rows but the first at each of some positions by NaN."""
     firsts = np.full(len(repeated), -1, dtype=np.int64)
     if not len(repeated):
         return firsts, firsts, firsts
@@ -101,11 +56,7 @@ def set_apart(
 
 
 def _needed(which: Integers, heights: Floats, policy: str) -> Integers:
-    """Find the rows of a chunk that decide what a policy makes of each position.
-
-    The first row is not among them, as it stays anyway. For the mean these are the first rows of
-    all heights, and for an error, too, which names two of them.
-    """
+    """Find the rows of a chunk that decide what a policy makes of each position."""
     if policy == "first":
         return np.empty(0, dtype=np.int64)
     if policy == "last":
@@ -124,23 +75,7 @@ def _needed(which: Integers, heights: Floats, policy: str) -> Integers:
 
 
 def merged(files: Sequence[Path], apart: Sequence[Path], rows: int) -> Iterator[Integers]:
-    """Merge lists of duplicates.
-
-    Parameters
-    ----------
-    files : sequence of Path
-        Lists of tiles, (k, 2) int64 by ascending row, with the lowest row at each position, or the
-        one that a policy has chosen.
-    apart : sequence of Path
-        Lists of chunks, with the lowest row at each position in the chunk, which is in a tile.
-    rows : int
-        The number of rows of the source.
-
-    Yields
-    ------
-    (k, 2) ndarray of int64
-        Duplicates by ascending row, each with the lowest row at its position, or the chosen one.
-    """
+    """Merge lists of duplicates."""
     lowest: dict[int, int] = {}
     named = np.array(sorted({row for path in apart for row in _kept(path)}), dtype=np.int64)
     for begin in range(0, rows, _STRETCH):

@@ -64,10 +64,7 @@ _FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
 
 @dataclass(frozen=True)
 class Options:
-    """The options of `tile`, checked; a size of None is for the run to choose.
-
-    Those of a surface are apart.
-    """
+    """The options of `tile`, checked; a size of None is for the run to choose."""
 
     folders: Folders
     tile_rows: int | None
@@ -87,25 +84,7 @@ class Options:
         neighbors: bool,
         surface: Surfacing | None = None,
     ) -> Options:
-        """Check the options.
-
-        Parameters
-        ----------
-        out, tile_rows, scratch, nonfinite, resume, shards, neighbors
-            As for `tile`.
-        surface : Surfacing, optional
-            What a surface takes besides.
-
-        Returns
-        -------
-        Options
-            No folder has been made.
-
-        Raises
-        ------
-        InputError
-            An option is invalid.
-        """
+        """Check the options."""
         check_option("nonfinite", nonfinite, NonFinite)
         resumes = as_switch("resume", resume)
         is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
@@ -126,31 +105,7 @@ def triangulated(
     fitting: int = TILE_ROWS,
     cut: Cut = parts_of,
 ) -> Tiled:
-    """Do everything, or what is left to do.
-
-    Parameters
-    ----------
-    source : object
-        As for `tile`.
-    options : Options
-        Those of `tile`.
-    runner : Runner
-        What calls the tasks.
-    fitting : int
-        How many rows a tile has if the options do not say, nor an earlier run.
-    cut : callable
-        What cuts the source, as `parts_of`.
-
-    Returns
-    -------
-    Tiled
-        The finished triangulation.
-
-    Raises
-    ------
-    InputError, DegenerateInputError, OSError
-        As for `tile`.
-    """
+    """Do everything, or what is left to do."""
     folders = options.folders
     with claimed(folders, anew=not options.resumes):
         before = _earlier_rows(folders) if options.resumes else None
@@ -179,13 +134,7 @@ class Run:
     surface: Surfacing | None = None
 
     def finish(self, runner: Runner) -> None:
-        """Do everything, or what is left to do.
-
-        Parameters
-        ----------
-        runner : Runner
-            What calls the tasks.
-        """
+        """Do everything, or what is left to do."""
         scanned = self._scanned(runner)
         identity = self._identity([each.as_chunk for each in scanned])
         if self._is_finished(identity):
@@ -364,32 +313,7 @@ def _program() -> str:
 
 
 def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> int:
-    """Return how large tiles may be.
-
-    Parameters
-    ----------
-    memory : int
-        The bytes that a process may use.
-    threads : int
-        How many tiles it triangulates at a time.
-    row_bytes : int
-        What a row of a tile takes.
-
-    Returns
-    -------
-    int
-        Rows of a tile; 50,000 at least.
-
-    Raises
-    ------
-    InputError
-        Such tiles do not fit.
-
-    Examples
-    --------
-    >>> rows_within(1_000_000_000)
-    2500000
-    """
+    """Return how large tiles may be."""
     least = int((_PROCESS_BYTES + _FEWEST * row_bytes * threads) / _SHARE)
     if memory < least:
         raise InputError(

@@ -25,20 +25,7 @@ if TYPE_CHECKING:
 
 
 def tile_records(folders: Folders, tile: int) -> Integers:
-    """Read the rows of a tile from all runs, in their order.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `partition` wrote.
-    tile : int
-        The number of the tile.
-
-    Returns
-    -------
-    (k, 3) ndarray of int64
-        Row number, x and y, as 64-bit words, by ascending row.
-    """
+    """Read the rows of a tile from all runs, in their order."""
     runs = [*_runs(folders, tile)]
     records = np.empty((_count(runs), 3), dtype=np.int64)
     at = 0
@@ -49,20 +36,7 @@ def tile_records(folders: Folders, tile: int) -> Integers:
 
 
 def tile_values(folders: Folders, tile: int) -> Array:
-    """Read the values of a tile's rows from all runs, in the order of `tile_records`.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `partition` wrote the parts of a surface.
-    tile : int
-        The number of the tile.
-
-    Returns
-    -------
-    (k,) structured ndarray
-        Their coordinates and values.
-    """
+    """Read the values of a tile's rows from all runs, in the order of `tile_records`."""
     runs = [*_runs(folders, tile)]
     group = suffix(folders.groups.of(tile))
     kind = kind_of(Path(f"{stem_of(folders, 0)}{group}-values.npy"))  # of all runs
@@ -75,22 +49,7 @@ def tile_values(folders: Folders, tile: int) -> Array:
 
 
 def tile_sample(folders: Folders, tile: int, count: int) -> Floats:
-    """Draw rows of a tile from all runs, evenly.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `partition` wrote.
-    tile : int
-        The number of the tile.
-    count : int
-        How many rows, about.
-
-    Returns
-    -------
-    (k, 2) ndarray of float64
-        Points.
-    """
+    """Draw rows of a tile from all runs, evenly."""
     runs = [*_runs(folders, tile)]
     step = max(1, _count(runs) // count)
     found = [
@@ -120,22 +79,7 @@ def _count(runs: list[tuple[str, int, int]]) -> int:
 
 
 def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
-    """Write the boxes of all nodes, from those of the runs; count the rows of the tiles.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to read and write.
-    plan : Plan
-        Where the tiles are.
-
-    Returns
-    -------
-    sizes : list of int
-        How many rows each tile has.
-    skipped : (k,) ndarray of int64
-        The rows that are not finite.
-    """
+    """Write the boxes of all nodes, from those of the runs; count the rows of the tiles."""
     sizes = np.zeros(plan.tiles, dtype=np.int64)
     tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
     skipped = [np.empty(0, dtype=np.int64)]
@@ -152,31 +96,12 @@ def save_boxes(folders: Folders, plan: Plan) -> tuple[list[int], Integers]:
 
 
 def save_plan(folders: Folders, plan: Plan) -> None:
-    """Write where the tiles are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to write.
-    plan : Plan
-        The plan.
-    """
+    """Write where the tiles are."""
     save_record(folders.scratch / PLAN, folders.plan, plan.as_dict())
 
 
 def earlier_plan(folders: Folders) -> Plan | None:
-    """Read where the tiles of an earlier run are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_plan` may have written.
-
-    Returns
-    -------
-    Plan or None
-        The last plan; None if there is none, or it is damaged.
-    """
+    """Read where the tiles of an earlier run are."""
     try:
         name = load_json(folders.scratch / PLAN).get("plan")
     except (FileNotFoundError, FormatError):
@@ -186,23 +111,7 @@ def earlier_plan(folders: Folders) -> Plan | None:
 
 
 def load_plan(folders: Folders) -> Plan:
-    """Read where the tiles are.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where `save_plan` wrote.
-
-    Returns
-    -------
-    Plan
-        The plan.
-
-    Raises
-    ------
-    FormatError
-        It is of another run, or damaged.
-    """
+    """Read where the tiles are."""
     lists = load_record(folders.scratch / PLAN, folders.plan)
     if lists is None:
         raise FormatError(f"{folders.scratch / PLAN}: not of this run: tile the source again")

@@ -32,10 +32,7 @@ class Runner(Protocol):
         """Call a task with each of some arguments, in any order; return its results in order."""
 
     def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
-        """Call `stages.node` for all nodes of a plan, children first; the root is the last.
-
-        When the tiles of a group are done, `release` is called for it.
-        """
+        """Call `stages.node` for all nodes of a plan, children first; the root is the last."""
 
 
 class Meter:
@@ -107,18 +104,7 @@ class Serial:
 
 
 def in_order(plan: Plan) -> list[tuple[int, list[int]]]:
-    """List the nodes of a plan with their children: these first, and the root last.
-
-    Parameters
-    ----------
-    plan : Plan
-        Where the tiles are.
-
-    Returns
-    -------
-    list of (int, list of int)
-        Cuts, and tiles as ``~t``.
-    """
+    """List the nodes of a plan with their children: these first, and the root last."""
     found: list[tuple[int, list[int]]] = []
     waiting = [0 if plan.tiles > 1 else ~0]
     while waiting:  # parents first, then reversed

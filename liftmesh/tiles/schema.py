@@ -27,21 +27,7 @@ _RESERVED = {ROW[0], *(name for name, _ in POSITION), *_PARTS}
 
 @dataclass(frozen=True)
 class Schema:
-    """What the rows of a cloud have besides a position.
-
-    Attributes
-    ----------
-    fields : tuple
-        Name, type and shape of each, as of a structured type of NumPy.
-    crs : str or None
-        The coordinate system.
-    color_depth : int or None
-        As of a `Cloud`.
-    columns : mapping of str to str
-        As of a `Report`.
-    unit : str or None
-        The unit that the band of a raster says of its heights.
-    """
+    """What the rows of a cloud have besides a position."""
 
     fields: tuple[tuple[Any, ...], ...] = ()
     crs: str | None = None
@@ -65,13 +51,7 @@ class Schema:
         return np.dtype([*POSITION, *self.fields])
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what JSON holds.
-
-        Returns
-        -------
-        dict
-            The attributes.
-        """
+        """Return what JSON holds."""
         fields = [[name, kind, list(shape)] for name, kind, shape in self.fields]
         return {
             "fields": fields,
@@ -83,41 +63,14 @@ class Schema:
 
     @classmethod
     def from_dict(cls, said: Mapping[str, Any]) -> Schema:
-        """Return the schema of such a dictionary.
-
-        Parameters
-        ----------
-        said : mapping
-            What `as_dict` returned; it may hold more.
-
-        Returns
-        -------
-        Schema
-            The same.
-        """
+        """Return the schema of such a dictionary."""
         fields = tuple((name, kind, tuple(shape)) for name, kind, shape in said["fields"])
         columns = FrozenDict(said["columns"])
         return cls(fields, said["crs"], said["color_depth"], columns, said.get("unit"))
 
 
 def schema_of(cloud: Cloud) -> Schema:
-    """Tell what the rows of a cloud have.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Any.
-
-    Returns
-    -------
-    Schema
-        Colours first, then normals, then named values in their order.
-
-    Raises
-    ------
-    InputError
-        Values have names that the position has, or are objects of Python.
-    """
+    """Tell what the rows of a cloud have."""
     fields = []
     for name, values in _values_of(cloud).items():
         if name in _RESERVED and name not in _PARTS:
@@ -132,18 +85,7 @@ def schema_of(cloud: Cloud) -> Schema:
 
 
 def records_from(cloud: Cloud) -> Array:
-    """Put the rows of a cloud and their values into records.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Any.
-
-    Returns
-    -------
-    (n,) structured ndarray
-        Of the type of its schema.
-    """
+    """Put the rows of a cloud and their values into records."""
     found = np.empty(len(cloud), schema_of(cloud).dtype)
     for k, (name, _) in enumerate(POSITION):
         found[name] = cloud.points[:, k]
@@ -153,20 +95,7 @@ def records_from(cloud: Cloud) -> Array:
 
 
 def cloud_from(records: Array, schema: Schema) -> Cloud:
-    """Make a cloud of records.
-
-    Parameters
-    ----------
-    records : (n,) structured ndarray
-        With the fields of a schema.
-    schema : Schema
-        What they are.
-
-    Returns
-    -------
-    Cloud
-        Copies of their values.
-    """
+    """Make a cloud of records."""
     values = {name: np.ascontiguousarray(records[name]) for name, _, _ in schema.fields}
     parts: dict[str, Any] = {name: values.pop(name) for name in _PARTS if name in values}
     points = np.stack([records[name] for name, _ in POSITION], axis=1)

@@ -30,22 +30,7 @@ _MOST_ROWS = 1 << 31  # that have a number in PLY
 
 
 def check_format(shards: ShardFormat, rows: int) -> None:
-    """Raise if shards of a format cannot be written, before anything is.
-
-    Parameters
-    ----------
-    shards : {"npy", "parquet", "ply"}
-        The format.
-    rows : int
-        How many rows the source has.
-
-    Raises
-    ------
-    InputError
-        PLY cannot number so many rows.
-    MissingDependencyError
-        Parquet is wanted, and pyarrow is not installed.
-    """
+    """Raise if shards of a format cannot be written, before anything is."""
     if shards == "ply" and rows > _MOST_ROWS:
         raise InputError(
             f"PLY has no 64-bit integers for the numbers of {rows:,} rows, only of "
@@ -56,77 +41,19 @@ def check_format(shards: ShardFormat, rows: int) -> None:
 
 
 def save_shard(path: Path, triangles: Integers, records: Integers) -> str:
-    """Write triangles in the format that the suffix names.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    triangles : (m, 3) ndarray of int64
-        Rows of the source.
-    records : (k, 3) ndarray of int64
-        Row, x and y of at least their corners, as 64-bit words; only PLY needs them.
-
-    Returns
-    -------
-    str
-        The SHA-256 of the file.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write triangles in the format that the suffix names."""
     return _FORMATS[path.suffix].save(path, triangles, records)
 
 
 def read_shard(path: Path, stated: Mapping[str, Any] | None = None) -> Integers:
-    """Read the triangles of a shard.
-
-    Parameters
-    ----------
-    path : Path
-        What `save_shard` has written.
-    stated : mapping, optional
-        What the manifest says of it, which has to be so.
-
-    Returns
-    -------
-    (m, 3) ndarray of int64
-        Rows of the source, in the order in which they were written.
-
-    Raises
-    ------
-    FormatError
-        It is damaged.
-    OSError
-        It cannot be read.
-    """
+    """Read the triangles of a shard."""
     if stated is not None:
         sound(path, stated["sha256"])
     return _checked(path, _FORMATS[path.suffix].read(path), stated)
 
 
 def open_shard(path: Path, stated: Mapping[str, Any] | None = None) -> Integers:
-    """Map the triangles of a shard if its format allows, and read them otherwise.
-
-    Parameters
-    ----------
-    path : Path
-        What `save_shard` has written.
-    stated : mapping, optional
-        As for `read_shard`.
-
-    Returns
-    -------
-    (m, 3) ndarray of int64
-        As from `read_shard`.
-
-    Raises
-    ------
-    FormatError, OSError
-        As for `read_shard`.
-    """
+    """Map the triangles of a shard if its format allows, and read them otherwise."""
     if path.suffix != ".npy":
         return read_shard(path, stated)
     if stated is not None:
@@ -135,23 +62,7 @@ def open_shard(path: Path, stated: Mapping[str, Any] | None = None) -> Integers:
 
 
 def vertices_of(path: Path) -> Integers | None:
-    """Read the vertices that a shard has itself.
-
-    Parameters
-    ----------
-    path : Path
-        What `save_shard` has written.
-
-    Returns
-    -------
-    (k, 3) ndarray of int64 or None
-        Row, x and y as 64-bit words; None for formats that name rows of the source alone.
-
-    Raises
-    ------
-    FormatError, OSError
-        As for `read_shard`.
-    """
+    """Read the vertices that a shard has itself."""
     if path.suffix != ".ply":
         return None
     cloud = _read_cloud(path)

@@ -34,10 +34,7 @@ BY_RANGES = (".npy", ".parquet", ".pq", ".las")
 
 @dataclass(frozen=True)
 class Origin:
-    """Where rows are from: the source as the caller knows it, and the first row within that.
-
-    Sources are numbered, as two of them may have one name. Only paths can be opened again.
-    """
+    """Where rows are from: the source as the caller knows it, and the first row within that."""
 
     source: str
     number: int = 0
@@ -126,25 +123,7 @@ class ArrayPart:
 
 
 def planar(part: Part) -> Floats:
-    """Read x and y of a part.
-
-    Parameters
-    ----------
-    part : Part
-        Rows of a source.
-
-    Returns
-    -------
-    (n, 2) ndarray of float64
-        Contiguous, and nobody else's.
-
-    Raises
-    ------
-    InputError
-        The rows have no two or three columns, or a number is not exactly representable.
-    FormatError
-        The file is damaged.
-    """
+    """Read x and y of a part."""
     try:
         rows = widened(as_coordinates(part.read()))[:, :2]
     except InputError as error:
@@ -153,29 +132,7 @@ def planar(part: Part) -> Floats:
 
 
 def parts_of(source: object, rows: int, scratch: Path, show: Progress = unheard) -> list[Part]:
-    """Cut a source into parts.
-
-    Parameters
-    ----------
-    source : path, array_like, cloud, iterator, or a list of paths
-        What `tile` accepts.
-    rows : int
-        How many rows a part may have.
-    scratch : Path
-        Where to write what cannot be read by ranges.
-    show : callable
-        Hears which share of that is written.
-
-    Returns
-    -------
-    list of Part
-        In the order of the rows.
-
-    Raises
-    ------
-    InputError, FormatError, UnsupportedTypeError, OSError
-        The source cannot be read, or holds no points.
-    """
+    """Cut a source into parts."""
     files = files_of(source)
     if files is not None:
         each = [
@@ -193,23 +150,7 @@ def parts_of(source: object, rows: int, scratch: Path, show: Progress = unheard)
 
 
 def files_of(source: object) -> list[Origin] | None:
-    """List the files of a source.
-
-    Parameters
-    ----------
-    source : object
-        What `tile` accepts.
-
-    Returns
-    -------
-    list of Origin or None
-        None if the source is no path, nor a list of paths.
-
-    Raises
-    ------
-    FormatError
-        A folder holds no Parquet.
-    """
+    """List the files of a source."""
     paths: list[Any] = [*source] if isinstance(source, list | tuple) else [source]
     if not paths or not all(isinstance(path, str | os.PathLike) for path in paths):
         return None
@@ -221,31 +162,7 @@ def files_of(source: object) -> list[Origin] | None:
 def parts_of_file(
     origin: Origin, name: str, rows: int, scratch: Path, show: Progress = unheard
 ) -> list[Part]:
-    """Cut a file into parts.
-
-    Parameters
-    ----------
-    origin : Origin
-        The file, as the caller knows it.
-    name : str
-        The path to open.
-    rows : int
-        How many rows a part may have.
-    scratch : Path
-        Where to write what cannot be read by ranges.
-    show : callable
-        As for `parts_of`.
-
-    Returns
-    -------
-    list of Part
-        In the order of the rows.
-
-    Raises
-    ------
-    InputError, FormatError, OSError
-        It cannot be read, or holds no points.
-    """
+    """Cut a file into parts."""
     suffix = Path(name).suffix.lower()
     if suffix == ".npy":
         return [*npy_parts(origin, name, rows)]
@@ -262,27 +179,7 @@ def parts_of_file(
 
 
 def in_file(points: Array, path: Path, origin: Origin) -> Part:
-    """Write x and y of points to a file.
-
-    Parameters
-    ----------
-    points : (n, 2) or (n, 3) ndarray
-        Points.
-    path : Path
-        The file.
-    origin : Origin
-        Where they are from.
-
-    Returns
-    -------
-    Part
-        Its rows.
-
-    Raises
-    ------
-    InputError
-        As for `planar`.
-    """
+    """Write x and y of points to a file."""
     rows = planar(ArrayPart(points, origin))
     save_array(path, rows)
     offset = path.stat().st_size - rows.nbytes
@@ -297,27 +194,7 @@ def _is_plain(array: np.memmap[Any, Any]) -> bool:
 
 
 def npy_parts(origin: Origin, name: str, rows: int) -> list[NpyPart]:
-    """Cut an NPY file into parts.
-
-    Parameters
-    ----------
-    origin : Origin
-        The file.
-    name : str
-        Its path.
-    rows : int
-        How many rows a part may have.
-
-    Returns
-    -------
-    list of NpyPart
-        In the order of the rows.
-
-    Raises
-    ------
-    FormatError
-        It is no array of two or three columns, or truncated.
-    """
+    """Cut an NPY file into parts."""
     with Path(name).open("rb") as stream:
         layout = Layout.read(stream, name)
         layout.check_size(remaining(stream), name)

@@ -40,30 +40,7 @@ JOB = "job.json"
 
 @dataclass(frozen=True)
 class Folders:
-    """Where a run writes: the triangles, and what it needs itself.
-
-    Attributes
-    ----------
-    out, scratch : Path
-        The folders.
-    plan : str
-        The hash of the plan that the files are of; empty before there is one.
-    held : int
-        How many points a merge may have in memory; with more, its arrays are in files.
-    runs : int
-        How many parts the source has.
-    groups : Groups
-        Which tiles share files of rows.
-    released : frozenset of int
-        The groups whose rows are not needed: an earlier run has done their tiles.
-    shards : {"npy", "parquet", "ply"}
-        The format of the triangles.
-    neighbors : bool
-        Whether neighbours are written, too.
-    policy : str
-        Of a surface, what is done with rows at equal positions, as ``duplicates`` of `triangulate`;
-        empty for triangles alone.
-    """
+    """Where a run writes: the triangles, and what it needs itself."""
 
     out: Path
     scratch: Path
@@ -79,33 +56,7 @@ class Folders:
 
 @dataclass(frozen=True)
 class Done:
-    """What a node has done.
-
-    Attributes
-    ----------
-    name : int
-        A cut of the plan, or ``~t`` for tile t.
-    rows : int
-        How many points it was given.
-    rows_up : int
-        How many it handed up.
-    bytes_up : int
-        The size of what it handed up.
-    triangles, duplicates : int
-        How many it wrote.
-    is_flat : bool
-        Whether its points have no triangle.
-    frontier : tuple of int
-        The nodes whose files hold what goes up: itself, or, if it left all to its parent, those
-        below it.
-    shards, notes : dict of str to str
-        The SHA-256 of the files it wrote, in the output folder and in the scratch folder.
-    vertices, overhangs : int
-        Of a surface, how many vertices it wrote, and how many of the duplicates are at another
-        height than the row that is used.
-    extent : tuple of float
-        Of a surface, as from `extent_of`; empty if it wrote no vertices.
-    """
+    """What a node has done."""
 
     name: int
     rows: int
@@ -129,43 +80,18 @@ class Done:
 
 
 def label(name: int) -> str:
-    """Name the files of a node.
-
-    >>> label(~7), label(3)
-    ('tile-00007', 'seam-00003')
-    """
+    """Name the files of a node."""
     return f"seam-{name:05d}" if name >= 0 else f"tile-{~name:05d}"
 
 
 def node_of(stem: str) -> int:
-    """Return the node whose files have a name.
-
-    >>> node_of("tile-00007"), node_of("seam-00003")
-    (-8, 3)
-    """
+    """Return the node whose files have a name."""
     kind, number = stem.split("-")
     return int(number) if kind == "seam" else ~int(number)
 
 
 def node(folders: Folders, name: int, children: Sequence[Done], threads: int) -> Done:
-    """Do the work of a tile, or merge the frontiers below a cut.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where to read and write.
-    name : int
-        A cut of the plan, or ``~t`` for tile t.
-    children : sequence of Done
-        What the two children of a cut have done.
-    threads : int
-        Number of threads.
-
-    Returns
-    -------
-    Done
-        What it did, now or in an earlier run.
-    """
+    """Do the work of a tile, or merge the frontiers below a cut."""
     before = earlier(folders, name)
     if before is not None:
         return before
@@ -176,20 +102,7 @@ def node(folders: Folders, name: int, children: Sequence[Done], threads: int) ->
 
 
 def earlier(folders: Folders, name: int) -> Done | None:
-    """Return what a node has done in an earlier run.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where it would have written.
-    name : int
-        A cut of the plan, or ``~t`` for tile t.
-
-    Returns
-    -------
-    Done or None
-        None if it has not, or a file is damaged.
-    """
+    """Return what a node has done in an earlier run."""
     before = load_record(_record(folders, name), folders.plan)
     if before is None:
         return None

@@ -60,48 +60,14 @@ class Hashed:
 
 @contextmanager
 def saving(path: Path) -> Iterator[Hashed]:
-    """Write a file that is there when it is on the disk, whole.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Yields
-    ------
-    Hashed
-        Where to write.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write a file that is there when it is on the disk, whole."""
     with replacing(path, follow_links=False) as stream:
         yield Hashed(stream)
         _to_disk(stream)
 
 
 def save_array(path: Path, array: Array) -> str:
-    """Write an NPY file and return the SHA-256 of its bytes.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    array : ndarray
-        Contiguous.
-
-    Returns
-    -------
-    str
-        In hexadecimal digits.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write an NPY file and return the SHA-256 of its bytes."""
     plain = np.ascontiguousarray(array)
     with saving(path) as stream:
         stream.write(_header(plain))
@@ -126,22 +92,7 @@ def _is_latin(name: str) -> bool:
 
 
 def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) -> None:
-    """Write an NPY file of int64 from blocks of rows.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    shape : (int, int)
-        Of all blocks together.
-    blocks : iterable of ndarray of int64
-        The rows.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write an NPY file of int64 from blocks of rows."""
     header = {"descr": "<i8", "fortran_order": False, "shape": shape}
     with replacing(path, follow_links=False) as stream:
         np.lib.format.write_array_header_1_0(stream, header)
@@ -151,25 +102,7 @@ def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) 
 
 
 def mapped(path: Path) -> Integers:
-    """Map a file of a folder.
-
-    Parameters
-    ----------
-    path : Path
-        An NPY file.
-
-    Returns
-    -------
-    ndarray of int64
-        Its numbers.
-
-    Raises
-    ------
-    FormatError
-        It is damaged.
-    OSError
-        It cannot be read.
-    """
+    """Map a file of a folder."""
     try:
         found: Integers = np.load(path, mmap_mode="r")
     except (ValueError, EOFError) as error:
@@ -182,88 +115,31 @@ def mapped(path: Path) -> Integers:
 
 
 def within(numbers: Array, least: int, end: int) -> bool:
-    """Whether all numbers of an array, which may be empty, are in a range.
-
-    >>> within(np.array([0, 2]), 0, 3), within(np.array([-1]), 0, 3)
-    (True, False)
-    """
+    """Whether all numbers of an array, which may be empty, are in a range."""
     return not numbers.size or (least <= int(numbers.min()) and int(numbers.max()) < end)
 
 
 def concatenated(parts: Sequence[Array]) -> Array:
-    """Put arrays of one type side by side; NumPy would change the order of bytes in records.
-
-    Parameters
-    ----------
-    parts : sequence of ndarray
-        One or more.
-
-    Returns
-    -------
-    ndarray
-        Their rows, of the same type.
-    """
+    """Put arrays of one type side by side; NumPy would change the order of bytes in records."""
     shape = (sum(map(len, parts)), *parts[0].shape[1:])
     return np.concatenate(parts, out=np.empty(shape, parts[0].dtype))
 
 
 def save_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write a JSON file whose bytes depend on its content alone.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    content : mapping
-        Strings, numbers, lists and mappings.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write a JSON file whose bytes depend on its content alone."""
     with replacing(path, follow_links=False) as stream:
         stream.write(json.dumps(content, indent=1, sort_keys=True).encode() + b"\n")
         _to_disk(stream)
 
 
 def names_to_disk(folder: Path) -> None:
-    """Wait until the names of a folder's files are on the disk, as their contents are.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-
-    Raises
-    ------
-    OSError
-        The disk fails.
-    """
+    """Wait until the names of a folder's files are on the disk, as their contents are."""
     with opened(folder, os.O_RDONLY) as descriptor:
         os.fsync(descriptor)
 
 
 def load_json(path: Path) -> dict[str, Any]:
-    """Read a JSON file that holds an object.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    dict
-        Its content.
-
-    Raises
-    ------
-    FormatError
-        It is no JSON, or holds no object.
-    OSError
-        It cannot be read.
-    """
+    """Read a JSON file that holds an object."""
     try:
         content = json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:
@@ -274,46 +150,13 @@ def load_json(path: Path) -> dict[str, Any]:
 
 
 def save_record(path: Path, plan: str, content: Mapping[str, Any]) -> None:
-    """Write what a task has done, after the files that it wrote.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    plan : str
-        What the work depends on, as a hash.
-    content : mapping
-        As for `save_json`.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write what a task has done, after the files that it wrote."""
     names_to_disk(path.parent)
     save_json(path, {"content": content, "plan": plan, "seal": seal(plan, content)})
 
 
 def load_record(path: Path, plan: str) -> Any:
-    """Read what a task has done.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    plan : str
-        What the work depends on, as a hash.
-
-    Returns
-    -------
-    dict or None
-        The content; None if there is no record, or a damaged one, or one of another plan.
-
-    Raises
-    ------
-    OSError
-        It cannot be read.
-    """
+    """Read what a task has done."""
     try:
         record = load_json(path)
     except (FileNotFoundError, FormatError):
@@ -323,34 +166,12 @@ def load_record(path: Path, plan: str) -> Any:
 
 
 def seal(*content: object) -> str:
-    """Return a hash of what can be written as JSON.
-
-    Parameters
-    ----------
-    *content : object
-        Strings, numbers, lists and mappings.
-
-    Returns
-    -------
-    str
-        The SHA-256 in hexadecimal digits.
-    """
+    """Return a hash of what can be written as JSON."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def digest_of(path: Path) -> str:
-    """Return the SHA-256 of a file, or nothing if it is not there.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    str
-        In hexadecimal digits; empty for a missing file.
-    """
+    """Return the SHA-256 of a file, or nothing if it is not there."""
     digest = hashlib.sha256()
     try:
         with path.open("rb") as stream:
@@ -362,27 +183,7 @@ def digest_of(path: Path) -> str:
 
 
 def sound(path: Path, digest: str) -> Path:
-    """Raise if a file is not as it was written; one that stays as it is is read once for that.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    digest : str
-        Its SHA-256.
-
-    Returns
-    -------
-    Path
-        The same.
-
-    Raises
-    ------
-    FormatError
-        It was changed.
-    OSError
-        It cannot be read.
-    """
+    """Raise if a file is not as it was written; one that stays as it is is read once for that."""
     state = path.stat()
     known = (state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
     if _digest_in(path, known) != digest:
@@ -396,38 +197,12 @@ def _digest_in(path: Path, _state: tuple[int, ...]) -> str:
 
 
 def damaged(path: Path, reason: object) -> FormatError:
-    """Return the error for a file that does not hold what it was written to hold.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    reason : object
-        What is wrong.
-
-    Returns
-    -------
-    FormatError
-        To be raised.
-    """
+    """Return the error for a file that does not hold what it was written to hold."""
     return FormatError(f"{path}: damaged ({reason}): tile the source again")
 
 
 def is_sound(folder: Path, digests: Mapping[str, str]) -> bool:
-    """Whether all files of a folder are as they were written.
-
-    Parameters
-    ----------
-    folder : Path
-        Where they are.
-    digests : mapping of str to str
-        The SHA-256 of each, by name.
-
-    Returns
-    -------
-    bool
-        False if one is missing or was changed.
-    """
+    """Whether all files of a folder are as they were written."""
     return all(digest_of(folder / name) == digest for name, digest in digests.items())
 
 

@@ -21,36 +21,17 @@ if TYPE_CHECKING:
 
 
 def vertices_name(shard: str) -> str:
-    """Name the file of the vertices of a shard.
-
-    >>> vertices_name("tile-00007.npy")
-    'tile-00007-vertices.npy'
-    """
+    """Name the file of the vertices of a shard."""
     return f"{shard.partition('.')[0]}-vertices.npy"
 
 
 def faces_name(shard: str) -> str:
-    """Name the file of the faces of a shard.
-
-    >>> faces_name("tile-00007.npy")
-    'tile-00007-faces.npy'
-    """
+    """Name the file of the faces of a shard."""
     return f"{shard.partition('.')[0]}-faces.npy"
 
 
 def extent_in_manifest(done: Done) -> dict[str, Any]:
-    """Say how many vertices a shard has, and where they are.
-
-    Parameters
-    ----------
-    done : Done
-        What the node has done.
-
-    Returns
-    -------
-    dict
-        For the shard's entry; empty for triangles alone.
-    """
+    """Say how many vertices a shard has, and where they are."""
     if not done.vertices:
         return {}
     return {"vertices": done.vertices, "extent": list(done.extent)}
@@ -59,24 +40,7 @@ def extent_in_manifest(done: Done) -> dict[str, Any]:
 def about_surface(
     folders: Folders, identity: Mapping[str, Any], done: Sequence[Done], parts: int
 ) -> dict[str, Any]:
-    """Say what was found of a surface.
-
-    Parameters
-    ----------
-    folders : Folders
-        Where a run has written.
-    identity : mapping
-        What its files depend on.
-    done : sequence of Done
-        What all nodes have done.
-    parts : int
-        How many parts the source has.
-
-    Returns
-    -------
-    dict
-        The entry "surface" of the manifest; empty for triangles alone.
-    """
+    """Say what was found of a surface."""
     if "surface" not in identity:
         return {}
     apart = [folders.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]

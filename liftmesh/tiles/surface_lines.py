@@ -85,17 +85,7 @@ class Contouring:
 
 @dataclass(frozen=True)
 class _Steps:
-    """Faces that levels cross: the sides where they enter and leave.
-
-    Attributes
-    ----------
-    levels : (n,) ndarray of int64
-        Places in the list of levels.
-    sides : (n, 2, 2) ndarray of int64
-        The rows of the ends, the lower first, of the first and of the second side.
-    points : (n, 2, 2) ndarray of float64
-        Where the level crosses both.
-    """
+    """Faces that levels cross: the sides where they enter and leave."""
 
     levels: Integers
     sides: Integers
@@ -231,11 +221,7 @@ def _joined(steps: _Steps) -> tuple[Integers, Integers, Floats]:
 
 
 def _chains(follows: Integers) -> Iterator[tuple[Integers, bool]]:
-    """Yield the chains of a list of successors, and whether they are closed.
-
-    The last of an open chain follows itself. Successors of successors are taken again and again, so
-    the number of rounds is the logarithm of the longest chain.
-    """
+    """Yield the chains of a list of successors, and whether they are closed."""
     count = len(follows)
     if count == 0:
         return

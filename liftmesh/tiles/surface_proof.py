@@ -30,24 +30,7 @@ if TYPE_CHECKING:
 
 
 def proof_of(tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> Proof:
-    """Begin the proof of a folder.
-
-    Parameters
-    ----------
-    tiled : Tiled
-        The folder.
-    plan : Plan
-        Where its tiles are.
-    scratch : Path
-        Where to write.
-    threads : int
-        Number of threads.
-
-    Returns
-    -------
-    Proof
-        That of a surface, if it is one.
-    """
+    """Begin the proof of a folder."""
     kind = SurfaceProof if "surface" in tiled.manifest else Proof
     return kind(tiled, plan, scratch, threads)
 

@@ -28,15 +28,7 @@ _WHOLE = {
 
 @dataclass(frozen=True)
 class Surfacing:
-    """The options of a surface, checked.
-
-    Attributes
-    ----------
-    duplicates : str
-        As for `triangulate`.
-    reading : Reading
-        How the source is read.
-    """
+    """The options of a surface, checked."""
 
     duplicates: str
     reading: Reading
@@ -45,25 +37,7 @@ class Surfacing:
     def checked(
         cls, duplicates: str, plane: object, crs: str | None, options: Mapping[str, Any]
     ) -> Surfacing:
-        """Check the options.
-
-        Parameters
-        ----------
-        duplicates, plane, crs
-            As for `tile_surface`.
-        options : mapping
-            Those of `read_chunks`.
-
-        Returns
-        -------
-        Surfacing
-            The options.
-
-        Raises
-        ------
-        InputError
-            An option is invalid, or is one of `triangulate` that tiles do not know.
-        """
+        """Check the options."""
         check_option("duplicates", duplicates, Duplicates)
         if not isinstance(plane, str) or plane != "xy":
             raise InputError(
@@ -78,18 +52,7 @@ class Surfacing:
         return cls(duplicates, Reading(crs, as_json(options)))
 
     def check_shards(self, shards: ShardFormat) -> None:
-        """Raise if the triangles of a surface cannot be in a format.
-
-        Parameters
-        ----------
-        shards : {"npy", "parquet", "ply"}
-            The format.
-
-        Raises
-        ------
-        InputError
-            It is not "npy".
-        """
+        """Raise if the triangles of a surface cannot be in a format."""
         if shards != "npy":
             raise InputError(
                 f"shards is {shown(shards)}: a surface has NPY, with vertices and faces beside the "
@@ -97,18 +60,7 @@ class Surfacing:
             )
 
     def as_dict(self, schema: Schema) -> dict[str, Any]:
-        """Return what the files of a run depend on.
-
-        Parameters
-        ----------
-        schema : Schema
-            That of the source.
-
-        Returns
-        -------
-        dict
-            For JSON.
-        """
+        """Return what the files of a run depend on."""
         return {
             "duplicates": self.duplicates,
             "reading": dict(self.reading.options),
@@ -117,39 +69,12 @@ class Surfacing:
 
 
 def schema_of_parts(parts: Sequence[Part]) -> Schema:
-    """Return what the rows of all parts have.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        One or more, alike.
-
-    Returns
-    -------
-    Schema
-        That of the first.
-    """
+    """Return what the rows of all parts have."""
     return cast("Valued", parts[0]).schema
 
 
 def as_json(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Check that options of reading can be written down, to read the same rows again.
-
-    Parameters
-    ----------
-    options : mapping
-        As for `read_chunks`.
-
-    Returns
-    -------
-    dict
-        The same with lists for other sequences.
-
-    Raises
-    ------
-    InputError
-        One is neither text, number, nor a sequence or mapping of these.
-    """
+    """Check that options of reading can be written down, to read the same rows again."""
     return {name: _plain(name, value) for name, value in options.items()}
 
 

@@ -41,20 +41,7 @@ def verified(
     threads: int | None,
     progress: Progress | None,
 ) -> Certificate:
-    """Do what `Tiled.verify` says.
-
-    Parameters
-    ----------
-    tiled : Tiled
-        A folder.
-    points, scratch, threads, progress
-        As for `Tiled.verify`.
-
-    Returns
-    -------
-    Certificate
-        What was found.
-    """
+    """Do what `Tiled.verify` says."""
     check_progress(progress)
     tiled = _Unproved(tiled.directory, tiled.manifest)
     count, _ = as_threads(threads, _MANY)

@@ -26,24 +26,7 @@ from liftmesh.tiles.schema import ROW
 
 @dataclass(frozen=True)
 class Vertices:
-    """What a node of a tiled surface decides.
-
-    Attributes
-    ----------
-    merged : Merged
-        Its triangles, and what goes up, by rows of the source.
-    shard : (v,) structured ndarray
-        The corners of its triangles by ascending row, with their values.
-    faces : (m, 3) ndarray of int32
-        Its triangles between these.
-    up : (k,) structured ndarray
-        The values of what goes up, in its order.
-    overhangs : int
-        How many of its duplicates are at another height than the row that is used.
-    heights : (h, 2) ndarray of float64
-        The positions of the plan at which very many rows are, as numbers, and the height of the row
-        that was chosen there.
-    """
+    """What a node of a tiled surface decides."""
 
     merged: Merged
     shard: Array
@@ -54,20 +37,7 @@ class Vertices:
 
 
 def numbered(part: Frontier) -> tuple[Frontier, Integers]:
-    """Call the points of a node by their places, from 0 on.
-
-    Parameters
-    ----------
-    part : Frontier
-        What comes to a node.
-
-    Returns
-    -------
-    part : Frontier
-        The same with places instead of rows.
-    records : (n, 3) ndarray of int64
-        What was there.
-    """
+    """Call the points of a node by their places, from 0 on."""
     records = np.array(part.records)
     places = records.copy()
     places[:, 0] = np.arange(len(places))
@@ -77,31 +47,7 @@ def numbered(part: Frontier) -> tuple[Frontier, Integers]:
 def of_rows(
     found: Merged, records: Integers, values: Array, policy: str, repeated: Floats
 ) -> Vertices:
-    """Choose the row that stands for each position, and name it instead of the place.
-
-    Parameters
-    ----------
-    found : Merged
-        What a merge has decided, by places.
-    records : (n, 3) ndarray of int64
-        Row, x and y of each place.
-    values : (n,) structured ndarray
-        Coordinates and values of each place.
-    policy : str
-        As ``duplicates`` of `triangulate`.
-    repeated : (h, 2) ndarray of float64
-        As of a `Plan`.
-
-    Returns
-    -------
-    Vertices
-        By rows.
-
-    Raises
-    ------
-    DuplicateHeightError
-        Two rows at one position have different heights, and the policy is "error".
-    """
+    """Choose the row that stands for each position, and name it instead of the place."""
     rows = records[:, 0]
     pairs = found.duplicates.astype(np.int32)
     positions = records[:, 1:].view(np.float64)
@@ -127,24 +73,7 @@ def of_rows(
 
 
 def mesh_of(triangles: Array, rows: Integers, values: Array) -> tuple[Array, Rows]:
-    """Take the corners of triangles out of all points.
-
-    Parameters
-    ----------
-    triangles : (m, 3) ndarray of int
-        Places of their corners.
-    rows : (n,) ndarray of int64
-        The row of each place.
-    values : (n,) structured ndarray
-        Its values.
-
-    Returns
-    -------
-    vertices : (v,) structured ndarray
-        The corners by ascending row, as from `with_rows`.
-    faces : (m, 3) ndarray of int32
-        The triangles between these.
-    """
+    """Take the corners of triangles out of all points."""
     is_corner = np.zeros(len(rows), dtype=np.bool_)
     is_corner[triangles.reshape(-1)] = True
     corners = np.flatnonzero(is_corner)
@@ -155,20 +84,7 @@ def mesh_of(triangles: Array, rows: Integers, values: Array) -> tuple[Array, Row
 
 
 def with_rows(rows: Integers, values: Array) -> Array:
-    """Put rows and their values into records.
-
-    Parameters
-    ----------
-    rows : (n,) ndarray of int64
-        Rows.
-    values : (n,) structured ndarray
-        Their values.
-
-    Returns
-    -------
-    (n,) structured ndarray
-        With the field "row" before the others.
-    """
+    """Put rows and their values into records."""
     kind = values.dtype
     fields: list[Any] = [ROW, *((name, kind[name]) for name in kind.names or ())]
     found = np.empty(len(rows), fields)
@@ -189,20 +105,7 @@ def _heights_at(repeated: Floats, positions: Floats, heights: Floats) -> Floats:
 
 
 def overhangs_apart(apart: Iterable[Path], chosen: Sequence[Path]) -> int:
-    """Count the rows that are in no tile and at another height than the chosen one.
-
-    Parameters
-    ----------
-    apart : iterable of Path
-        Of each chunk, the position and the height of such rows, (k, 2) float64.
-    chosen : sequence of Path
-        Of tiles, the heights that were chosen, as of `Vertices`.
-
-    Returns
-    -------
-    int
-        How many.
-    """
+    """Count the rows that are in no tile and at another height than the chosen one."""
     found = np.concatenate([np.empty((0, 2)), *(np.load(path) for path in chosen)])
     if not len(found):
         return 0
@@ -217,17 +120,6 @@ def overhangs_apart(apart: Iterable[Path], chosen: Sequence[Path]) -> int:
 
 
 def extent_of(vertices: Array) -> tuple[float, ...]:
-    """Return the least and the greatest x, y and z.
-
-    Parameters
-    ----------
-    vertices : (n,) structured ndarray
-        Some vertices.
-
-    Returns
-    -------
-    tuple of float
-        xmin, ymin, zmin, xmax, ymax, zmax.
-    """
+    """Return the least and the greatest x, y and z."""
     axes = [vertices[name] for name in ("x", "y", "z")]
     return (*(float(a.min()) + 0.0 for a in axes), *(float(a.max()) + 0.0 for a in axes))

@@ -31,32 +31,7 @@ _BLOCK = 1 << 19  # triangles that are looked at at once
 def part_of(
     tiled: TiledSurface, near: Iterator[tuple[Any, Rows]], most: int, threads: int | None
 ) -> Surface | int:
-    """Make a surface of some faces.
-
-    Parameters
-    ----------
-    tiled : TiledSurface
-        The whole.
-    near : iterator
-        The faces, as from `touching` or `Circles.near`.
-    most : int
-        How many faces it may have.
-    threads : int, optional
-        As for `delaunay`.
-
-    Returns
-    -------
-    Surface or int
-        The part, with the rows of its corners in ascending order as vertices; or how many faces
-        there are, if that is none or too many. Then the count may end with those that are too many.
-
-    Raises
-    ------
-    FormatError
-        A file is damaged.
-    OSError
-        A file cannot be read.
-    """
+    """Make a surface of some faces."""
     held: list[Rows] = []
     corners: list[Any] = []
     count = 0
@@ -83,22 +58,7 @@ def part_of(
 
 
 def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
-    """Yield the faces whose own boxes touch a box, and their corners.
-
-    Parameters
-    ----------
-    tiled : TiledSurface
-        The whole.
-    box : tuple of float
-        xmin, ymin, xmax and ymax.
-
-    Yields
-    ------
-    vertices : structured ndarray
-        The corners of these faces.
-    faces : (m, 3) ndarray of int32
-        Numbers of them.
-    """
+    """Yield the faces whose own boxes touch a box, and their corners."""
     for shard in tiled.manifest["shards"]:
         west, south, _, east, north, _ = shard["extent"]
         if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
@@ -114,42 +74,12 @@ def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
 
 
 def mesh_of(tiled: TiledSurface, shard: Mapping[str, Any]) -> tuple[Any, Rows]:
-    """Map a shard.
-
-    Parameters
-    ----------
-    tiled : TiledSurface
-        The whole.
-    shard : mapping
-        What the manifest says of it.
-
-    Returns
-    -------
-    vertices : structured ndarray
-        As from `TiledSurface.vertices`.
-    faces : (m, 3) ndarray of int32
-        As from `TiledSurface.faces`.
-    """
+    """Map a shard."""
     return tiled._vertices(shard), tiled._faces(shard)  # noqa: SLF001 - one of its parts
 
 
 def apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
-    """Take some faces and their corners out of a shard.
-
-    Parameters
-    ----------
-    vertices : structured ndarray
-        Those of the shard.
-    faces : (m, 3) ndarray of int32
-        Some of its faces.
-
-    Returns
-    -------
-    vertices : structured ndarray
-        Their corners.
-    faces : (m, 3) ndarray of int32
-        The same, as numbers of these.
-    """
+    """Take some faces and their corners out of a shard."""
     is_corner = np.zeros(len(vertices), dtype=np.bool_)
     is_corner[faces.reshape(-1)] = True
     number = np.cumsum(is_corner, dtype=np.int32) - np.int32(1)

@@ -24,24 +24,7 @@ _FIELD = "colorRed"
 
 
 def at_one_depth(colors: Array, scans: list[Scan], counts: list[int]) -> tuple[int | None, str]:
-    """Scale the colours of scans to the depth of the deepest, in place.
-
-    Parameters
-    ----------
-    colors : (n, 3) ndarray of uint8 or uint16
-        The colours of all scans, one after another.
-    scans : list of Scan
-        What the file says of them.
-    counts : list of int
-        The rows of each.
-
-    Returns
-    -------
-    depth : int or None
-        Bits per channel; None where no scan states any.
-    note : str
-        Which scans have colours beyond their limits; else nothing.
-    """
+    """Scale the colours of scans to the depth of the deepest, in place."""
     parts = np.split(colors, np.cumsum(counts)[:-1]) if counts else []
     largest = [int(each.max(initial=0)) for each in parts]
     stated = [_stated(each) for each in scans]

@@ -31,12 +31,7 @@ _SECONDS, _SLOWEST = 120, 100_000  # of a processor: for any file, and bytes tha
 
 @dataclass(frozen=True, slots=True)
 class Scan:
-    """What an E57 file says of a scan.
-
-    ``pose`` is the rotation (w, x, y, z) and the translation from its own coordinates to those of
-    the file. ``fields`` are the types by name; ``skipped`` names the fields of other kinds;
-    ``limits`` are the bounds of colours and intensities.
-    """
+    """What an E57 file says of a scan."""
 
     name: str
     rows: int
@@ -127,29 +122,7 @@ class Decoder:
 
 @contextmanager
 def decoded(stream: BinaryIO, name: str, limits: Limits) -> Iterator[Decoder]:
-    """Start the process that decodes a file.
-
-    Parameters
-    ----------
-    stream : binary stream
-        The file; what has no path is copied to a temporary one.
-    name : str
-        The file for messages.
-    limits : Limits
-        What the process may take.
-
-    Yields
-    ------
-    Decoder
-        What it sends.
-
-    Raises
-    ------
-    FormatError
-        It cannot be decoded.
-    MissingDependencyError
-        The package pye57 is not installed.
-    """
+    """Start the process that decodes a file."""
     with _path_of(stream, name) as path, tempfile.TemporaryFile() as messages:
         bounds = map(str, (PIECE, limits.memory, limits.seconds))
         words = [*command(PROGRAM, "libE57"), path, *bounds]

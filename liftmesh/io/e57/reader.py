@@ -33,26 +33,7 @@ _DENSEST = 200  # bytes in memory that a byte of the file is allowed
 
 
 def read_e57(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read the points of an E57 file.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the points take in memory.
-
-    Returns
-    -------
-    Cloud
-        The points of all scans. ``metadata["e57"]`` has the name and the number of points of each;
-        ``skipped`` names what is not read.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, exceeds the limit, or a scan has no coordinates.
-    MissingDependencyError
-        The package pye57 is not installed.
-    """
+    """Read the points of an E57 file."""
     size = check_header(stream, name)
     limit = limit_of(max_bytes, _DENSEST * size)
     with decoded(stream, name, Limits.of(size, limit)) as decoder:

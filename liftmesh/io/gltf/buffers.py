@@ -49,17 +49,7 @@ class Chunk:
 
 @dataclass(frozen=True, slots=True)
 class Stated:
-    """What a file says of a buffer.
-
-    Attributes
-    ----------
-    uri : str or None
-        Its address; None for the binary chunk.
-    size : int or None
-        Its bytes; None for all that there are.
-    is_fallback : bool
-        Whether it is for readers that cannot decompress, and so has no data without an address.
-    """
+    """What a file says of a buffer."""
 
     uri: str | None
     size: int | None
@@ -76,17 +66,7 @@ class _File:
 
 
 class Buffers:
-    """The buffers of a file by number, each read when it is first asked for.
-
-    Parameters
-    ----------
-    stated : sequence of Stated
-        What the file says of each.
-    chunk : Chunk or None
-        The binary chunk, if the file has one.
-    name : str
-        The file's name.
-    """
+    """The buffers of a file by number, each read when it is first asked for."""
 
     def __init__(self, stated: Sequence[Stated], chunk: Chunk | None, name: str) -> None:
         self._stated = stated

@@ -40,18 +40,7 @@ _ONE = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 
 
 def decoded(document: Document, parts: Sequence[Primitive]) -> list[Cloud]:
-    """Decode some primitives.
-
-    Returns
-    -------
-    list of Cloud
-        The points of each, in the coordinates of its mesh, with colours, normals and faces.
-
-    Raises
-    ------
-    FormatError
-        trimesh cannot read them.
-    """
+    """Decode some primitives."""
     plain = _Plain(document, parts)
     try:
         scene = _load_scene(plain.stream(), plain)
@@ -83,10 +72,7 @@ def _load_scene(stream: BinaryIO, resolver: object) -> Any:
 
 
 class _Plain:
-    """A glTF file of some primitives, and the resolver for its buffers.
-
-    Each accessor has a buffer of its own: a part of one of the document, not copied.
-    """
+    """A glTF file of some primitives, and the resolver for its buffers."""
 
     def __init__(self, document: Document, parts: Sequence[Primitive]) -> None:
         self._document = document

@@ -27,19 +27,7 @@ if TYPE_CHECKING:
 
 
 def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read a GLB file: the points and triangles of all meshes of its scene, each in its place.
-
-    Returns
-    -------
-    Cloud
-        Vertices, with colours and normals if every mesh has them; several meshes are combined.
-        What is not read, such as lines, is counted in ``metadata["skipped"]``.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, or its scene takes more than ``max_bytes``.
-    """
+    """Read a GLB file: the points and triangles of all meshes of its scene, each in its place."""
     return _read(stream, name, "glb", max_bytes)
 
 
@@ -49,23 +37,7 @@ def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> C
 
 
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
-    """Write a mesh, or points, as GLB with 8-bit colours.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The mesh or points; named values are written in single precision as ``_NAME``.
-
-    Returns
-    -------
-    tuple of float, or None
-        The origin that was subtracted: the translation of the node.
-
-    Raises
-    ------
-    FormatError
-        The coordinates do not fit single precision.
-    """
+    """Write a mesh, or points, as GLB with 8-bit colours."""
     file, origin = _file(cloud, "glb")
     stream.write(file.glb())
     return origin

@@ -37,19 +37,7 @@ _VALUE_BYTES = 8
 
 @dataclass(frozen=True, slots=True)
 class Primitive:
-    """A part of a mesh whose points are read.
-
-    Attributes
-    ----------
-    mode : int
-        `POINTS`, `TRIANGLES`, `STRIP` or `FAN`.
-    used : dict of str to Accessor
-        The positions, normals, colours, named values and indices that it has.
-    rows, faces : int
-        Its numbers of points and triangles.
-    crs : str or None
-        The coordinate system that its mesh states, if any.
-    """
+    """A part of a mesh whose points are read."""
 
     mode: int
     used: dict[str, Accessor]
@@ -73,13 +61,7 @@ class Primitive:
 def primitives(
     document: Document, number: int, skipped: Counter[str] | None = None
 ) -> Iterator[Primitive]:
-    """Yield the primitives of a mesh that are read, and count what is skipped.
-
-    Raises
-    ------
-    FormatError
-        A primitive has an unknown mode, or numbers of a type or count that cannot be.
-    """
+    """Yield the primitives of a mesh that are read, and count what is skipped."""
     what = f"meshes[{number}]"
     mesh = document.meshes[number]
     extras = mesh.get("extras")

@@ -22,18 +22,7 @@ _WIDEST = 4
 
 
 def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
-    """Return what glTF can hold of attributes: vectors of more than four values are split.
-
-    Raises
-    ------
-    FormatError
-        A part of a vector has the name of another attribute.
-
-    Examples
-    --------
-    >>> [*columns({"id": np.arange(3), "hist": np.zeros((3, 5)), "text": np.array(["a"] * 3)})]
-    ['id', 'hist_0', 'hist_1', 'hist_2', 'hist_3', 'hist_4']
-    """
+    """Return what glTF can hold of attributes: vectors of more than four values are split."""
     found: dict[str, Array] = {}
     for name, values in attributes.items():
         if reason(values):
@@ -51,13 +40,7 @@ def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def reason(values: Array) -> str:
-    """Say why glTF cannot hold an attribute; an empty text if it can.
-
-    Examples
-    --------
-    >>> reason(np.array([1.0, np.nan])), reason(np.arange(2))
-    ('not finite', '')
-    """
+    """Say why glTF cannot hold an attribute; an empty text if it can."""
     if values.dtype.kind not in "biuf":
         return "not numbers"
     if not values.size:
@@ -66,13 +49,7 @@ def reason(values: Array) -> str:
 
 
 def lost(attributes: Mapping[str, Array]) -> list[str]:
-    """Name the attributes that a file does not hold, or not in full.
-
-    Examples
-    --------
-    >>> lost({"height": np.array([0.1]), "text": np.array(["a"])})
-    ['double precision of height', 'text (not numbers)']
-    """
+    """Name the attributes that a file does not hold, or not in full."""
     found: list[str] = []
     for name, values in sorted(attributes.items()):
         if why := reason(values):
@@ -83,13 +60,7 @@ def lost(attributes: Mapping[str, Array]) -> list[str]:
 
 
 def keys(names: Mapping[str, Array]) -> dict[str, str]:
-    """Choose the name of each attribute in the file.
-
-    Examples
-    --------
-    >>> keys({"intensity": np.zeros(1), "Scan Angle": np.zeros(1), "scan_angle": np.zeros(1)})
-    {'intensity': '_INTENSITY', 'Scan Angle': '_SCAN_ANGLE', 'scan_angle': '_SCAN_ANGLE_1'}
-    """
+    """Choose the name of each attribute in the file."""
     found: dict[str, str] = {}
     numbers: Counter[str] = Counter()
     taken: set[str] = set()
@@ -104,24 +75,12 @@ def keys(names: Mapping[str, Array]) -> dict[str, str]:
 
 
 def note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dict[str, list[str]]:
-    """State the old name and type of each attribute.
-
-    Examples
-    --------
-    >>> note({"id": np.zeros(1, np.uint16)}, {"id": "_ID"})
-    {'_ID': ['id', 'uint16']}
-    """
+    """State the old name and type of each attribute."""
     return {key: [name, attributes[name].dtype.name] for name, key in names.items()}
 
 
 def restored(attributes: Mapping[str, Array], stated: object) -> dict[str, Array]:
-    """Give attributes their old names and types; what was stated wrongly has no effect.
-
-    Examples
-    --------
-    >>> restored({"_ID": np.ones(1), "_AGE": np.ones(1)}, {"_ID": ["id", "uint16"]})
-    {'id': array([1], dtype=uint16), 'AGE': array([1.])}
-    """
+    """Give attributes their old names and types; what was stated wrongly has no effect."""
     noted = stated if isinstance(stated, dict) else {}
     found: dict[str, Array] = {}
     wanted = {key: _stated(noted.get(key), key) for key in attributes}

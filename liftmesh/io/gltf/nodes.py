@@ -28,19 +28,7 @@ _PARTS = {"matrix": 16, "translation": 3, "rotation": 4, "scale": 3}
 
 @dataclass(slots=True)
 class Scene:
-    """The meshes that a scene shows, in its order.
-
-    Attributes
-    ----------
-    extras : dict
-        What the scene says of itself.
-    meshes : list of int
-        The mesh of each node that has one.
-    places : list of (4, 4) ndarray, or None
-        For each of them the transformation into the scene; None for the identity.
-    skipped : Counter
-        What nodes have that is not read.
-    """
+    """The meshes that a scene shows, in its order."""
 
     extras: Tree = field(default_factory=dict)
     meshes: list[int] = field(default_factory=list)
@@ -49,18 +37,7 @@ class Scene:
 
 
 def default_scene(document: Document) -> Scene:
-    """Walk through the scene that a file shows: ``scene``, or the first.
-
-    Returns
-    -------
-    Scene
-        What it shows, the last child of a node first, as trimesh lists them.
-
-    Raises
-    ------
-    FormatError
-        There is no such scene, a node is in it twice, or a transformation is invalid.
-    """
+    """Walk through the scene that a file shows: ``scene``, or the first."""
     scenes, nodes = document.scenes, document.nodes
     found = Scene()
     if not scenes and "scene" not in document.tree:
@@ -74,13 +51,7 @@ def default_scene(document: Document) -> Scene:
 
 
 def put_exactly(scene: Scene, origin: Origin) -> bool:
-    """Place meshes at an origin where a program rounded it to single precision, or did not.
-
-    Returns
-    -------
-    bool
-        Whether a mesh is there.
-    """
+    """Place meshes at an origin where a program rounded it to single precision, or did not."""
     with np.errstate(over="ignore", under="ignore"):
         rounded = np.array(origin).astype(np.float32)
     found = False

@@ -37,20 +37,7 @@ _MOST = int(np.iinfo(np.int32).max)
 
 
 def read_scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
-    """Read the scene that a glTF or GLB file shows.
-
-    Returns
-    -------
-    Cloud
-        All points and faces in the coordinates of the scene. Colours and normals are kept if every
-        primitive has them. ``metadata`` holds the extras of the scene, and under ``skipped`` what
-        was not read.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, holds no points, or expands to more than the limit.
-    """
+    """Read the scene that a glTF or GLB file shows."""
     document = Document(stream, name, kind, max_bytes)
     scene = default_scene(document)
     note = scene.extras.pop(NOTE) if isinstance(scene.extras.get(NOTE), dict) else {}
@@ -218,12 +205,7 @@ def _batches(parts: Iterator[_Part]) -> Iterator[list[_Part]]:
 
 
 class _Arrays:
-    """The arrays of a cloud, filled mesh by mesh.
-
-    The primitives of a mesh are joined in the rows of its last node, in the coordinates of the
-    mesh; from there it is placed at each of its nodes, and there last. So the steps are as many as
-    primitives and nodes, not as their products, and nothing is held twice.
-    """
+    """The arrays of a cloud, filled mesh by mesh."""
 
     def __init__(
         self,

@@ -70,29 +70,7 @@ class Accessor:
 
 
 class Document:
-    """The tree of a glTF file and its buffers; every access is checked.
-
-    The lists that are indexed over and over are checked once, here.
-
-    Parameters
-    ----------
-    stream : binary stream
-        The file, at its begin.
-    name, kind : str
-        Its name, and "glb" or "gltf".
-    max_bytes : int or None
-        Limit of what the tree may take in memory; None for twenty times its text.
-
-    Attributes
-    ----------
-    meshes, nodes, scenes : list of dict
-        The lists of these names; empty ones if there are none.
-
-    Raises
-    ------
-    FormatError
-        The tree is invalid, or promises more than there is; the message names the part.
-    """
+    """The tree of a glTF file and its buffers; every access is checked."""
 
     def __init__(self, stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> None:
         self.name = name

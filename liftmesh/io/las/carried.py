@@ -21,18 +21,7 @@ _LEAST, _MOST = 227, 1 << 16  # bytes of a header
 
 
 def entry(stated: Stated) -> dict[str, bytes]:
-    """Return the entry of metadata.
-
-    Parameters
-    ----------
-    stated : Stated
-        The header of a file.
-
-    Returns
-    -------
-    dict
-        "header", "records" and "extended": their bytes, and "gap", those before the points.
-    """
+    """Return the entry of metadata."""
     kept = [each for each in stated.records if _is_kept(each)]
     return {
         "header": stated.header,
@@ -65,18 +54,7 @@ class Carried:
 
 
 def carried(metadata: Mapping[str, Any]) -> Carried:
-    """Take the entry out of the metadata of a cloud; anything else of that name is nothing.
-
-    Parameters
-    ----------
-    metadata : mapping
-        Of a cloud.
-
-    Returns
-    -------
-    Carried
-        The header and the records.
-    """
+    """Take the entry out of the metadata of a cloud; anything else of that name is nothing."""
     found = metadata.get(ENTRY)
     values = [found.get(key) for key in _PARTS] if isinstance(found, Mapping) else []
     parts = [each for each in values if isinstance(each, bytes)]
@@ -100,20 +78,7 @@ def _walked(data: bytes, form: Any) -> Iterator[Record]:
 
 
 def made(user: bytes, number: int, data: bytes, description: bytes) -> Record:
-    """Make a record: an extended one if it is too long for others.
-
-    Parameters
-    ----------
-    user, number
-        Whose it is, and which.
-    data, description : bytes
-        Content, and what it is.
-
-    Returns
-    -------
-    Record
-        The record.
-    """
+    """Make a record: an extended one if it is too long for others."""
     form = RECORD if len(data) < _MOST else LONG_RECORD
     return Record(user, number, data, form.pack(0, user, number, len(data), description))
 

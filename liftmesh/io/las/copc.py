@@ -52,22 +52,7 @@ class Index:
     points: Array
 
     def chosen(self, selection: Selection, *, boxed: bool) -> tuple[Array, dict[str, int]]:
-        """Choose nodes: as coarse as the resolution allows, and those that meet the box.
-
-        Parameters
-        ----------
-        selection : Selection
-            The conditions on rows.
-        boxed : bool
-            Whether boxes count.
-
-        Returns
-        -------
-        nodes : (k,) ndarray of int
-            Nodes to read, increasing.
-        left_out : dict
-            Points of the others, by the condition that leaves them out.
-        """
+        """Choose nodes: as coarse as the resolution allows, and those that meet the box."""
         kept = np.ones(len(self.levels), np.bool_)
         left_out = {}
         for reason, meets in self._conditions(selection, boxed=boxed):
@@ -100,27 +85,7 @@ def _meet(low: Floats, high: Floats, wanted_low: Floats, wanted_high: Floats) ->
 
 
 def index_of(stream: BinaryIO, stated: Stated, chunks: Chunks, name: str) -> Index | None:
-    """Read the nodes of a file; the stream goes back to where it was.
-
-    Parameters
-    ----------
-    stream : binary stream
-        The file, at its beginning.
-    stated, chunks
-        What it states, checked.
-    name : str
-        The file for messages.
-
-    Returns
-    -------
-    Index or None
-        None if it is no COPC.
-
-    Raises
-    ------
-    FormatError
-        The record or a page states what cannot be.
-    """
+    """Read the nodes of a file; the stream goes back to where it was."""
     record = stated.record(*_RECORD)
     if record is None:
         return None

@@ -23,15 +23,7 @@ _OF_KEYS = (_KEYS, 34736, 34737)
 
 
 def crs_of(records: Iterable[Record], *, is_wkt: bool) -> str | None:
-    """Return the coordinate system as `Cloud.crs` holds it; None if there is none.
-
-    Parameters
-    ----------
-    records : iterable of Record
-        Of the file.
-    is_wkt : bool
-        Whether the header says that WKT counts, rather than GeoKeys.
-    """
+    """Return the coordinate system as `Cloud.crs` holds it; None if there is none."""
     found = _first(records)
     wkt = _text(found.get((PROJECTION, WKT)))
     if is_wkt and wkt:

@@ -27,11 +27,7 @@ _LONGEST = 32  # bytes of a name
 
 @dataclass(frozen=True, slots=True)
 class Extra:
-    """A value of a point: its name, the type and number of its elements, and its description.
-
-    ``scale`` and ``offset``, of each element, convert its numbers to what is read; None if they are
-    what is read.
-    """
+    """A value of a point: its name, the type and number of its elements, and its description."""
 
     name: str
     kind: np.dtype
@@ -66,20 +62,7 @@ def _stored(values: Array, base: np.dtype, scale: Array, offset: Array) -> Array
 
 
 def described(data: bytes, rest: int) -> list[Extra]:
-    """Return the extra bytes that a record describes, as laspy takes them.
-
-    Parameters
-    ----------
-    data : bytes
-        Content of the record.
-    rest : int
-        The bytes of a point beyond its format; what nothing describes comes last.
-
-    Returns
-    -------
-    list of Extra
-        In the order of the point.
-    """
+    """Return the extra bytes that a record describes, as laspy takes them."""
     parts = [data[place : place + _SIZE] for place in range(0, len(data) - _SIZE + 1, _SIZE)]
     found = [each for part in parts if (each := _described(part)) is not None]
     left = rest - sum(each.kind.itemsize for each in found)
@@ -108,20 +91,7 @@ def _described(part: bytes) -> Extra | None:
 
 
 def new(name: str, values: Array) -> Extra | None:
-    """Describe values by a type that holds them; None if there is none.
-
-    Parameters
-    ----------
-    name : str
-        Their name.
-    values : (n,) or (n, k) ndarray
-        The values.
-
-    Returns
-    -------
-    Extra or None
-        The description.
-    """
+    """Describe values by a type that holds them; None if there is none."""
     kind: np.dtype = values.dtype.newbyteorder("=")
     if kind.kind == "b" or kind.str[1:] == "f2":
         kind = np.dtype(np.uint8 if kind.kind == "b" else np.float32)

@@ -68,29 +68,7 @@ def with_colors(point_format: int, cloud: Cloud) -> int:
 
 
 def fields_of(cloud: Cloud, point_format: int, known: list[Extra]) -> Fields:
-    """Find a field for every value of a cloud.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The cloud.
-    point_format : int
-        Of the file.
-    known : list of Extra
-        The extra bytes of the file that the cloud comes from.
-
-    Returns
-    -------
-    Fields
-        The fields.
-
-    Raises
-    ------
-    FormatError
-        A value does not fit in its field; the message gives the row.
-    InputError
-        A colour is outside its range.
-    """
+    """Find a field for every value of a cloud."""
     standard = _Standard(point_format)
     values, lost = _named(cloud)
     fields = [*_of_colors(cloud), *standard.taken_from(values | _angles(values, standard.types))]
@@ -122,10 +100,7 @@ def _named(cloud: Cloud) -> tuple[dict[str, Array], list[str]]:
 
 
 def _angles(values: Mapping[str, Array], types: Mapping[str, str]) -> dict[str, Array]:
-    """Convert the angle of the scanner, if the file has it in other steps than the cloud.
-
-    What the cloud has becomes extra bytes besides: degrees are coarser.
-    """
+    """Convert the angle of the scanner, if the file has it in other steps than the cloud."""
     rank, fine = values.get(_RANK), values.get(_ANGLE)
     with np.errstate(invalid="ignore"):
         if _ANGLE in types and fine is None and _is_angle(rank):
@@ -236,10 +211,7 @@ def depth_of(cloud: Cloud) -> int | None:
 
 
 def depth_to_state(cloud: Cloud) -> int | None:
-    """Return the bits of colours that a file must state, as its values alone would tell others.
-
-    Floats, and integers wider than 16 bits, may all become numbers that look like 8 bits.
-    """
+    """Return the bits of colours that a file must state, as its values alone would tell others."""
     if cloud.colors is None:
         return None
     colors = cloud.colors[:, :3]
@@ -250,25 +222,7 @@ def depth_to_state(cloud: Cloud) -> int | None:
 
 
 def levels(colors: Array, depth: int | None) -> Array:
-    """Convert colours to 16 bits; those of 8 bits that stood in 16 keep their numbers.
-
-    Parameters
-    ----------
-    colors : (n, c) ndarray
-        Colours.
-    depth : int, optional
-        As `depth_of` says.
-
-    Returns
-    -------
-    (n, 3) ndarray of uint16
-        Without alpha.
-
-    Examples
-    --------
-    >>> levels(np.array([[0, 1, 255]], np.uint8), None), levels(np.ones((1, 3), np.uint8), 8)
-    (array([[    0,   257, 65535]], dtype=uint16), array([[1, 1, 1]], dtype=uint16))
-    """
+    """Convert colours to 16 bits; those of 8 bits that stood in 16 keep their numbers."""
     colors = colors[:, :3]
     if colors.dtype == np.uint16 or (colors.dtype == np.uint8 and depth == 8):
         return colors.astype(np.uint16)

@@ -34,20 +34,7 @@ _GEOCENTRIC_OF = {4326: 4978, 4978: 4978, 4979: 4978, 4258: 4936, 4936: 4936, 49
 
 
 def system_of(data: bytes | None) -> tuple[str | None, str]:
-    """Return the coordinate system that GeoKeys state.
-
-    Parameters
-    ----------
-    data : bytes, optional
-        The record.
-
-    Returns
-    -------
-    crs : str or None
-        ``EPSG:n``, with ``+m`` for heights; WKT if heights have nothing but a unit.
-    cause : str
-        Why there is none though there is a number; else nothing.
-    """
+    """Return the coordinate system that GeoKeys state."""
     keys = _entries(data or b"")
     if keys.get(_MODEL) == _IS_GEOCENTRIC:
         return _geocentric(keys.get(_GEOGRAPHIC, 0)), ""
@@ -66,13 +53,7 @@ def system_of(data: bytes | None) -> tuple[str | None, str]:
 
 
 def has_parameters(data: bytes | None) -> bool:
-    """Whether GeoKeys make up a projected system of parameters, rather than name one.
-
-    Examples
-    --------
-    >>> has_parameters(None)
-    False
-    """
+    """Whether GeoKeys make up a projected system of parameters, rather than name one."""
     keys = _entries(data or b"")
     is_named = keys.get(_PROJECTED, 0) in _NUMBERS
     is_projected = keys.get(_MODEL, _IS_PROJECTED) == _IS_PROJECTED

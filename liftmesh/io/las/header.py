@@ -37,11 +37,7 @@ _INDEXES = ((b"LASF_Spec", 65535), (b"copc", 1000))  # waveforms, and where poin
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A variable length record: whose it is, its number, and its content.
-
-    ``head`` are its first bytes as they are, of which extended records have 60, others 54;
-    ``left_out`` says that the content was not read.
-    """
+    """A variable length record: whose it is, its number, and its content."""
 
     user: bytes
     number: int
@@ -57,12 +53,7 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class Stated:
-    """What a header states; ``header`` are its bytes, ``gap`` those between records and points.
-
-    ``start`` is the first byte of the points, ``size`` that of the file, ``point_size`` the bytes
-    of a point; ``wkt`` says that the coordinate system is WKT, ``end`` is where records or
-    waveforms begin behind the points, else the size.
-    """
+    """What a header states; ``header`` are its bytes, ``gap`` those between records and points."""
 
     version: tuple[int, int]
     point_format: int
@@ -86,13 +77,7 @@ class Stated:
 
 
 def stated(stream: BinaryIO, name: str) -> Stated:
-    """Read a header and its records, and check them; the stream goes back to where it was.
-
-    Raises
-    ------
-    FormatError
-        It is no LAS file, or states what cannot be; the message gives the byte.
-    """
+    """Read a header and its records, and check them; the stream goes back to where it was."""
     begin = stream.tell()
     size = remaining(stream)
     try:

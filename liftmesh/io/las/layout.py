@@ -46,31 +46,7 @@ class Layout:
 
 
 def layout_of(cloud: Cloud, scale: float | None, point_format: int | None) -> Layout:
-    """Choose a layout.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The cloud.
-    scale : float, optional
-        Of all coordinates, which are rounded to it.
-    point_format : int, optional
-        0 to 10.
-
-    Returns
-    -------
-    Layout
-        The layout.
-
-    Raises
-    ------
-    FormatError
-        A value does not fit.
-    InputError
-        An option is none of its values, or a colour is outside its range.
-    MissingDependencyError
-        laspy is missing, or pyproj for the text of a number of EPSG.
-    """
+    """Choose a layout."""
     found = cloud.metadata.get(LAYOUT)
     said = found if isinstance(found, Mapping) and is_layout(LAYOUT, found) else {}
     kept = carried(cloud.metadata)
@@ -185,11 +161,7 @@ def _known_extras(kept: Carried) -> list[Extra]:
 def _records(
     cloud: Cloud, kept: Carried, fields: Fields, point_format: int
 ) -> tuple[list[Record], bool]:
-    """Return the records of the file: those that are kept, and those that are made anew.
-
-    LAS asks for WKT from format 6 on, and programs refuse others; but a file that was read, and has
-    GeoKeys all the same, stays as it was.
-    """
+    """Return the records of the file: those that are kept, and those that are made anew."""
     records = [*kept.records]
     data = b"".join(each.described for each in fields.extras)
     before = kept.of(*EXTRA_BYTES)

@@ -38,12 +38,7 @@ _EMPTY = 16  # chunks of nothing, which some programs write
 
 @dataclass(frozen=True, slots=True)
 class Chunks:
-    """The chunks of a file.
-
-    ``listed`` says whether a table lists them, ``largest`` how many points the largest has,
-    ``first`` where the first begins; ``table`` has the points and bytes of each. ``surplus`` says
-    what there is beyond the points that the header counts, if anything.
-    """
+    """The chunks of a file."""
 
     listed: bool
     largest: int
@@ -53,13 +48,7 @@ class Chunks:
 
 
 def chunks_of(stream: BinaryIO, stated: Stated, name: str) -> Chunks:
-    """Check what a file states of its chunks; the stream goes back to where it was.
-
-    Raises
-    ------
-    FormatError
-        It states what cannot be.
-    """
+    """Check what a file states of its chunks; the stream goes back to where it was."""
     begin = stream.tell()
     try:
         return _Reading(stream, begin, stated, name).chunks()

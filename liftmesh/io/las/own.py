@@ -28,22 +28,7 @@ _MOST = 1 << 19  # characters
 
 
 def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
-    """Make the record; None if there is nothing to say.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The cloud.
-    crs : str, optional
-        The coordinate system as the other records of the file say it.
-    depth : int, optional
-        The bits of colours, if their values alone would tell others.
-
-    Returns
-    -------
-    Record or None
-        The record.
-    """
+    """Make the record; None if there is nothing to say."""
     found: dict[str, Any] = {}
     entries = {k: v for k, v in metadata.storable(cloud.metadata).items() if not is_layout(k, v)}
     found |= {"metadata": entries} if entries else {}

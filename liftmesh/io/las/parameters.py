@@ -24,20 +24,7 @@ _MOST = 1 << 16  # bytes of a record
 
 
 def wkt_of(records: Mapping[int, bytes]) -> tuple[str | None, str]:
-    """Return the system that is made up of parameters.
-
-    Parameters
-    ----------
-    records : mapping of int to bytes
-        The directory of keys (34735), their doubles (34736) and their text (34737).
-
-    Returns
-    -------
-    wkt : str or None
-        None if GDAL cannot tell.
-    cause : str
-        Why there is none; else nothing.
-    """
+    """Return the system that is made up of parameters."""
     if not records.get(_DOUBLES):
         return None, "GeoKeys (a system made up of parameters, which are missing)"
     try:

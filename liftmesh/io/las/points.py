@@ -18,10 +18,7 @@ WAVE_PACKETS = (
 
 
 def types_of(dimensions: Sequence[Any]) -> tuple[dict[str, np.dtype], tuple[str, ...]]:
-    """Return the columns of a cloud with their types, and the extra bytes that cannot be one.
-
-    Values of a few bits become bytes; those with a scale of their own, doubles.
-    """
+    """Return the columns of a cloud with their types, and the extra bytes that cannot be one."""
     double = np.dtype(np.float64)
     types: dict[str, np.dtype] = dict.fromkeys(POSITION, double)
     refused = []
@@ -45,15 +42,7 @@ def _is_vector(dimension: Any) -> bool:
 
 
 class Block(Mapping[str, Array]):
-    """Points of a file: each column is computed when it is asked for.
-
-    Parameters
-    ----------
-    record : laspy.ScaleAwarePointRecord
-        The points.
-    names : sequence of str
-        The columns.
-    """
+    """Points of a file: each column is computed when it is asked for."""
 
     def __init__(self, record: Any, names: Sequence[str]) -> None:
         self._record = record

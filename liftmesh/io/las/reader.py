@@ -44,27 +44,7 @@ def read_las(
     max_bytes: int | None = None,
     selection: Selection | None = None,
 ) -> Cloud:
-    """Read a LAS or LAZ file.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the points of LAZ expand to.
-    selection : Selection, optional
-        Which rows are read.
-
-    Returns
-    -------
-    Cloud
-        Coordinates as float64; red, green and blue as colours; all other values as attributes.
-        ``metadata["las"]`` holds version, point format, scales, offsets, and the depth of
-        colours if it is 8.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, or exceeds a limit; the message gives the byte, or the points.
-    """
+    """Read a LAS or LAZ file."""
     file = _File(stream, name, max_bytes)
     if selection is not None:
         return _selected(file, selection, name)

@@ -38,22 +38,7 @@ os.register_at_fork(after_in_child=lambda: _forked.append(True))
 
 
 class Points:
-    """The points of an open file.
-
-    Parameters
-    ----------
-    stream : binary stream
-        The file, at its beginning.
-    stated : Stated
-        Its header.
-    name : str
-        The file for messages.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid beyond what its header says.
-    """
+    """The points of an open file."""
 
     def __init__(self, stream: BinaryIO, stated: Stated, name: str) -> None:
         self._name = name

@@ -9,14 +9,7 @@ from typing import Any, BinaryIO
 
 
 class Remembering:
-    """A stream that is read, and the first error of reading it.
-
-    Examples
-    --------
-    >>> stream = Remembering(io.BytesIO(b"points"))
-    >>> stream.seek(2), stream.read(3), stream.tell(), stream.failure
-    (2, b'int', 5, None)
-    """
+    """A stream that is read, and the first error of reading it."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream

@@ -7,15 +7,7 @@ from typing import BinaryIO
 
 
 class Shifted:
-    """A stream whose places count from another one's ``begin``.
-
-    Examples
-    --------
-    >>> stream = io.BytesIO(b"head points")
-    >>> part = Shifted(stream, 5)
-    >>> part.seek(0), part.read(6), part.tell(), stream.tell()
-    (0, b'points', 6, 11)
-    """
+    """A stream whose places count from another one's ``begin``."""
 
     def __init__(self, stream: BinaryIO, begin: int) -> None:
         self._stream = stream

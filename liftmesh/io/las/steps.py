@@ -25,10 +25,7 @@ _ULPS = 8  # by which a decimal and number * scale may differ
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """Scale and offset of a coordinate, and whether they give back every bit of it.
-
-    If they do not, ``near`` says whether it is the same decimal but for the rounding of doubles.
-    """
+    """Scale and offset of a coordinate, and whether they give back every bit of it."""
 
     scale: float
     offset: float
@@ -36,59 +33,19 @@ class Steps:
     near: bool = True
 
     def numbers(self, values: Floats) -> Array:
-        """Convert coordinates to whole numbers.
-
-        Parameters
-        ----------
-        values : (n,) ndarray of float64
-            Finite coordinates.
-
-        Returns
-        -------
-        (n,) ndarray of float64
-            The nearest whole numbers, which may not fit 32 bits.
-        """
+        """Convert coordinates to whole numbers."""
         with np.errstate(over="ignore", invalid="ignore", under="ignore", divide="ignore"):
             return np.rint((values - self.offset) / self.scale)
 
     def coordinates(self, numbers: Array) -> Floats:
-        """Convert whole numbers to coordinates, as readers do.
-
-        Parameters
-        ----------
-        numbers : (n,) ndarray
-            Whole numbers.
-
-        Returns
-        -------
-        (n,) ndarray of float64
-            Coordinates.
-        """
+        """Convert whole numbers to coordinates, as readers do."""
         with np.errstate(over="ignore", invalid="ignore", under="ignore"):
             found: Floats = numbers * self.scale + self.offset
             return found
 
 
 def steps_of(values: Floats, known: tuple[float, float] | None) -> Steps:
-    """Choose scale and offset of a coordinate.
-
-    Parameters
-    ----------
-    values : (n,) ndarray of float64
-        Finite coordinates.
-    known : (float, float), optional
-        Scale and offset of the file that they come from.
-
-    Returns
-    -------
-    Steps
-        With them every coordinate is in the range of 32 bits.
-
-    Examples
-    --------
-    >>> steps_of(np.array([512.25, 512.5]), None)
-    Steps(scale=0.01, offset=0.0, exact=True, near=True)
-    """
+    """Choose scale and offset of a coordinate."""
     if known is not None and (found := _tried(values, Steps(*known))):
         return found
     if not len(values):

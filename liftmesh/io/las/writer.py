@@ -47,27 +47,7 @@ def write_las(
     scale: float | None = None,
     point_format: int | None = None,
 ) -> None:
-    """Write a cloud as LAS, or LAZ.
-
-    Parameters
-    ----------
-    compressed : bool, default False
-        Whether to write LAZ.
-    scale : float, optional
-        Step of all coordinates, which are rounded to it; by default that of the file that was read,
-        or else the coarsest power of ten that loses no decimal.
-    point_format : int, optional
-        0 to 10; by default that of the file that was read, or else 6, and 7 with colours.
-
-    Raises
-    ------
-    FormatError
-        A value does not fit in its field; the message gives the row.
-    InputError
-        An option has an unknown value, or a colour is outside its range.
-    MissingDependencyError
-        laspy or lazrs is missing, or pyproj for the text of a number of EPSG.
-    """
+    """Write a cloud as LAS, or LAZ."""
     layout = layout_of(cloud, scale, point_format)
     if compressed and layout.point_format in _CONFUSED and _has_waves(cloud):
         raise FormatError(
@@ -231,10 +211,7 @@ class _Header:
 
 
 def _counts_of(header: bytes) -> tuple[int, list[int], list[int]]:
-    """Return what a header counts: points, all in its older fields, and points by return.
-
-    Some programs leave the older fields out, or do not count returns; then neither is said anew.
-    """
+    """Return what a header counts: points, all in its older fields, and points by return."""
     if not header:
         return -1, [], [1]
     older = [*struct.unpack_from("<6I", header, 107)]

@@ -47,33 +47,7 @@ _OF_TRIANGLES = ("indices", "normals")
 
 
 def to_cloud(source: Any) -> Cloud:
-    """Convert an Open3D point cloud, mesh or tensor of rows to a cloud.
-
-    Parameters
-    ----------
-    source : open3d.geometry.PointCloud, open3d.t.geometry.PointCloud, TriangleMesh or Tensor
-        Legacy or tensor, on any device.
-
-    Returns
-    -------
-    Cloud
-        One row per point, in the order of ``source``, with colours, normals and, for tensor
-        clouds, every named array; a mesh keeps its faces. Float64 positions of tensor clouds on
-        the CPU are shared with ``source``; data of legacy clouds is copied. ``metadata["skipped"]``
-        names what is not kept: values of triangles, textures, covariances.
-
-    Raises
-    ------
-    InputError
-        An array does not have one row per point.
-
-    Examples
-    --------
-    >>> import open3d as o3d
-    >>> points = o3d.utility.Vector3dVector([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
-    >>> len(to_cloud(o3d.geometry.PointCloud(points)))
-    3
-    """
+    """Convert an Open3D point cloud, mesh or tensor of rows to a cloud."""
     if type(source).__name__ == "Tensor":
         return Cloud(arrays.as_rows3(_numpy(source)))
     if hasattr(source, "vertex"):
@@ -84,32 +58,7 @@ def to_cloud(source: Any) -> Cloud:
 
 
 def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
-    """Convert a cloud with faces to a legacy Open3D mesh.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Points and faces. Legacy meshes hold RGB colours and normals only: alpha and named values
-        are dropped; ``to_tensor`` keeps them.
-
-    Returns
-    -------
-    open3d.geometry.TriangleMesh
-        Every row as a vertex, in the same order.
-
-    Raises
-    ------
-    InputError
-        A colour is outside its range.
-    MissingDependencyError
-        Open3D, or a system library it needs, is not installed.
-
-    Examples
-    --------
-    >>> cloud = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
-    >>> to_legacy(cloud)
-    TriangleMesh with 3 points and 1 triangles.
-    """
+    """Convert a cloud with faces to a legacy Open3D mesh."""
     library = load("open3d", extra="open3d")
     vectors = library.utility.Vector3dVector
     indices = library.utility.Vector3iVector(_writable(_faces(cloud), np.int32))
@@ -126,37 +75,7 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
 def to_tensor(
     cloud: Cloud, dtype: object = "float64", origin: ArrayLike | None = None
 ) -> o3d.t.geometry.TriangleMesh:
-    """Convert a cloud with faces to a tensor Open3D mesh.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Points, faces, RGB colours, normals and named values. An alpha that is not opaque
-        everywhere becomes the vertex attribute ``alpha``.
-    dtype : {"float64", "float32"}, NumPy's or Open3D's type
-        Of positions and normals.
-    origin : (3,) array_like, optional
-        Subtracted from the positions.
-
-    Returns
-    -------
-    open3d.t.geometry.TriangleMesh
-        Every row as a vertex, in the same order, on the CPU; indices Int64.
-
-    Raises
-    ------
-    InputError
-        A colour is outside its range, an attribute has a type that tensors do not support, or
-        float32 is too coarse for the positions.
-    MissingDependencyError
-        Open3D, or a system library it needs, is not installed.
-
-    Examples
-    --------
-    >>> cloud = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
-    >>> to_tensor(cloud).vertex["positions"].dtype
-    Float64
-    """
+    """Convert a cloud with faces to a tensor Open3D mesh."""
     precision = _precision(dtype)
     cloud = replace(cloud, points=_positions(cloud, precision, origin))
     library = load("open3d", extra="open3d")

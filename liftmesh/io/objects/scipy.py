@@ -48,25 +48,7 @@ class Triangulated(Protocol):
 
 
 def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
-    """Convert a triangulation to ``scipy.spatial.Delaunay``, for code that requires this class.
-
-    Parameters
-    ----------
-    triangulation : Triangulated
-        Its arrays are shared if SciPy can use them as they are; the triangles and their neighbours,
-        to which SciPy's users write, are copied.
-
-    Returns
-    -------
-    scipy.spatial.Delaunay
-        An instance with its attributes set; points cannot be added to it.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> type(to_delaunay(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])))
-    <class 'scipy.spatial._qhull.Delaunay'>
-    """
+    """Convert a triangulation to ``scipy.spatial.Delaunay``, for code that requires this class."""
     made = load("scipy.spatial").Delaunay
     result = made.__new__(made)
     result.__dict__.update({name: getattr(triangulation, name) for name in _SHARED})

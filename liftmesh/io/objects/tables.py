@@ -47,31 +47,7 @@ def refuse(source: object) -> Cloud:
 
 
 def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
-    """Convert a table to a cloud, by the names of its columns.
-
-    Parameters
-    ----------
-    source : DataFrame, structured array, laspy points, or (n, k) array_like
-        Anything that `is_table` accepts, or rows whose columns the options name.
-    options : TableOptions, optional
-        What the caller says about it.
-
-    Returns
-    -------
-    Cloud
-        The rows in their order; ``metadata["columns"]`` says which columns are what.
-
-    Raises
-    ------
-    InputError
-        The columns cannot be told, or a coordinate is no number.
-
-    Examples
-    --------
-    >>> table = np.array([(1.0, 2.0, 5.0)], dtype=[("E", "f8"), ("N", "f8"), ("H", "f8")])
-    >>> to_cloud(table).metadata["columns"]
-    {'x': 'E', 'y': 'N', 'z': 'H'}
-    """
+    """Convert a table to a cloud, by the names of its columns."""
     options = options or TableOptions()
     values, described = _opened(source)
     try:
@@ -83,30 +59,7 @@ def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
 
 
 def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
-    """Convert a table or an array of rows, with the options of a caller.
-
-    Parameters
-    ----------
-    source : object
-        The table.
-    given : mapping
-        Options of `liftmesh.read`; those about text are none for a table in memory.
-
-    Returns
-    -------
-    Cloud
-        As `to_cloud` makes it.
-
-    Raises
-    ------
-    InputError
-        An option is unknown or invalid, or the object is no table.
-
-    Examples
-    --------
-    >>> with_options([[7, 0, 1, 5.5]], {"columns": "id,x,y,z"}).attributes["id"].tolist()
-    [7.0]
-    """
+    """Convert a table or an array of rows, with the options of a caller."""
     unknown = [name for name in given if name not in _OPTIONS]
     if unknown:
         raise InputError(f"{unknown[0]}= is for files: an object takes {', '.join(_OPTIONS)}")

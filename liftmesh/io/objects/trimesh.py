@@ -35,33 +35,7 @@ _VISUALS = {"face": ("colors of faces",), "texture": ("texture",)}
 
 
 def to_cloud(source: Any) -> Cloud:
-    """Convert a trimesh point cloud or mesh to a cloud.
-
-    Parameters
-    ----------
-    source : trimesh.PointCloud or trimesh.Trimesh
-        Vertices, with vertex colours, vertex normals, vertex attributes and metadata if any; the
-        string ``metadata["crs"]`` is the coordinate system. The weights of a point cloud, if they
-        were set, are values named ``weights``.
-
-    Returns
-    -------
-    Cloud
-        One row per vertex, in the order of ``source``; a mesh keeps its faces. Coordinates are
-        shared with ``source``, not copied. ``metadata["skipped"]`` names what is not kept: values
-        and colours of faces, and texture.
-
-    Raises
-    ------
-    InputError
-        Colours or an attribute do not have one row per vertex.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> len(to_cloud(trimesh.PointCloud([[0, 0, 5], [1, 0, 6], [0, 1, 7]])))
-    3
-    """
+    """Convert a trimesh point cloud or mesh to a cloud."""
     named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
     described = of_metadata(source.metadata)
     if unread := _unread(source):
@@ -80,26 +54,7 @@ def to_cloud(source: Any) -> Cloud:
 
 
 def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
-    """Transform the points and normals of a cloud.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        The cloud.
-    matrix : (4, 4) ndarray of float64
-        Affine transformation.
-
-    Returns
-    -------
-    Cloud
-        Faces are turned over if the matrix mirrors; normals are dropped if it is singular, or its
-        inverse beyond double precision.
-
-    Examples
-    --------
-    >>> transformed(Cloud(np.eye(3)), np.diag([2.0, 1.0, 1.0, 1.0])).points[0].tolist()
-    [2.0, 0.0, 0.0]
-    """
+    """Transform the points and normals of a cloud."""
     if np.array_equal(matrix, np.eye(4)):
         return cloud
     linear = matrix[:3, :3]
@@ -119,32 +74,7 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
 
 
 def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
-    """Convert a cloud with faces to a trimesh mesh.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Points and faces; colours become 8-bit RGBA, named values vertex attributes, the coordinate
-        system ``metadata["crs"]``.
-
-    Returns
-    -------
-    trimesh.Trimesh
-        Every row as a vertex, in the same order, with its own copy of the coordinates.
-
-    Raises
-    ------
-    InputError
-        A colour is outside its range.
-    MissingDependencyError
-        trimesh is not installed.
-
-    Examples
-    --------
-    >>> cloud = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
-    >>> to_mesh(cloud).vertices.shape
-    (3, 3)
-    """
+    """Convert a cloud with faces to a trimesh mesh."""
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
     with kept():
@@ -161,31 +91,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
 
 
 def to_points(cloud: Cloud) -> trimesh.PointCloud:
-    """Convert the rows of a cloud to a trimesh point cloud.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Points; colours become 8-bit RGBA. trimesh's point clouds do not hold normals and named
-        values.
-
-    Returns
-    -------
-    trimesh.PointCloud
-        Every row, in the same order.
-
-    Raises
-    ------
-    InputError
-        A colour is outside its range.
-    MissingDependencyError
-        trimesh is not installed.
-
-    Examples
-    --------
-    >>> to_points(Cloud(np.eye(3))).vertices.shape
-    (3, 3)
-    """
+    """Convert the rows of a cloud to a trimesh point cloud."""
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
     with kept():
@@ -196,23 +102,7 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
 
 
 def of_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Split the metadata of an object into a cloud's metadata and its coordinate system.
-
-    Parameters
-    ----------
-    metadata : mapping
-        Of a geometry or a scene.
-
-    Returns
-    -------
-    dict
-        The arguments ``metadata`` and ``crs`` of `Cloud`.
-
-    Examples
-    --------
-    >>> of_metadata({"crs": "EPSG:25832", "survey": 2024, "file_name": "a.glb"})
-    {'metadata': {'survey': 2024}, 'crs': 'EPSG:25832'}
-    """
+    """Split the metadata of an object into a cloud's metadata and its coordinate system."""
     rest = {key: value for key, value in metadata.items() if not _is_own(key, value)}
     crs = rest.get("crs")
     if not is_crs(crs):

@@ -26,32 +26,7 @@ _NAME = "the scene"  # in messages
 
 
 def to_cloud(scene: trimesh.Scene) -> Cloud:
-    """Combine all meshes and point clouds of a scene into one cloud.
-
-    Parameters
-    ----------
-    scene : trimesh.Scene
-        Geometries with their transformations.
-
-    Returns
-    -------
-    Cloud
-        All vertices, transformed, and all faces, in the order of the scene. Colours, normals and
-        named values are kept if every geometry has them, metadata if they are the same everywhere.
-        ``metadata["skipped"]`` names what is not kept, and counts lines.
-
-    Raises
-    ------
-    FormatError
-        A face refers to a vertex that does not exist.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> box = trimesh.creation.box()
-    >>> len(to_cloud(trimesh.Scene([box, box])))
-    16
-    """
+    """Combine all meshes and point clouds of a scene into one cloud."""
     placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
     held = [(each, matrix) for each, matrix in placed if _holds_points(each)]
     parts = [transformed(of_geometry(each), matrix) for each, matrix in held]

@@ -37,59 +37,14 @@ Body: TypeAlias = AsciiBody | BinaryBody
 
 
 def read_ply(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read a PLY file, text or binary of either byte order.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the elements and properties take besides their values, 2,000 bytes each; by
-        default what 10,000 of them take.
-
-    Returns
-    -------
-    Cloud
-        Coordinates as float64, those of text in full whatever their type; nx, ny, nz as normals,
-        red, green, blue (alpha) as colours, other scalar properties as attributes, all in the
-        file's types, under the names that comments ``property a_b "a b"`` state; polygons as fans
-        of triangles.
-        A comment ``crs "EPSG:25832"`` is the coordinate system, ``color_depth 16`` says that dark
-        colours use all bits of their type.
-        ``metadata`` holds what comments ``metadata {"survey": 2024}`` state, other ``comments``
-        than liftmesh's own, ``obj_info``, and, if there are any, the number of
-        ``polygons`` split into triangles, of omitted ``degenerate_faces`` of fewer than three
-        vertices, and the names of ``skipped`` properties and elements.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, or has more elements and properties than the limit allows; the message
-        gives the line or byte.
-    """
+    """Read a PLY file, text or binary of either byte order."""
     return _Reading(stream, name, max_bytes).cloud()
 
 
 def read_ply_chunks(
     stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
 ) -> Iterator[Cloud]:
-    """Read the vertices of a PLY file in chunks.
-
-    Data after the vertices, including faces, is neither read nor checked.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        As for `read_ply`.
-
-    Yields
-    ------
-    Cloud
-        Consecutive rows, as for `read_ply`.
-
-    Raises
-    ------
-    FormatError
-        As `read_ply`.
-    """
+    """Read the vertices of a PLY file in chunks."""
     yield from _Reading(stream, name, max_bytes).chunks(rows)
 
 

@@ -45,11 +45,7 @@ class BinaryBody:
             yield {name: block[name] for name in names}
 
     def lists(self, element: Element, names: Collection[str]) -> Iterator[Mapping[str, Ragged]]:
-        """Yield the rows of an element with lists in blocks; a scalar is a list of one.
-
-        A block ends where the next row is not whole. A row that is longer than a block is read
-        again in one of twice the size, so that all is read in time proportional to its size.
-        """
+        """Yield the rows of an element with lists in blocks; a scalar is a list of one."""
         rows = ListRows(element)
         self._expect(element, rows.least)
         begin, done = self._stream.tell(), 0

@@ -16,27 +16,13 @@ _STATED = {f"color_depth {depth}": depth for depth in (16, 32, 64)}
 
 
 def statement(colors: Array | None) -> list[str]:
-    """Comments that state the depth of colours as they are written: one, or none.
-
-    Examples
-    --------
-    >>> statement(np.zeros((1, 3), dtype=np.uint16)), statement(np.zeros((1, 3), dtype=np.uint8))
-    (['color_depth 16'], [])
-    """
+    """Comments that state the depth of colours as they are written: one, or none."""
     depth = stated_depth(colors)
     return [] if depth is None else [f"color_depth {depth}"]
 
 
 def stated(comments: Iterable[str], color: np.dtype | None) -> tuple[int | None, list[str]]:
-    """Return the depth that comments state of colours of a type, and the other comments.
-
-    Examples
-    --------
-    >>> stated(["by hand", "color_depth 16"], np.dtype(np.uint16))
-    (16, ['by hand'])
-    >>> stated(["color_depth 16"], np.dtype(np.uint8))
-    (None, ['color_depth 16'])
-    """
+    """Return the depth that comments state of colours of a type, and the other comments."""
     depth: int | None = None
     others: list[str] = []
     for comment in comments:

@@ -69,14 +69,7 @@ class Header:
 
 
 def read_header(stream: BinaryIO, name: str, max_bytes: int | None = None) -> Header:
-    """Read the header and leave the stream at the first byte of the body.
-
-    Raises
-    ------
-    FormatError
-        The file is not a PLY file, its header is invalid, or it has more elements and properties
-        than the limit allows; the message gives the line.
-    """
+    """Read the header and leave the stream at the first byte of the body."""
     return _HeaderReader(stream, name, max_bytes).read()
 
 

@@ -24,25 +24,7 @@ _KEPT = 60  # characters of a longer name
 
 
 def property_names(attributes: Collection[str], columns: Collection[str]) -> dict[str, str]:
-    """Choose a property for each attribute.
-
-    Parameters
-    ----------
-    attributes : collection of str
-        Their names, all different.
-    columns : collection of str
-        The properties of coordinates, normals and colours.
-
-    Returns
-    -------
-    dict of str to str
-        The property of each attribute: its name wherever PLY can hold it.
-
-    Examples
-    --------
-    >>> property_names(["class", "Scan Angle", "x"], ["x", "y", "z"])
-    {'class': 'class', 'Scan Angle': 'Scan_Angle', 'x': 'x_1'}
-    """
+    """Choose a property for each attribute."""
     meant = {*columns, *_with_a_meaning(attributes, columns)}
     # A made name may complete no group either: it is never that of a column.
     taken = {*columns, *POSITION, *NORMAL, *COLOR, ALPHA, *filter(_is_valid, attributes)}
@@ -56,13 +38,7 @@ def property_names(attributes: Collection[str], columns: Collection[str]) -> dic
 
 
 def statements(properties: Mapping[str, str]) -> list[str]:
-    """Comments that state the old names of properties, where they differ.
-
-    Examples
-    --------
-    >>> statements({"class": "class", "Scan Angle": "Scan_Angle"})
-    ['property Scan_Angle "Scan Angle"']
-    """
+    """Comments that state the old names of properties, where they differ."""
     changed = ((name, new) for name, new in properties.items() if name != new)
     return [f"property {new} {ascii_string(name)}" for name, new in changed]
 
@@ -70,15 +46,7 @@ def statements(properties: Mapping[str, str]) -> list[str]:
 def old_names(
     comments: Iterable[str], properties: Collection[str]
 ) -> tuple[dict[str, str], list[str]]:
-    """Return the old names that comments state of some properties, and the other comments.
-
-    A statement that would give two properties one name is none.
-
-    Examples
-    --------
-    >>> old_names(['property a_b "a b"', "by hand"], ["x", "a_b"])
-    ({'a_b': 'a b'}, ['by hand'])
-    """
+    """Return the old names that comments state of some properties, and the other comments."""
     names: dict[str, str] = {}
     used = set(properties) - {*POSITION, *_with_a_meaning(properties, ())}
     others: list[str] = []

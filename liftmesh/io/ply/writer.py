@@ -43,32 +43,7 @@ def write_ply(
     colors: PlyColors = "uint8",
     comments: Sequence[str] = (),
 ) -> None:
-    """Write a cloud, or a mesh, as PLY.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Coordinates are written as double. Attributes keep the types uint8, uint16, int32, float and
-        double; all others are written in the smallest of these that holds their values. An (n, k)
-        attribute becomes properties name_0 to name_{k-1}. A name that PLY cannot hold is made
-        valid, and the old one stands in a comment, so that reading gives it back. Attributes that
-        are no numbers are left out.
-    encoding : {"binary", "ascii"}
-        Little-endian binary, or text with digits that round-trip.
-    colors : {"uint8", "exact"}
-        ``"uint8"`` rounds colours to eight bits, the only type that PLY readers in wide use
-        support; colours that came from eight bits lose nothing. ``"exact"`` keeps their type.
-    comments : sequence of str
-        Further lines for the header: provenance, licence. The comments and ``obj_info`` lines of
-        a PLY file that was read, and other metadata, are written anyway.
-
-    Raises
-    ------
-    FormatError
-        An attribute, a comment or the colours cannot be written.
-    InputError
-        An option has another value, or a colour is outside its range.
-    """
+    """Write a cloud, or a mesh, as PLY."""
     check_option("encoding", encoding, PlyEncoding)
     check_option("colors", colors, PlyColors)
     columns = _columns(cloud, exact=colors == "exact")
@@ -192,13 +167,7 @@ _EXACT = 1 << 53
 
 
 def portable(values: Array, what: str) -> Array:
-    """Convert an array, if necessary, to a portable type that holds every value.
-
-    Raises
-    ------
-    FormatError
-        The values are not numbers, or are integers that a double cannot represent.
-    """
+    """Convert an array, if necessary, to a portable type that holds every value."""
     code = values.dtype.str[1:]
     if code in PORTABLE:
         return values
@@ -226,13 +195,7 @@ def _integers(values: Array, what: str) -> Array:
 
 
 def scalar_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
-    """Split (n, k) attributes into columns name_0, name_1 and so on.
-
-    Raises
-    ------
-    FormatError
-        An attribute has no values or cannot be converted, or two columns get the same name.
-    """
+    """Split (n, k) attributes into columns name_0, name_1 and so on."""
     columns: dict[str, Array] = {}
     for name, values in attributes.items():
         flat = portable(values.reshape(len(values), _width(name, values)), f"attribute {name!r}")
@@ -263,13 +226,7 @@ def _split(name: str, values: Array) -> list[str]:
 
 
 def _names(attributes: Mapping[str, Array]) -> list[str]:
-    """Name the columns of all attributes.
-
-    Raises
-    ------
-    FormatError
-        Two of them get the same name.
-    """
+    """Name the columns of all attributes."""
     names = Counter(each for name, values in attributes.items() for each in _split(name, values))
     twice = next((name for name, count in names.items() if count > 1), None)
     if twice is not None:

@@ -30,12 +30,7 @@ _LONGEST = 40  # characters of a name in a message
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """What each column of a table is.
-
-    ``names`` are the parts of a point, x or red, and the names of attributes; ``given`` the names
-    in the table. ``left_out`` holds columns that become nothing, ``negated`` is that of depths.
-    ``said`` tells that a header or the caller named them; ``notes`` what is worth knowing.
-    """
+    """What each column of a table is."""
 
     names: tuple[str, ...]
     given: tuple[str, ...]
@@ -60,20 +55,7 @@ class Columns:
             warnings.warn(each, DataWarning, stacklevel=2)
 
     def check_height(self, values: Collection[str], where: str) -> None:
-        """Raise if no column is z, but others hold numbers: one may be the height.
-
-        Parameters
-        ----------
-        values : collection of str
-            The columns that hold numbers, by name.
-        where : str
-            The table for the message.
-
-        Raises
-        ------
-        FormatError
-            The message shows the header, and names the options.
-        """
+        """Raise if no column is z, but others hold numbers: one may be the height."""
         groups = [group for group in _GROUPS if {*group[:3]} <= {*self.names}]
         known = {*POSITION}.union(*groups)
         others = [each for each in values if each not in known]
@@ -86,13 +68,7 @@ class Columns:
 
 
 def described(mapping: Mapping[str, str]) -> str:
-    """Say which columns are the coordinates; "" where they are called x, y and z, or come first.
-
-    >>> described({"x": "POINT_X", "y": "POINT_Y", "red": "R"})
-    "x is 'POINT_X', y is 'POINT_Y'"
-    >>> described({"x": "X", "y": "Y", "z": "Z"}), described({"x": "column_1", "y": "column_2"})
-    ('', '')
-    """
+    """Say which columns are the coordinates; "" where they are called x, y and z, or come first."""
     planar = {part: name for part, name in mapping.items() if part in POSITION}
     plain = all(name.lower() == part for part, name in planar.items())
     first = all(name == f"column_{POSITION.index(part) + 1}" for part, name in planar.items())
@@ -102,11 +78,7 @@ def described(mapping: Mapping[str, str]) -> str:
 
 
 def shown(names: Sequence[str], most: int = 12) -> str:
-    """List the names of a header for a message.
-
-    >>> shown(["x", "Elev."])
-    "'x', 'Elev.'"
-    """
+    """List the names of a header for a message."""
     rest = len(names) - most
     listed = ", ".join(map(_quoted, names[:most]))
     return f"{listed} and {rest:,} more" if rest > 0 else listed
@@ -117,42 +89,13 @@ def _quoted(name: str) -> str:
 
 
 def known_header(names: Sequence[str]) -> bool:
-    """Whether names are those of a header: x and y are among them.
-
-    >>> known_header(["E", "N", "2019"]), known_header(["P1", "4.5", "7"])
-    (True, False)
-    """
+    """Whether names are those of a header: x and y are among them."""
     parts = {name for name in _planar(list(map(meaning, names))) if name}
     return {"x", "y"} <= parts
 
 
 def unnamed(width: int, options: TableOptions, where: str) -> Columns:
-    """Name the columns of a table without a header: x, y, z, then column_4 and so on.
-
-    Parameters
-    ----------
-    width : int
-        Number of columns.
-    options : TableOptions
-        What the caller says.
-    where : str
-        The table for messages.
-
-    Returns
-    -------
-    Columns
-        The caller's choice, if there is one.
-
-    Raises
-    ------
-    FormatError
-        There is only one column, or the choice does not fit.
-
-    Examples
-    --------
-    >>> unnamed(4, TableOptions(), "a.xyz").names
-    ('x', 'y', 'z', 'column_4')
-    """
+    """Name the columns of a table without a header: x, y, z, then column_4 and so on."""
     if width < 2:
         raise FormatError(f"{where}: only one value: a point needs x and y at least")
     given = tuple(f"column_{k}" for k in range(1, width + 1))
@@ -164,33 +107,7 @@ def unnamed(width: int, options: TableOptions, where: str) -> Columns:
 
 
 def understood(given: Sequence[str], options: TableOptions, where: str) -> Columns:
-    """Find what the columns of a header are.
-
-    Parameters
-    ----------
-    given : sequence of str
-        The names in the table.
-    options : TableOptions
-        What the caller says.
-    where : str
-        The table for messages.
-
-    Returns
-    -------
-    Columns
-        Every column once.
-
-    Raises
-    ------
-    FormatError
-        x or y is missing, a name or a meaning occurs twice, a depth has no sign, or the caller's
-        choice does not fit the table.
-
-    Examples
-    --------
-    >>> understood(["id", "POINT_X", "POINT_Y", "Elev."], TableOptions(), "a.csv").mapping()
-    {'x': 'POINT_X', 'y': 'POINT_Y', 'z': 'Elev.'}
-    """
+    """Find what the columns of a header are."""
     given = tuple(each or f"column_{k}" for k, each in enumerate(given, 1))
     named = given if options.names is None else _renamed(given, options.names, where)
     choice = _Choice(given, where)

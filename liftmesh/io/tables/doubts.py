@@ -24,21 +24,13 @@ if TYPE_CHECKING:
 
 
 def named_points(width: int) -> str:
-    """Say how to read a table whose first column is an id.
-
-    >>> named_points(4)
-    "read it with columns='id,x,y,z' (or 'id,y,x,z' if northing comes first)"
-    """
+    """Say how to read a table whose first column is an id."""
     usual, swapped = (_names(("id", *order), width) for order in ("xyz", "yxz"))
     return f"read it with columns='{usual}' (or '{swapped}' if northing comes first)"
 
 
 def _names(first: Sequence[str], width: int) -> str:
-    """Return names of columns as an option: of all columns, or of the coordinates of a wide table.
-
-    >>> _names(["id", "x", "y", "z"], 5), _names(["id", "x", "y", "z"], 50)
-    ('id,x,y,z,column_5', 'x=2,y=3,z=4')
-    """
+    """Return names of columns as an option: all, or the coordinates of a wide table."""
     if width > MOST_LISTED:
         return ",".join(f"{part}={k}" for k, part in enumerate(first, 1) if part in POSITION)
     rest = (f"column_{k}" for k in range(len(first) + 1, width + 1))
@@ -46,16 +38,7 @@ def _names(first: Sequence[str], width: int) -> str:
 
 
 def check_count(first: str, second: str, where: str, header: Sequence[str] = ()) -> None:
-    """Raise if the first line is a number by itself, as a count of rows is, before longer lines.
-
-    A header before it would be skipped as well: the message names its columns.
-
-    >>> check_count("2", "0.5 1.5 7", "a.xyz: line 1")
-    Traceback (most recent call last):
-    ...
-    liftmesh.errors.FormatError: a.xyz: line 1 is the number 2 by itself, a count of rows or a\
- broken row: if it is no row, read it with skip_rows=1
-    """
+    """Raise if the first line is a number by itself, as a count of rows is, before longer lines."""
     if first.isdecimal() and second and not second.isdecimal():
         line = where.rpartition(" ")[2]
         names = f" and {spelled(header) or 'columns= with the names above it'}" if header else ""
@@ -66,17 +49,7 @@ def check_count(first: str, second: str, where: str, header: Sequence[str] = ())
 
 
 class Doubts:
-    """Examines the rows of a table, block by block, for what they may be besides points.
-
-    Parameters
-    ----------
-    name : str
-        The table for messages.
-    columns : Columns
-        What its columns are.
-    options : TableOptions
-        What the caller says: there is no doubt about that.
-    """
+    """Examines the rows of a table, block by block, for what they may be besides points."""
 
     def __init__(self, name: str, columns: Columns, options: TableOptions) -> None:
         self._name = name

@@ -16,32 +16,7 @@ _LINE_END = re.compile(rb"\r\n?|\n")
 
 
 def as_utf8(stream: BinaryIO, name: str, encoding: str | None = None) -> BinaryIO:
-    """Return a stream of UTF-8 without a mark: this one behind its mark, or another converted.
-
-    Parameters
-    ----------
-    stream : binary file
-        At the start of the text.
-    name : str
-        The file's name for messages.
-    encoding : str, optional
-        The encoding; by default UTF-8, or UTF-16 if the text has its mark.
-
-    Returns
-    -------
-    binary file
-        At the start of the text, behind the mark.
-
-    Raises
-    ------
-    FormatError
-        The text is damaged, or UTF-16 has no mark.
-
-    Examples
-    --------
-    >>> as_utf8(io.BytesIO("x;y".encode("utf-16")), "points.csv").read()
-    b'x;y'
-    """
+    """Return a stream of UTF-8 without a mark: this one behind its mark, or another converted."""
     if encoding is not None:
         return _converted(stream, name, encoding)
     begin = stream.tell()
@@ -79,29 +54,7 @@ def _converted(stream: BinaryIO, name: str, encoding: str) -> BinaryIO:
 
 
 def skip_lines(stream: BinaryIO, count: int, name: str) -> None:
-    r"""Move behind a number of lines, whatever ends them.
-
-    Parameters
-    ----------
-    stream : binary file
-        At the start of a line.
-    count : int
-        Number of lines.
-    name : str
-        The file's name for messages.
-
-    Raises
-    ------
-    FormatError
-        The file has fewer lines.
-
-    Examples
-    --------
-    >>> stream = io.BytesIO(b"one\r\ntwo\nthree")
-    >>> skip_lines(stream, 2, "points.txt")
-    >>> stream.read()
-    b'three'
-    """
+    """Move behind a number of lines, whatever ends them."""
     left = count
     while left:
         begin = stream.tell()

@@ -62,14 +62,7 @@ class RowNumbers:
 
 
 class Ids(RowNumbers):
-    """Whether the first column holds ids.
-
-    Parameters
-    ----------
-    among_more : bool
-        Whether the table has more than three columns: if not, ids would leave no height, and only
-        numbers of rows count.
-    """
+    """Whether the first column holds ids."""
 
     def __init__(self, *, among_more: bool) -> None:
         super().__init__()

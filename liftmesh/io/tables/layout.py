@@ -23,11 +23,7 @@ _UNIT_APART = re.compile(r"(?<!\s)\s+(?=[\[(][^\[\]()]*[\])])")  # X [m]
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Delimiter, number of columns and their names in a text file.
-
-    The delimiter is None for white space, the header None if there is none; ``in_first_line`` is
-    False if the header is a comment before the first line.
-    """
+    """Delimiter, number of columns and their names in a text file."""
 
     delimiter: str | None
     width: int
@@ -36,11 +32,7 @@ class Layout:
 
 
 def stated_separator(line: str) -> str | None:
-    """Return the delimiter that a line ``sep=;`` states; None for any other line.
-
-    >>> stated_separator("sep=;"), stated_separator("x;y")
-    (';', None)
-    """
+    """Return the delimiter that a line ``sep=;`` states; None for any other line."""
     found = _SEPARATOR.fullmatch(line.strip('"'))
     return found[1] if found else None
 
@@ -48,34 +40,7 @@ def stated_separator(line: str) -> str | None:
 def sniff(
     first: str, remark: str, where: str, options: TableOptions, *, max_bytes: int | None = None
 ) -> Layout:
-    """Detect the layout from the first line that is not a comment, and the comment before it.
-
-    Parameters
-    ----------
-    first, remark : str
-        The line and the comment, which may be empty.
-    where : str
-        The file and the line for messages.
-    options : TableOptions
-        What the caller says.
-    max_bytes : int, optional
-        As for `read_text`.
-
-    Returns
-    -------
-    Layout
-        The layout of the lines that follow.
-
-    Raises
-    ------
-    FormatError
-        The line is of another kind of file, or has more values than the limit allows.
-
-    Examples
-    --------
-    >>> sniff("X [m];Y [m]", "", "a.csv: line 1", TableOptions())
-    Layout(delimiter=';', width=2, header=('X [m]', 'Y [m]'), in_first_line=True)
-    """
+    """Detect the layout from the first line that is not a comment, and the comment before it."""
     most = most_columns(max_bytes)
     if len(first) >= most:  # a shorter line has no more values
         found = values_at_most(first, options.delimiter)
@@ -94,11 +59,7 @@ def sniff(
 
 
 def before_remark(line: str) -> bool:
-    """Whether a row or a header between blanks stands before a #, so that the rest is a comment.
-
-    >>> before_remark("1 2 3 # a, b"), before_remark("Pt #,X,Y,Z")
-    (True, False)
-    """
+    """Whether a row or a header between blanks stands before a #, so that the rest is a comment."""
     words, mark, _ = line.partition("#")
     if not mark or _delimiter(words, TableOptions()) is not None:
         return False

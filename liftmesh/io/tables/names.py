@@ -69,26 +69,7 @@ class Meaning:
 
 
 def meaning(name: str) -> Meaning:
-    """Find what a column holds from its name.
-
-    Parameters
-    ----------
-    name : str
-        The name as the table has it.
-
-    Returns
-    -------
-    Meaning
-        The part is one of x, y, z, lon, lat, depth, red, green, blue, alpha, nx, ny, nz; e, n or h,
-        which mean something together only; or "".
-
-    Examples
-    --------
-    >>> [meaning(name).part for name in ("POINT_X", "Rechtswert", "lng", "GroundZ")]
-    ['x', 'x', 'lon', '']
-    >>> meaning("Höhe [ft]")
-    Meaning(part='z', unit='ft')
-    """
+    """Find what a column holds from its name."""
     if len(name) > 80:  # no name in the table is so long, even with its unit
         return Meaning("", "")
     text = unicodedata.normalize("NFC", name).strip()

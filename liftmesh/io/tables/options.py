@@ -29,13 +29,7 @@ _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "blank
 
 @dataclass(frozen=True, slots=True)
 class TableOptions:
-    """Checked options; `checked` makes them of what a caller gives.
-
-    ``chosen`` maps the parts of a point to names of columns, ``names`` are the names of all columns
-    in order; None if not given. ``flat`` is None if heights are read where a column is known as
-    them, and not missed otherwise. ``missing`` holds the value that stands for a missing one,
-    nothing if there is none, and is None if the caller says neither.
-    """
+    """Checked options; `checked` makes them of what a caller gives."""
 
     chosen: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     names: tuple[str, ...] | None = None
@@ -66,30 +60,7 @@ def checked(  # noqa: PLR0913 - one for each option
     end: str | None = None,
     encoding: str | None = None,
 ) -> TableOptions:
-    """Check the options of a table.
-
-    Parameters
-    ----------
-    columns, flat, delimiter, decimal, skip_rows, header, nodata, end, encoding
-        As for `liftmesh.read`.
-
-    Returns
-    -------
-    TableOptions
-        The options in one form each.
-
-    Raises
-    ------
-    InputError
-        A value is not one that the option can have, or two contradict each other.
-
-    Examples
-    --------
-    >>> checked(columns="x=East,y=North,z=H").chosen
-    mappingproxy({'x': 'East', 'y': 'North', 'z': 'H'})
-    >>> checked(columns="id,x,y,z", nodata=-9999).names
-    ('id', 'x', 'y', 'z')
-    """
+    """Check the options of a table."""
     chosen, names = _columns(columns)
     if flat is not None:
         _check_flag("flat", flat)
@@ -132,11 +103,7 @@ def _columns(columns: ColumnChoice) -> tuple[dict[str, str], tuple[str, ...] | N
 
 
 def spelled(names: Sequence[str]) -> str:
-    """Return the option that names all columns, for a message; "" if it cannot be typed like that.
-
-    >>> spelled(["X", "Y", "Scalar field"]), spelled(["X", "Depth, m"])
-    ("columns='X,Y,Scalar field'", '')
-    """
+    """Return the option that names all columns, for a message; "" if it cannot be typed."""
     if len(names) > MOST_LISTED or not all(map(is_plain, names)):
         return ""
     return f"columns='{','.join(names)}'"

@@ -38,39 +38,7 @@ _PLAIN = TableOptions()
 def read_text(
     stream: BinaryIO, name: str, *, max_bytes: int | None = None, options: TableOptions = _PLAIN
 ) -> Cloud:
-    """Read points from text, one per line.
-
-    Values are separated by commas, semicolons, tabs or white space. Lines that begin with ``#`` or
-    ``//`` are comments, and so is what follows a ``#`` in a line: between white space anywhere, in
-    other tables with a blank on each side. The last line of comment before the first row is the
-    header if it names as many columns as the row has, x and y among them.
-
-    Parameters
-    ----------
-    max_bytes : int, optional
-        Limit of what the columns take besides their values, 2,000 bytes each; by default what
-        10,000 of them take.
-    options : TableOptions
-        What the caller says about the table, as in `liftmesh.read`.
-
-    Returns
-    -------
-    Cloud
-        Columns x, y, z (also easting, northing, elevation and the like, see `names`) become
-        coordinates; red, green, blue (r, g, b) become colours: uint8 or uint16 if they are whole
-        numbers, floats if none exceeds 1; nx, ny, nz become normals; all others float64 attributes
-        of that name. Columns of text, and empty ones, are named in ``metadata["skipped"]``.
-        ``metadata["columns"]`` says which columns are what, ``metadata["notes"]`` what else is
-        worth knowing. Without a header the columns are x, y, z, and further ones attributes
-        ``column_4`` and so on; of exactly six, the last three are colours if all are whole numbers
-        from 0 to 255.
-
-    Raises
-    ------
-    FormatError
-        The file is invalid, can be read in two ways, or has more columns than the limit allows; the
-        message gives the line.
-    """
+    """Read points from text, one per line."""
     table = _Table(as_utf8(stream, name, options.encoding), name, max_bytes, options)
     rows = np.concatenate([*table.blocks()])
     meaning = _Meaning(table)
@@ -87,25 +55,7 @@ def read_text_chunks(
     max_bytes: int | None = None,
     options: TableOptions = _PLAIN,
 ) -> Iterator[Cloud]:
-    """Read points from text in chunks, otherwise like `read_text`.
-
-    The meaning of the columns depends on all rows, so the file is parsed twice.
-
-    Parameters
-    ----------
-    max_bytes, options
-        As for `read_text`.
-
-    Yields
-    ------
-    Cloud
-        Consecutive rows.
-
-    Raises
-    ------
-    FormatError
-        As `read_text`.
-    """
+    """Read points from text in chunks, otherwise like `read_text`."""
     text = as_utf8(stream, name, options.encoding)
     begin = text.tell()
     meaning = _Meaning(_Table(text, name, max_bytes, options))
@@ -156,10 +106,7 @@ class _Table:
             )
 
     def _sniffed(self, delimiter: str | None, *, keep_tabs: bool = False) -> Layout:
-        """Take the first line that is no comment, and detect the layout.
-
-        Between blanks, a # begins a comment anywhere; else it may be a part of a value.
-        """
+        """Take the first line that is no comment, and detect the layout."""
         self._stream.seek(self._begin)
         remarks = leading_comments(self._stream, self.name, encoding="utf-8", marks=_COMMENTS)
         self._remark = next(iter(deque(remarks, maxlen=1)), "")

@@ -53,23 +53,7 @@ class Found:
 
 
 class TableValues:
-    """The numbers of a table, block by block, and what was seen of its other values.
-
-    ``text`` holds the columns that are no numbers, by position, with the first text of each, and
-    ``mixed`` those of them that hold numbers too; ``filled`` tells which columns hold anything;
-    ``commas`` is the first number with a decimal comma.
-
-    Parameters
-    ----------
-    name : str
-        The file's name for messages.
-    layout : Layout
-        What separates the values, and how many there are.
-    columns : Columns
-        What they are: coordinates must be numbers.
-    options : TableOptions
-        What the caller says.
-    """
+    """The numbers of a table, block by block, and what was seen of its other values."""
 
     def __init__(self, name: str, layout: Layout, columns: Columns, options: TableOptions) -> None:
         self.text: dict[int, Found] = {}

@@ -18,32 +18,7 @@ _WORDS = re.compile(r'"((?:[^"]|""){0,131072})"(?!\S)|(\S+)')  # as long as csv'
 
 
 def split(text: str, delimiter: str | None, where: str) -> list[str]:
-    """Split a line into its values, without their quotes and the blanks around them.
-
-    Parameters
-    ----------
-    text : str
-        The line.
-    delimiter : str or None
-        None for blanks.
-    where : str
-        The file and the line for messages.
-
-    Returns
-    -------
-    list of str
-        The values; empty for one of nothing.
-
-    Raises
-    ------
-    FormatError
-        A quote is not closed.
-
-    Examples
-    --------
-    >>> split('1.5, "two, three", ,4', ",", "a.csv: line 2")
-    ['1.5', 'two, three', '', '4']
-    """
+    """Split a line into its values, without their quotes and the blanks around them."""
     if '"' not in text:
         return [value.strip() for value in text.split(delimiter)]
     if delimiter is None:
@@ -60,28 +35,16 @@ def split(text: str, delimiter: str | None, where: str) -> list[str]:
 
 
 def without_remark(text: str) -> str:
-    """Cut off a comment behind a row: a # with a blank on each side, outside quotes.
-
-    >>> without_remark("1,2 # a, b"), without_remark("1,2,No #3"), without_remark('1,"a # b"')
-    ('1,2', '1,2,No #3', '1,"a # b"')
-    """
+    """Cut off a comment behind a row: a # with a blank on each side, outside quotes."""
     found = _REMARK.search(text) if "#" in text else None
     return text if found is None or text.count('"', 0, found.start()) % 2 else text[: found.start()]
 
 
 def with_point(value: str) -> str:
-    """Return a number with a decimal comma as one with a point; "" if it is none.
-
-    >>> with_point("-1,5"), with_point("1.5"), with_point("1,234,567")
-    ('-1.5', '', '')
-    """
+    """Return a number with a decimal comma as one with a point; "" if it is none."""
     return value.replace(",", ".") if _COMMA.fullmatch(value) else ""
 
 
 def may_be_grouped(value: str) -> bool:
-    """Whether the comma of a number may separate thousands.
-
-    >>> may_be_grouped("1,234"), may_be_grouped("4512345,123"), may_be_grouped("1,5")
-    (True, False, False)
-    """
+    """Whether the comma of a number may separate thousands."""
     return _GROUPED.fullmatch(value) is not None

@@ -35,27 +35,7 @@ _DELIMITERS = (" ", ",", ";", "\t")
 
 
 def write_text(stream: BinaryIO, cloud: Cloud, *, delimiter: str = " ") -> None:
-    """Write the points of a cloud as text, one per line.
-
-    Parameters
-    ----------
-    cloud : Cloud
-        Columns are x, y, z; nx, ny, nz; red, green, blue, alpha; and the attributes by name, where
-        an (n, k) attribute becomes columns name_0 to name_{k-1}. Colours of eight bits are whole
-        numbers up to 255, others whole numbers up to 65,535 or floats up to 1. Faces and the
-        coordinate system are not written.
-    delimiter : {" ", ",", ";", "tab character"}
-        What stands between the values; by default a comma in ``.csv`` and a tab in ``.tsv`` files,
-        a blank in others. Between blanks, the names of the columns are a comment. A coordinate like
-        -9999, far from all others, is read with ``nodata="none"``.
-
-    Raises
-    ------
-    FormatError
-        An attribute has a type or a name that a table of numbers cannot hold.
-    InputError
-        The delimiter is another, or a colour is outside its range.
-    """
+    """Write the points of a cloud as text, one per line."""
     if delimiter not in _DELIMITERS:
         raise InputError(
             f"delimiter is {delimiter!r}: known are {', '.join(map(repr, _DELIMITERS))}"

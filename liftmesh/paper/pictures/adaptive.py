@@ -34,18 +34,7 @@ STEEP = 0.05  # brightness per pixel, in a triangle across an edge
 
 
 def example_image() -> Floats:
-    """Return the brightness of the picture: a shaded disc in front of a slope, and a wavy edge.
-
-    Returns
-    -------
-    (64, 64) ndarray of float64
-        From 0 to 1; the first row is the lowest.
-
-    Examples
-    --------
-    >>> example_image().shape
-    (64, 64)
-    """
+    """Return the brightness of the picture: a shaded disc in front of a slope, and a wavy edge."""
     x, y = np.meshgrid(np.arange(SIZE) / SIZE, np.arange(SIZE) / SIZE)
     wave = np.where(y > 0.24 + 0.08 * np.sin(7 * x), 0.55 + 0.25 * x, 0.12)
     is_disc = (x - 0.56) ** 2 + (y - 0.6) ** 2 < 0.26**2
@@ -54,23 +43,7 @@ def example_image() -> Floats:
 
 
 def thinned_image(kept: int = KEPT) -> Floats:
-    """Return the pixels that adaptive thinning keeps.
-
-    Parameters
-    ----------
-    kept : int
-        How many.
-
-    Returns
-    -------
-    (kept, 3) ndarray of float64
-        Column, row and brightness.
-
-    Examples
-    --------
-    >>> thinned_image(40).shape
-    (40, 3)
-    """
+    """Return the pixels that adaptive thinning keeps."""
     image = example_image()
     rows, columns = np.indices(image.shape)
     pixels = np.column_stack([columns.ravel(), rows.ravel(), image.ravel()]).astype(float)
@@ -80,18 +53,7 @@ def thinned_image(kept: int = KEPT) -> Floats:
 
 @styled
 def figure_adaptive() -> Figure:
-    """Draw an image, the triangles of the pixels that stay, and the image that these make.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The picture.
-
-    Examples
-    --------
-    >>> len(figure_adaptive().axes)
-    3
-    """
+    """Draw an image, the triangles of the pixels that stay, and the image that these make."""
     figure = new_figure(7.6, 3.2)
     points = thinned_image()
     found: Any = triangulate(points).to_matplotlib()

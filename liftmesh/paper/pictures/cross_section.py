@@ -23,21 +23,7 @@ UNDECIDED = ""
 
 @dataclass(frozen=True, slots=True)
 class CrossSection:
-    """The intersection of the paraboloid and the plane through three lifted points.
-
-    Parameters
-    ----------
-    corners : (3, 2) ndarray of float64
-        The planar points a', b', p', not collinear.
-    q : tuple of float
-        The vertex of the paraboloid.
-
-    Examples
-    --------
-    >>> section = CrossSection(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]), (0.5, 0.0))
-    >>> (section.center + 0.0).tolist(), section.radius, section.distance
-    ([0.0, 0.0], 1.0, 0.5)
-    """
+    """The intersection of the paraboloid and the plane through three lifted points."""
 
     corners: Floats
     q: tuple[float, float]
@@ -77,70 +63,19 @@ class CrossSection:
         return np.array(extents, dtype=np.float64)
 
     def circle(self, count: int = 181) -> Floats:
-        """Return points of (C).
-
-        Parameters
-        ----------
-        count : int, default 181
-            Number of points; the last equals the first.
-
-        Returns
-        -------
-        (count, 2) ndarray of float64
-            The points, counter-clockwise.
-
-        Examples
-        --------
-        >>> section = CrossSection(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]), (0.5, 0.0))
-        >>> np.hypot(*section.circle(5).T)
-        array([1., 1., 1., 1., 1.])
-        """
+        """Return points of (C)."""
         angles = np.linspace(0, 2 * np.pi, count)
         around = np.column_stack([np.cos(angles), np.sin(angles)])
         points: Floats = self.center + self.radius * around
         return points
 
     def on_plane(self, points: ArrayLike) -> Floats:
-        """Return the points of the plane above planar points.
-
-        Parameters
-        ----------
-        points : array_like of shape (n, 2)
-            Planar points.
-
-        Returns
-        -------
-        (n, 3) ndarray of float64
-            The planar points with the plane's heights.
-
-        Examples
-        --------
-        >>> section = CrossSection(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]), (0.0, 0.0))
-        >>> section.on_plane([[5.0, 7.0]])
-        array([[5., 7., 1.]])
-        """
+        """Return the points of the plane above planar points."""
         rows = np.asarray(points, dtype=np.float64)
         return np.column_stack([rows, rows @ self.plane[:2] + self.plane[2]])
 
     def decided_by(self, points: Floats) -> NDArray[np.str_]:
-        """Return the proposition that decides each point, tested in the order of Procedure 3.
-
-        Parameters
-        ----------
-        points : (n, 2) ndarray of float64
-            Planar points.
-
-        Returns
-        -------
-        (n,) ndarray of str
-            ``"4.4"``, ``"4.3 (i)"`` to ``"4.3 (v)"``, or ``""`` if a dot product is needed.
-
-        Examples
-        --------
-        >>> section = CrossSection(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]), (0.5, 0.0))
-        >>> section.decided_by(np.array([[0.5, 0.1], [-2.0, 0.0], [0.9, 0.9], [-0.9, 0.9]]))
-        array(['4.4', '4.3 (i)', '', '4.3 (v)'], dtype='<U9')
-        """
+        """Return the proposition that decides each point, tested in the order of Procedure 3."""
         x, y, z = lift(points, self.q).T
         (min_x, max_x), (min_y, max_y), (min_z, max_z) = self.box
         tests = {

@@ -20,52 +20,19 @@ DIRECTIONS = ((-120.0, 28.0), (-40.0, 6.0))  # azimuth and elevation in degrees
 
 
 def example_points() -> Floats:
-    """Return the planar points of Figures 5.1 and 5.2.
-
-    Returns
-    -------
-    (1000, 2) ndarray of float64
-        Points uniformly distributed on [0, 200] x [0, 200].
-
-    Examples
-    --------
-    >>> example_points().shape
-    (1000, 2)
-    """
+    """Return the planar points of Figures 5.1 and 5.2."""
     return np.random.default_rng(51).uniform(0.0, SQUARE, (COUNT, 2))
 
 
 @styled
 def figure_5_1() -> Figure:
-    """Draw the data of 1,000 points in case 1: q is the origin.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 5.1.
-
-    Examples
-    --------
-    >>> len(figure_5_1().axes)
-    2
-    """
+    """Draw the data of 1,000 points in case 1: q is the origin."""
     return _data("origin")
 
 
 @styled
 def figure_5_2() -> Figure:
-    """Draw the data of 1,000 points in case 2: q is their median point.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 5.2.
-
-    Examples
-    --------
-    >>> len(figure_5_2().axes)
-    2
-    """
+    """Draw the data of 1,000 points in case 2: q is their median point."""
     return _data("median")
 
 

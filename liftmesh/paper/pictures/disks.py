@@ -37,28 +37,7 @@ _DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 
 
 
 def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
-    """Return the disks of the picture.
-
-    Parameters
-    ----------
-    overlapping : bool
-        Whether they overlap, so that some are hidden, and some triangles have no supporting plane.
-
-    Returns
-    -------
-    centers : (n, 2) ndarray of float64
-        Their centres.
-    radii : (n,) ndarray of float64
-        Their radii.
-
-    Examples
-    --------
-    >>> apollonius(*example_disks(overlapping=False)).hidden.size
-    0
-    >>> graph = apollonius(*example_disks(overlapping=True))
-    >>> graph.hidden.size > 0, int((graph.circles[:, 2] < 0).sum())
-    (True, 4)
-    """
+    """Return the disks of the picture."""
     rng = np.random.default_rng(6)
     cells = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0)), -1).reshape(-1, 2) * 2.2
     centers = cells + rng.uniform(0.0, 1.0, cells.shape)
@@ -71,18 +50,7 @@ def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
 
 @styled
 def figure_disks() -> Figure:
-    """Draw disjoint and overlapping disks with graph and cells, and lifted disks with a plane.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The picture.
-
-    Examples
-    --------
-    >>> len(figure_disks().axes)
-    3
-    """
+    """Draw disjoint and overlapping disks with graph and cells, and lifted disks with a plane."""
     load("mpl_toolkits.mplot3d", extra="plot")  # makes the 3-D axes known
     figure = new_figure(7.4, 3.1)
     for column, overlapping in enumerate((False, True)):

@@ -45,18 +45,7 @@ _SHADES = (SKY, ORANGE, GREEN, PURPLE, YELLOW, BLUE, VERMILION, FAINT)
 
 
 def example_points() -> Floats:
-    """Return the points of the picture.
-
-    Returns
-    -------
-    (26, 2) ndarray of float64
-        In the unit disk, eight of them at corners of the convex hull.
-
-    Examples
-    --------
-    >>> len(farthest_points(example_points())[0].convex_hull)
-    8
-    """
+    """Return the points of the picture."""
     rng = np.random.default_rng(23)
     radius, angle = np.sqrt(rng.random(COUNT)), rng.uniform(0.0, 2 * np.pi, COUNT)
     around: Floats = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -64,26 +53,7 @@ def example_points() -> Floats:
 
 
 def farthest_points(points: Floats) -> tuple[Triangulation, Rows]:
-    """Compute the farthest-point Delaunay triangulation.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        The points.
-
-    Returns
-    -------
-    triangulation : Triangulation
-        The triangles.
-    hidden : (h,) ndarray of int32
-        The rows that are no corners of the convex hull.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2], [1, 1]])
-    >>> farthest_points(square)[1]
-    array([4], dtype=int32)
-    """
+    """Compute the farthest-point Delaunay triangulation."""
     solution = farthest.solve(points)
     hidden = solution.pop("hidden")
     return Triangulation(**solution), hidden
@@ -91,18 +61,7 @@ def farthest_points(points: Floats) -> tuple[Triangulation, Rows]:
 
 @styled
 def figure_farthest() -> Figure:
-    """Draw a farthest-point Delaunay triangulation with two of its circles, and the diagram.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The picture.
-
-    Examples
-    --------
-    >>> len(figure_farthest().axes)
-    2
-    """
+    """Draw a farthest-point Delaunay triangulation with two of its circles, and the diagram."""
     figure = new_figure(7.2, 4.2)
     found, hidden = farthest_points(example_points())
     for column, draw in enumerate((_triangles, _cells)):

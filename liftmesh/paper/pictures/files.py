@@ -18,34 +18,7 @@ DOTS_PER_INCH = 180
 
 @styled
 def save(figure: Figure, directory: Path, name: str) -> list[Path]:
-    """Write a figure as ``name.png`` and ``name.svg``.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    directory : path
-        An existing folder.
-    name : str
-        The name of the files without suffix.
-
-    Returns
-    -------
-    list of Path
-        The two files.
-
-    Raises
-    ------
-    OSError
-        The folder does not exist or cannot be written to.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from liftmesh.paper.pictures.style import new_figure
-    >>> [path.name for path in save(new_figure(1, 1), Path(tempfile.mkdtemp()), "empty")]
-    ['empty.png', 'empty.svg']
-    """
+    """Write a figure as ``name.png`` and ``name.svg``."""
     return [_write(directory / f"{name}.{kind}", figure, kind) for kind in ("png", "svg")]
 
 

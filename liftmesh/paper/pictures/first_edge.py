@@ -40,23 +40,7 @@ CASES = (
 
 
 def example_points(case: int) -> Floats:
-    """Return the points in space of one panel of Figure 3.1.
-
-    Parameters
-    ----------
-    case : {1, 2, 3}
-        The paper's case that they illustrate.
-
-    Returns
-    -------
-    (20, 3) ndarray of float64
-        Random points.
-
-    Examples
-    --------
-    >>> [first_edge(example_points(case).tolist()).case for case in (1, 2, 3)]
-    [1, 2, 3]
-    """
+    """Return the points in space of one panel of Figure 3.1."""
     draws = np.random.default_rng(30 + case)
     weights = np.vstack([(0, 1, 0), draws.dirichlet((0.9, 0.9, 0.9), 19)])  # the lowest corner too
     return np.column_stack([draws.uniform(0, 4, 20), weights @ np.array(OUTLINES[case - 1])])
@@ -64,18 +48,7 @@ def example_points(case: int) -> Floats:
 
 @styled
 def figure_3_1() -> Figure:
-    """Draw the three cases of v'_1, v'_2 and v'_n.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 3.1: three sets of points projected onto Oyz, with Oy from right to left.
-
-    Examples
-    --------
-    >>> [bool(axes.xaxis.get_inverted()) for axes in figure_3_1().axes]
-    [True, True, True]
-    """
+    """Draw the three cases of v'_1, v'_2 and v'_n."""
     figure = new_figure(8.4, 3.4)
     for case, text in enumerate(CASES, 1):
         axes = figure.add_axes((0.01 + (case - 1) / 3, 0.02, 0.32, 0.9))

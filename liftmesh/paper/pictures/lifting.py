@@ -36,18 +36,7 @@ ABOVE = View(28, 22)
 
 @styled
 def figure_2_1() -> Figure:
-    """Draw the point w above the plane (p, q, t).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 2.1, with the point of the plane below w, at the height w_z* of the text.
-
-    Examples
-    --------
-    >>> len(figure_2_1().axes)
-    1
-    """
+    """Draw the point w above the plane (p, q, t)."""
     figure = new_figure(5.6, 4.5)
     space = Space(blank_axes(figure, (0.01, 0.01, 0.98, 0.98)), ABOVE)
     space.coordinate_axes((4.6, 5.0, 3.9))
@@ -68,23 +57,7 @@ def figure_2_1() -> Figure:
 
 
 def on_plane(position: Floats) -> Floats:
-    """Return the point of the plane (p, q, t) of Figure 2.1 above a planar point.
-
-    Parameters
-    ----------
-    position : (2,) ndarray of float64
-        w_x and w_y.
-
-    Returns
-    -------
-    (3,) ndarray of float64
-        w_x, w_y and w_z*.
-
-    Examples
-    --------
-    >>> on_plane(CORNERS[1, :2])
-    array([1.2, 3.7, 1.5])
-    """
+    """Return the point of the plane (p, q, t) of Figure 2.1 above a planar point."""
     plane = Plane.through(*CORNERS.tolist())
     return np.append(position, float(plane.height(*position.tolist())))
 
@@ -114,18 +87,7 @@ VIEWS = {"origin": View(33, 30, 0.345), "median": View(33, 30, 0.85)}
 
 
 def example_points() -> Floats:
-    """Return the planar points of Figure 2.2.
-
-    Returns
-    -------
-    (24, 2) ndarray of float64
-        Points evenly distributed over a square near the origin.
-
-    Examples
-    --------
-    >>> example_points().shape
-    (24, 2)
-    """
+    """Return the planar points of Figure 2.2."""
     draws = np.random.default_rng(20).uniform(0.9, 2.7, (400, 2))
     kept = draws[:1]
     for point in draws:  # no two closer than 0.22, so that all are distinguishable
@@ -136,19 +98,7 @@ def example_points() -> Floats:
 
 @styled
 def figure_2_2() -> Figure:
-    """Draw the Delaunay triangulation and the lower convex hull above it, for two choices of q.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 2.2: the same planar points lifted with q at the origin and at their median point;
-        the hulls differ, their projections do not. Each has its own scale of heights.
-
-    Examples
-    --------
-    >>> len(figure_2_2().axes)
-    2
-    """
+    """Draw the Delaunay triangulation and the lower convex hull above it, for two choices of q."""
     figure = new_figure(7.6, 4.2)
     triangulation = delaunay(example_points())
     for column, (q, text) in enumerate(PANELS.items()):
@@ -190,26 +140,7 @@ def _vertex(space: Space, q: tuple[float, float]) -> None:
 
 
 def covered(hull: LowerHull, view: View) -> Mask:
-    """Find the vertices of a hull that are hidden by its facets.
-
-    Parameters
-    ----------
-    hull : LowerHull
-        The hull.
-    view : View
-        The direction of view.
-
-    Returns
-    -------
-    (n,) ndarray of bool
-        True for vertices with a facet between them and the viewer.
-
-    Examples
-    --------
-    >>> hull = delaunay([[0, 0], [4, 0], [0, 4], [1, 1]]).lifted((1, 1))
-    >>> covered(hull, View(45, 0)).tolist(), covered(hull, View(0, 90)).tolist()
-    ([True, False, False, False], [False, False, False, False])
-    """
+    """Find the vertices of a hull that are hidden by its facets."""
     hidden = np.zeros(len(hull.vertices), dtype=bool)
     for face in hull.faces:
         corners = hull.vertices[face]

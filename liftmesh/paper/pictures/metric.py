@@ -35,48 +35,12 @@ _LIMITS = (-0.6, 10.6)
 
 
 def example_points() -> Floats:
-    """Return the points of the picture.
-
-    Returns
-    -------
-    (40, 2) ndarray of float64
-        Uniformly distributed on [0, 10] x [0, 10].
-
-    Examples
-    --------
-    >>> example_points().shape
-    (40, 2)
-    """
+    """Return the points of the picture."""
     return np.random.default_rng(4).uniform(0.0, 10.0, (40, 2))
 
 
 def circle_through(corners: Floats, metric: Floats, count: int = 181) -> Floats:
-    """Compute the circle of a metric through three points.
-
-    Parameters
-    ----------
-    corners : (3, 2) ndarray of float64
-        The points.
-    metric : (2, 2) ndarray of float64
-        The metric M: points p have the distance sqrt((p - c)^T M (p - c)) from the centre c.
-    count : int
-        How many points to return.
-
-    Returns
-    -------
-    (count, 2) ndarray of float64
-        Points around it, the first and the last the same.
-
-    Examples
-    --------
-    >>> corners = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-    >>> circle_through(corners, np.eye(2), 5).round(12) + 0.0
-    array([[ 1.,  0.],
-           [ 0.,  1.],
-           [-1.,  0.],
-           [ 0., -1.],
-           [ 1.,  0.]])
-    """
+    """Compute the circle of a metric through three points."""
     a, b, c = corners
     heights = np.einsum("ni,ij,nj->n", corners, metric, corners)
     center = np.linalg.solve(2 * np.array([b - a, c - a]) @ metric, heights[1:] - heights[0])
@@ -89,18 +53,7 @@ def circle_through(corners: Floats, metric: Floats, count: int = 181) -> Floats:
 
 @styled
 def figure_metric() -> Figure:
-    """Draw Delaunay triangulations in two metrics, with the empty circles of some triangles.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The picture.
-
-    Examples
-    --------
-    >>> len(figure_metric().axes)
-    2
-    """
+    """Draw Delaunay triangulations in two metrics, with the empty circles of some triangles."""
     figure = new_figure(7.2, 4.2)
     points = example_points()
     for column, metric in enumerate((((1.0, 0.0), (0.0, 1.0)), METRIC)):
@@ -129,11 +82,7 @@ def _draw(axes: Axes, found: Triangulation, metric: Floats) -> None:
 
 
 def is_inside(circle: Floats) -> bool:
-    """Whether a circle is within the picture.
-
-    >>> is_inside(np.array([[1.0, 1.0], [9.0, 11.0]]))
-    False
-    """
+    """Whether a circle is within the picture."""
     return bool((circle > _LIMITS[0]).all() and (circle < _LIMITS[1]).all())
 
 

@@ -31,18 +31,7 @@ VERTICES = (("a", (2.15, 0.55)), ("b", (0.85, 0.3)))  # q outside (C), and insid
 
 @styled
 def figure_4_2() -> Figure:
-    """Draw w'_1 and w'_2, where the line cq meets the circle (C).
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 4.2: q outside the circle, and q inside it.
-
-    Examples
-    --------
-    >>> len(figure_4_2().axes)
-    2
-    """
+    """Draw w'_1 and w'_2, where the line cq meets the circle (C)."""
     figure = new_figure(8.0, 3.5)
     for column, (letter, q) in enumerate(VERTICES):
         left, width = ((0.0, 0.57), (0.56, 0.44))[column]
@@ -84,23 +73,6 @@ def _nearest_and_farthest(axes: Axes, section: CrossSection) -> None:
 
 
 def nearest_to_q(section: CrossSection) -> tuple[Floats, Floats]:
-    """Compute w'_1 and w'_2, the points of (C) nearest to q and farthest from it.
-
-    Parameters
-    ----------
-    section : CrossSection
-        The intersection; q must not be the centre of (C).
-
-    Returns
-    -------
-    tuple of (2,) ndarray of float64
-        The intersections of the line cq and (C).
-
-    Examples
-    --------
-    >>> circle = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-    >>> [(w + 0.0).tolist() for w in nearest_to_q(CrossSection(circle, (3.0, 0.0)))]
-    [[1.0, 0.0], [-1.0, 0.0]]
-    """
+    """Compute w'_1 and w'_2, the points of (C) nearest to q and farthest from it."""
     along = section.radius * (section.q - section.center) / section.distance
     return section.center + along, section.center - along

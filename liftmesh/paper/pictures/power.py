@@ -37,43 +37,13 @@ _FAR = 40.0
 
 
 def example_circles() -> tuple[Floats, Floats]:
-    """Return the circles of the picture.
-
-    Returns
-    -------
-    centers : (34, 2) ndarray of float64
-        Their centres.
-    radii : (34,) ndarray of float64
-        Their radii.
-
-    Examples
-    --------
-    >>> centers, radii = example_circles()
-    >>> regular(centers, radii=radii).hidden.size
-    4
-    """
+    """Return the circles of the picture."""
     rng = np.random.default_rng(9)
     return rng.uniform(0.0, 10.0, (COUNT, 2)), rng.gamma(2.0, 0.45, COUNT)
 
 
 def power_centers(triangulation: Triangulation) -> Floats:
-    """Compute the points of equal power of the corners of each triangle.
-
-    Parameters
-    ----------
-    triangulation : Triangulation
-        The triangulation, of points with weights or without.
-
-    Returns
-    -------
-    (m, 2) ndarray of float64
-        The corners of the power diagram; without weights, the centres of the circles.
-
-    Examples
-    --------
-    >>> power_centers(regular([[0, 0], [2, 0], [0, 2]], weights=[0, 0, 2])).tolist()
-    [[1.0, 0.5]]
-    """
+    """Compute the points of equal power of the corners of each triangle."""
     planes = triangulation.equations
     centers: Floats = planes[:, :2] / (-2 * planes[:, 2:3])
     return centers
@@ -81,18 +51,7 @@ def power_centers(triangulation: Triangulation) -> Floats:
 
 @styled
 def figure_power() -> Figure:
-    """Draw circles, the regular triangulation of their centres, and their power diagram.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The picture.
-
-    Examples
-    --------
-    >>> len(figure_power().axes)
-    2
-    """
+    """Draw circles, the regular triangulation of their centres, and their power diagram."""
     figure = new_figure(6.6, 3.85)
     centers, radii = example_circles()
     found = regular(centers, radii=radii)
@@ -136,26 +95,7 @@ def _cells(axes: Axes, found: RegularTriangulation) -> None:
 
 
 def cell_sides(found: Triangulation, *, inward: bool = False) -> Floats:
-    """Compute the sides of the power cells; those without end are cut off far away.
-
-    Parameters
-    ----------
-    found : Triangulation
-        The triangulation.
-    inward : bool, default False
-        Whether those without end go to the left of the hull edges, as they do where the
-        triangulation is that of farthest points.
-
-    Returns
-    -------
-    (e, 2, 2) ndarray of float64
-        The two ends of each.
-
-    Examples
-    --------
-    >>> cell_sides(regular([[0, 0], [2, 0], [0, 2]], weights=[0, 0, 0])).shape
-    (3, 2, 2)
-    """
+    """Compute the sides of the power cells; those without end are cut off far away."""
     centers = power_centers(found)
     far = -_FAR if inward else _FAR
     triangle, corner = np.nonzero(found.neighbors < np.arange(found.nsimplex)[:, None])

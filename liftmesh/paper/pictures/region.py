@@ -41,19 +41,7 @@ KINDS = {
 
 @styled
 def figure_4_3() -> Figure:
-    """Draw the ellipse (E), the circle (C), and the points that their extents classify.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 4.3: in space a point t above and a point u below the plane; next to it the
-        restricted region seen from above, with points by the proposition that classifies them.
-
-    Examples
-    --------
-    >>> len(figure_4_3().axes)
-    2
-    """
+    """Draw the ellipse (E), the circle (C), and the points that their extents classify."""
     figure = new_figure(9.0, 4.6)
     space = Space(blank_axes(figure, (0.0, 0.04, 0.5, 0.96)), VIEW)
     draw_section(space)
@@ -88,18 +76,7 @@ def _above_and_below(space: Space) -> None:
 
 
 def plan_points() -> Floats:
-    """Return the planar points of Figure 4.3 (b).
-
-    Returns
-    -------
-    (110, 2) ndarray of float64
-        Points evenly distributed around the circle.
-
-    Examples
-    --------
-    >>> sorted(set(SECTION.decided_by(plan_points()).tolist()))[-2:]
-    ['4.3 (v)', '4.4']
-    """
+    """Return the planar points of Figure 4.3 (b)."""
     return np.random.default_rng(43).uniform((-1.0, -1.05), (1.85, 1.3), (110, 2))
 
 

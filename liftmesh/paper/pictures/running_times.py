@@ -33,45 +33,13 @@ TICKS = (100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 1_
 
 @styled
 def figure_6_1(results: Sequence[Row] | None = None) -> Figure:
-    """Draw the running times of case 1: q is the origin.
-
-    Parameters
-    ----------
-    results : sequence of Row, optional
-        Our measurements; by default only the printed numbers are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 6.1, on linear axes as in the paper and on logarithmic ones.
-
-    Examples
-    --------
-    >>> [axes.get_xscale() for axes in figure_6_1().axes]
-    ['linear', 'log']
-    """
+    """Draw the running times of case 1: q is the origin."""
     return _running_times("5.1", results or ())
 
 
 @styled
 def figure_6_2(results: Sequence[Row] | None = None) -> Figure:
-    """Draw the running times of case 2: q is the median point.
-
-    Parameters
-    ----------
-    results : sequence of Row, optional
-        Our measurements; by default only the printed numbers are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 6.2, on linear axes as in the paper and on logarithmic ones.
-
-    Examples
-    --------
-    >>> figure_6_2().axes[0].lines[0].get_ydata()[:2].tolist()
-    [0.088, 0.368]
-    """
+    """Draw the running times of case 2: q is the median point."""
     return _running_times("5.2", results or ())
 
 
@@ -123,21 +91,7 @@ def _scales(axes: Axes, scale: str) -> None:
 
 
 def log_axes(axes: Axes) -> None:
-    """Make both axes logarithmic, with numbers of points as tick labels.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Axes with lines over numbers of points.
-
-    Examples
-    --------
-    >>> axes = new_figure(4, 3).add_axes((0.1, 0.1, 0.8, 0.8))
-    >>> _ = axes.plot([900, 6000], [1, 2])
-    >>> log_axes(axes)
-    >>> axes.get_xticks().tolist()
-    [1000, 2000, 3000, 5000]
-    """
+    """Make both axes logarithmic, with numbers of points as tick labels."""
     axes.set(xscale="log", yscale="log")
     _grid(axes)
     least, greatest = axes.get_xlim()

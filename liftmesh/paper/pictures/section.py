@@ -37,19 +37,7 @@ TOP = 2.6  # where the paraboloid is cut off
 
 @styled
 def figure_4_1() -> Figure:
-    """Draw the projection of (E) onto Oxy.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Figure 4.1: the paraboloid (P), the plane (a, b, p), the ellipse (E) in which they
-        intersect, and the circle (C) below it.
-
-    Examples
-    --------
-    >>> len(figure_4_1().axes)
-    1
-    """
+    """Draw the projection of (E) onto Oxy."""
     figure = new_figure(5.8, 5.0)
     space = Space(blank_axes(figure, (0.0, 0.0, 1.0, 1.0)), VIEW)
     _paraboloid(space)
@@ -58,20 +46,7 @@ def figure_4_1() -> Figure:
 
 
 def draw_section(space: Space) -> None:
-    """Draw the plane (a, b, p) with (E) and a, b, p, and below it, on Oxy, (C) and a', b', p'.
-
-    Parameters
-    ----------
-    space : Space
-        The axes.
-
-    Examples
-    --------
-    >>> space = Space(blank_axes(new_figure(4, 4), (0, 0, 1, 1)), VIEW)
-    >>> draw_section(space)
-    >>> [line.get_gid() for line in space.axes.lines if line.get_gid() in {"C", "E"}]
-    ['C', 'E']
-    """
+    """Draw the plane (a, b, p) with (E) and a, b, p, and below it, on Oxy, (C) and a', b', p'."""
     _ground(space)
     _cut(space, SECTION)
     _drops(space, lift(CORNERS, SECTION.q))
@@ -152,26 +127,7 @@ def _seen(space: Space, points: Floats, **look: Any) -> None:
 
 
 def behind_paraboloid(points: Floats, view: View) -> Mask:
-    """Find the points on the paraboloid z = x^2 + y^2 that are hidden by its near side.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray of float64
-        Points on the paraboloid.
-    view : View
-        The direction of view.
-
-    Returns
-    -------
-    (n,) ndarray of bool
-        True if the ray to the viewer intersects the paraboloid again below its rim.
-
-    Examples
-    --------
-    >>> sides = lift([[-1.0, 0.0], [1.0, 0.0]])
-    >>> behind_paraboloid(sides, View(0, 5)).tolist()
-    [True, False]
-    """
+    """Find the points on the paraboloid z = x^2 + y^2 that are hidden by its near side."""
     x, y, z = view.towards
     # points + s * towards lies on the surface for s = 0 and for this s.
     s = (z - 2 * points[:, :2] @ (x, y)) / (x * x + y * y)

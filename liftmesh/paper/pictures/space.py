@@ -22,20 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A direction of view.
-
-    Parameters
-    ----------
-    azimuth, elevation : float
-        Degrees: of the viewer around the z-axis from the x-axis, and above the plane Oxy.
-    rise : float, default 1
-        Vertical exaggeration: the factor of heights.
-
-    Examples
-    --------
-    >>> View(0, 0).flat([[5.0, 1.0, 2.0]])
-    array([[1., 2.]])
-    """
+    """A direction of view."""
 
     azimuth: float
     elevation: float
@@ -51,44 +38,12 @@ class View:
         return frame
 
     def flat(self, points: ArrayLike) -> Floats:
-        """Project points to the drawing plane.
-
-        Parameters
-        ----------
-        points : array_like of shape (..., 3)
-            Points in space.
-
-        Returns
-        -------
-        (..., 2) ndarray of float64
-            Coordinates to the right and up.
-
-        Examples
-        --------
-        >>> View(0, 90).flat((1.0, 2.0, 3.0)).round(12) + 0.0
-        array([ 2., -1.])
-        """
+        """Project points to the drawing plane."""
         projected: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()
         return projected[..., :2]
 
     def nearness(self, points: ArrayLike) -> Floats:
-        """Compute how near points are to the viewer.
-
-        Parameters
-        ----------
-        points : array_like of shape (..., 3)
-            Points in space.
-
-        Returns
-        -------
-        (...) ndarray of float64
-            Greater is nearer.
-
-        Examples
-        --------
-        >>> View(0, 0).nearness([[5.0, 1.0, 2.0], [6.0, 1.0, 2.0]])
-        array([5., 6.])
-        """
+        """Compute how near points are to the viewer."""
         nearness: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()[:, 2]
         return nearness
 
@@ -101,80 +56,22 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """Axes that project points in space along a direction of view.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The 2-D axes to draw in.
-    view : View
-        The direction of view.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-    >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
-    >>> space.line([(0, 0, 0), (0, 1, 0)])
-    >>> space.axes.lines[0].get_xdata().tolist()
-    [0.0, 1.0]
-    """
+    """Axes that project points in space along a direction of view."""
 
     axes: Axes
     view: View
 
     def line(self, points: ArrayLike, **options: Any) -> None:
-        """Draw a line through points.
-
-        Parameters
-        ----------
-        points : array_like of shape (n, 3)
-            The points; rows of NaN break the line.
-        **options
-            As for ``Axes.plot``.
-
-        Examples
-        --------
-        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
-        >>> space.line([(0, 0, 0), (0, 1, 0)], gid="edge")
-        """
+        """Draw a line through points."""
         self.axes.plot(*self.view.flat(points).T, **{"color": INK, "lw": 1.0, **options})
 
     def dots(self, points: ArrayLike, **options: Any) -> None:
-        """Draw points.
-
-        Parameters
-        ----------
-        points : array_like of shape (n, 3)
-            The points.
-        **options
-            As for ``Axes.plot``.
-
-        Examples
-        --------
-        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
-        >>> space.dots([(0, 1, 0)])
-        """
+        """Draw points."""
         look = {"ls": "none", "marker": "o", "ms": 4.5, "zorder": 6, "mew": 0.0}
         self.line(np.atleast_2d(points), **{**look, **options})
 
     def faces(self, corners: ArrayLike, **options: Any) -> None:
-        """Draw flat faces, far ones first.
-
-        Parameters
-        ----------
-        corners : array_like of shape (m, k, 3)
-            The corners of each face.
-        **options
-            As for ``matplotlib.collections.PolyCollection``; colours may be given for each face.
-
-        Examples
-        --------
-        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
-        >>> space.faces([[(0, 0, 0), (0, 1, 0), (0, 0, 1)]], facecolors="tab:blue")
-        """
+        """Draw flat faces, far ones first."""
         corners = np.asarray(corners, dtype=np.float64)
         order = np.argsort(self.view.nearness(corners.mean(axis=1)), kind="stable")
         colors = options.pop("facecolors", "none")
@@ -187,41 +84,11 @@ class Space:
         self.axes.autoscale_view()
 
     def name(self, point: ArrayLike, text: str, away: tuple[float, float], **options: Any) -> None:
-        """Write a label next to a point.
-
-        Parameters
-        ----------
-        point : (3,) array_like
-            The point.
-        text : str
-            The label; mathtext between dollar signs.
-        away : tuple of float
-            Offset of the label's centre from the point, in typographic points.
-        **options
-            As for ``Axes.annotate``.
-
-        Examples
-        --------
-        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(0, 0))
-        >>> space.name((0, 1, 0), "$w$", (8, 0))
-        """
+        """Write a label next to a point."""
         label(self.axes, self.view.flat(point), text, away, **options)
 
     def coordinate_axes(self, lengths: tuple[float, float, float]) -> None:
-        """Draw the axes Ox, Oy, Oz as arrows from O.
-
-        Parameters
-        ----------
-        lengths : tuple of float
-            Lengths along x, y and z.
-
-        Examples
-        --------
-        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(30, 20))
-        >>> space.coordinate_axes((1, 1, 1))
-        """
+        """Draw the axes Ox, Oy, Oz as arrows from O."""
         self.name((0, 0, 0), "$O$", (-10, 6))
         for axis, length in enumerate(lengths):
             tip = np.zeros(3)
@@ -231,21 +98,7 @@ class Space:
             self.name(tip, f"${'xyz'[axis]}$", (9 * x, 9 * y))
 
     def arrow(self, start: ArrayLike, tip: ArrayLike, **options: Any) -> None:
-        """Draw an arrow.
-
-        Parameters
-        ----------
-        start, tip : (3,) array_like
-            Start and end of the arrow.
-        **options
-            As for ``matplotlib.patches.FancyArrowPatch``.
-
-        Examples
-        --------
-        >>> from liftmesh.paper.pictures.style import blank_axes, new_figure
-        >>> space = Space(blank_axes(new_figure(2, 2), (0, 0, 1, 1)), View(30, 20))
-        >>> space.arrow((0, 0, 0), (0, 1, 0))
-        """
+        """Draw an arrow."""
         ends = self.view.flat(np.array([start, tip]))
         look = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
         patch = load("matplotlib.patches", extra="plot").FancyArrowPatch(

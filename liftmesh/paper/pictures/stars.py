@@ -31,23 +31,7 @@ RATIO = 4.0
 
 
 def example_metrics(points: Floats) -> Floats:
-    """Ask for triangles that are longer along a wave than across, near it.
-
-    Parameters
-    ----------
-    points : (n, 2) ndarray of float64
-        Points in the unit square.
-
-    Returns
-    -------
-    (n, 2, 2) ndarray of float64
-        A metric for each.
-
-    Examples
-    --------
-    >>> example_metrics(np.array([[0.5, 0.0]])).round(2).tolist()
-    [[[12.03, 6.62], [6.62, 4.97]]]
-    """
+    """Ask for triangles that are longer along a wave than across, near it."""
     x, y = points.T
     ratio = 1 + (RATIO - 1) * np.exp(-(((x - 0.5 + 0.1 * np.sin(6 * y)) / 0.25) ** 2))
     across = np.column_stack([np.ones(len(points)), 0.6 * np.cos(6 * y)])
@@ -59,35 +43,13 @@ def example_metrics(points: Floats) -> Floats:
 
 
 def example_points() -> Floats:
-    """Return the points of the picture.
-
-    Returns
-    -------
-    (140, 2) ndarray of float64
-        Points in the unit square.
-
-    Examples
-    --------
-    >>> example_points().shape
-    (140, 2)
-    """
+    """Return the points of the picture."""
     return np.random.default_rng(13).random((COUNT, 2))
 
 
 @styled
 def figure_stars() -> Figure:
-    """Draw the metrics as ellipses, and the triangles that are in the stars of all their corners.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The picture.
-
-    Examples
-    --------
-    >>> len(figure_stars().axes)
-    2
-    """
+    """Draw metrics as ellipses, and the triangles in the stars of all their corners."""
     points = example_points()
     stars = anisotropic_stars(points, example_metrics(points))
     figure = new_figure(5.2, 3.2)

@@ -49,24 +49,7 @@ _SETTINGS = {
 
 
 def styled(function: Callable[P, R]) -> Callable[P, R]:
-    """Run a function with the style of the figures, and restore the user's settings.
-
-    Parameters
-    ----------
-    function : callable
-        A function that makes or writes figures.
-
-    Returns
-    -------
-    callable
-        The same function, with the settings in effect while it runs.
-
-    Examples
-    --------
-    >>> import matplotlib
-    >>> styled(lambda: matplotlib.rcParams["mathtext.fontset"])()
-    'cm'
-    """
+    """Run a function with the style of the figures, and restore the user's settings."""
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -77,47 +60,13 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure that is not attached to a window.
-
-    Parameters
-    ----------
-    width, height : float
-        Size in inches.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure.
-
-    Examples
-    --------
-    >>> new_figure(6, 4).get_size_inches().tolist()
-    [6.0, 4.0]
-    """
+    """Make an empty figure that is not attached to a window."""
     figure: Figure = load("matplotlib.figure", extra="plot").Figure(figsize=(width, height))
     return figure
 
 
 def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """Add axes for a drawing to scale: no frame, no ticks, equal units.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    box : tuple of float
-        Left, bottom, width and height as fractions of the figure.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-
-    Examples
-    --------
-    >>> blank_axes(new_figure(2, 2), (0, 0, 1, 1)).get_aspect()
-    1.0
-    """
+    """Add axes for a drawing to scale: no frame, no ticks, equal units."""
     axes = figure.add_axes(box)
     axes.set_axis_off()
     axes.set_aspect("equal")
@@ -126,24 +75,7 @@ def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
-    """Explain what is drawn, in one line at the bottom.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    handles : sequence of matplotlib.artist.Artist
-        Samples with labels.
-    **options
-        As for ``Figure.legend``.
-
-    Examples
-    --------
-    >>> figure = new_figure(2, 2)
-    >>> legend_below(figure, blank_axes(figure, (0, 0, 1, 1)).plot([0], [0], label="point"))
-    >>> figure.legends[0].get_texts()[0].get_text()
-    'point'
-    """
+    """Explain what is drawn, in one line at the bottom."""
     figure.legend(
         handles=handles,
         loc="lower center",
@@ -157,28 +89,7 @@ def legend_below(figure: Figure, handles: Sequence[Any], **options: Any) -> None
 def label(
     axes: Axes, at: Any, text: str, away: tuple[float, float] = (0.0, 0.0), **options: Any
 ) -> None:
-    """Write a label next to a point, with a halo that separates it from lines.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    at : (2,) array_like
-        The point in data units.
-    text : str
-        The label; mathtext between dollar signs.
-    away : tuple of float, default (0, 0)
-        Offset of the label's centre from the point, in typographic points.
-    **options
-        As for ``Axes.annotate``.
-
-    Examples
-    --------
-    >>> axes = blank_axes(new_figure(2, 2), (0, 0, 1, 1))
-    >>> label(axes, (0, 0), "$a'$", (8, 8))
-    >>> axes.texts[0].get_text()
-    "$a'$"
-    """
+    """Write a label next to a point, with a halo that separates it from lines."""
     effects = load("matplotlib.patheffects", extra="plot")
     settings: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 13}
     axes.annotate(

@@ -36,26 +36,7 @@ TITLES = {"origin": "$q = O$", "median": "$q$ = the median point"}
 
 @styled
 def figure_rejections(results: Sequence[Row]) -> Figure:
-    """Draw the share of points that each proposition decides, for every number of points.
-
-    Parameters
-    ----------
-    results : sequence of Row
-        Our measurements.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each table; the remaining points need a dot product.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> from liftmesh.paper.summary import summarise
-    >>> figure = figure_rejections(summarise(measure(Trial("5.1", 50, seed=1))))
-    >>> len(figure.axes[0].containers)
-    7
-    """
+    """Draw the share of points that each proposition decides, for every number of points."""
     figure = new_figure(9.0, 4.5)
     for axes, rows in _panels(figure, results, bottom=0.3, pad=22):
         _shares(axes, rows)
@@ -100,26 +81,7 @@ def _shares(axes: Axes, rows: Sequence[Row]) -> None:
 
 @styled
 def figure_dot_products(results: Sequence[Row]) -> Figure:
-    """Draw the dot products per facet of LF, LFRes and the indexed region.
-
-    Parameters
-    ----------
-    results : sequence of Row
-        Our measurements.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each table, on logarithmic axes.
-
-    Examples
-    --------
-    >>> from liftmesh.paper.experiments import Trial, measure
-    >>> from liftmesh.paper.summary import summarise
-    >>> figure = figure_dot_products(summarise(measure(Trial("5.1", 50, seed=1))))
-    >>> [line.get_label() for line in figure.axes[0].lines]
-    ['LF', 'LFRes', 'LFRes, indexed']
-    """
+    """Draw the dot products per facet of LF, LFRes and the indexed region."""
     figure = new_figure(9.0, 4.0)
     for axes, rows in _panels(figure, results, bottom=0.25, pad=8):
         for method in (LF, LFRES, INDEXED):
