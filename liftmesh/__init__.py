@@ -13,7 +13,7 @@ from typing import Any
 
 import lazy_loader
 
-from liftmesh.interruption import deferred
+from liftmesh.base.interruption import deferred
 from liftmesh.signatures import make_readable
 
 _load, _, __all__ = lazy_loader.attach_stub(__name__, __file__)

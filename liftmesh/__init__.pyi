@@ -1,6 +1,9 @@
-from .cells.apollonius_cells import ApolloniusCells as ApolloniusCells
+from .base.cloud import Cloud as Cloud
 from .cells.cells import Cells as Cells
-from .cells.disks import apollonius_diagram as apollonius_diagram
+from .cells.disk_cells import (
+    ApolloniusCells as ApolloniusCells,
+    apollonius_diagram as apollonius_diagram,
+)
 from .cells.lloyd import Relaxed as Relaxed, lloyd as lloyd
 from .cells.natural import (
     NaturalNeighbors as NaturalNeighbors,
@@ -9,9 +12,10 @@ from .cells.natural import (
 from .cells.transport import Transported as Transported, transport as transport
 from .cells.unclipped import Unclipped as Unclipped
 from .cells.voronoi import power_diagram as power_diagram, voronoi as voronoi
-from .cloud import Cloud as Cloud
 from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
+from .disks.apollonius import apollonius as apollonius
+from .disks.graph import ApolloniusGraph as ApolloniusGraph
 from .errors import (
     DataWarning as DataWarning,
     DegenerateInputError as DegenerateInputError,
@@ -29,8 +33,6 @@ from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .io.writing import Written as Written, write as write
 from .planar.anisotropic import anisotropic_stars as anisotropic_stars
 from .planar.anisotropic_stars import AnisotropicStars as AnisotropicStars
-from .planar.apollonius import apollonius as apollonius
-from .planar.apollonius_graph import ApolloniusGraph as ApolloniusGraph
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
 from .planar.counters import Counters as Counters
 from .planar.delaunay import delaunay as delaunay

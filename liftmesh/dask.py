@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from liftmesh.choices import Duplicates, NonFinite, ShardFormat, check_progress, counted
+from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load

@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
+from liftmesh.base.interruption import deferred
 from liftmesh.errors import MissingDependencyError
-from liftmesh.interruption import deferred
 
 _HINTS = {
     "libusb": "install the system library libusb-1.0 (Debian, Ubuntu: libusb-1.0-0)",

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
-from liftmesh.arrays import as_pairs, check_finite
-from liftmesh.choices import as_switch
+from liftmesh.base.arrays import as_pairs, check_finite
+from liftmesh.base.options import as_switch
 
 
 def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:

@@ -17,8 +17,8 @@ from worst_points import SCALES, insertion_order
 
 import liftmesh
 from liftmesh import _kernel
+from liftmesh.base.threads import VARIABLE
 from liftmesh.cli.summary import summarise
-from liftmesh.threads import VARIABLE
 
 MANY = 10_000  # queries
 

@@ -23,7 +23,7 @@ from test_apollonius import (
 
 import liftmesh
 from liftmesh import ApolloniusCells, InputError, NonFiniteError
-from liftmesh.planar.apollonius_arcs import Arcs
+from liftmesh.disks.arcs import Arcs
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain

@@ -18,7 +18,12 @@ code = main(sys.argv[1:])
 print("imported", json.dumps([code, *sys.modules]))
 """
 DEAR = {"pydantic", "rich", "scipy", "trimesh", "matplotlib", "numpy.ma", "importlib.metadata"}
-CODECS = {"liftmesh.io.stl", "liftmesh.io.numpy_files", "liftmesh.io.gltf.formats", "zipfile"}
+CODECS = {
+    "liftmesh.io.formats.stl",
+    "liftmesh.io.formats.numpy_files",
+    "liftmesh.io.formats.gltf.formats",
+    "zipfile",
+}
 
 
 def imported(*words: str | Path) -> set[str]:

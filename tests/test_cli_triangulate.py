@@ -13,7 +13,7 @@ import trimesh
 from commands import ROOT, TERRAIN, failed, liftmesh, on_terminal, process, without_escapes
 
 import liftmesh as lm
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
 from liftmesh.cli import exit_codes
 
 HILL = ROOT / "data" / "hill.csv"

@@ -16,8 +16,8 @@ from lidar import encoded, record, records, tile, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, FormatError, InputError
-from liftmesh.crs import described, warnings_of
-from liftmesh.wkt import tree
+from liftmesh.crs.description import described, warnings_of
+from liftmesh.crs.wkt import tree
 
 METRE, FOOT, SURVEY_FOOT = ("metre", 1.0), ("foot", 0.3048), ("US survey foot", 1200 / 3937)
 DEGREE = ("degree", None)

@@ -12,8 +12,8 @@ from lidar import encoded, geo_keys, record, records, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, InputError
-from liftmesh.crs import described
-from liftmesh.transformation import transformed
+from liftmesh.crs.description import described
+from liftmesh.crs.transformation import transformed
 
 FEET = np.array([[6_000_000.0, 2_000_000.0, 1000.0], [6_000_100.0, 2_000_000.0, 1001.0]])
 HEIGHTS = np.arange(12.0).reshape(3, 4) / 7 + 100

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from liftmesh.choices import Duplicates
+from liftmesh.base.options import Duplicates
 from liftmesh.errors import DuplicateHeightError, InputError
 from liftmesh.terrain.equal_positions import choose_rows
 

@@ -21,8 +21,8 @@ import pytest
 from interrupt.worker import where
 
 import liftmesh
-from liftmesh import interruption
-from liftmesh.interruption import deferred, kept
+from liftmesh.base import interruption
+from liftmesh.base.interruption import deferred, kept
 from liftmesh.io import atomic, registry
 from liftmesh.io.working_folder import working_folder
 from liftmesh.tiles.store import save_array

@@ -15,7 +15,7 @@ import pytest
 from commands import liftmesh as command
 from test_cli_signals import ENDS, assert_nothing_was_written, ended, folder, started
 
-from liftmesh import interruption
+from liftmesh.base import interruption
 from liftmesh.cli import exit_codes
 from liftmesh.cli.signals import Ending
 

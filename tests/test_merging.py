@@ -16,7 +16,7 @@ from lidar import encoded, geo_keys, record, records, with_records
 
 import liftmesh
 from liftmesh import Cloud, DataWarning, InputError
-from liftmesh.same_crs import is_same
+from liftmesh.crs.comparison import is_same
 
 ROWS = np.array([[0, 0, 1], [4, 0, 2], [0, 4, 3.0]])
 FEET = 'PROJCS["US survey",GEOGCS["NAD83",UNIT["degree",0.0174532925199433]],UNIT["foot",0.3048]]'

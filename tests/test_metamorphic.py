@@ -35,7 +35,7 @@ from strategies import ANY_MOTIF, COCIRCULAR_CLOUDS, FEW, MOTIFS, OFFSETS, Point
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
 
 Triangles = NDArray[np.int32]
 

@@ -12,7 +12,7 @@ from liftmesh import InputError
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import as_domain
 from liftmesh.cells.overlay import overlaid
-from liftmesh.planar.apollonius_cells import Traced
+from liftmesh.disks.sides import Traced
 
 SIZE = 4  # squares along a side; cell (x, y) is row SIZE * y + x
 

@@ -14,7 +14,7 @@ from clouds import FAMILIES
 from distributions import circle, uniform
 
 import liftmesh
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
 from liftmesh.errors import DegenerateInputError, DuplicateHeightError, NonFiniteError
 from liftmesh.terrain.triangulate import DONE_AFTER
 

@@ -13,7 +13,7 @@ from commands import liftmesh as command
 
 import liftmesh
 from liftmesh import InputError, UnsupportedTypeError
-from liftmesh.transformation import transformed
+from liftmesh.crs.transformation import transformed
 
 XYZ = np.array([[0.0, 0.0, 5.0], [4, 0, 6], [0, 3, 7], [4.5, 3, 9]])
 

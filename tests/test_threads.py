@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
+from liftmesh.base.threads import MOST_THREADS, VARIABLE, as_threads
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.threads import MOST_THREADS, VARIABLE, as_threads
 
 Points = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from commands import liftmesh as command
 
 import liftmesh
 from liftmesh import Tiled, TiledSurface
-from liftmesh.choices import ShardFormat
+from liftmesh.base.options import ShardFormat
 from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.tiles import store
 

@@ -14,7 +14,7 @@ from tilings import adjacent
 
 import liftmesh
 from liftmesh import Tiled
-from liftmesh.choices import ShardFormat
+from liftmesh.base.options import ShardFormat
 from liftmesh.errors import FormatError, InputError, MissingDependencyError
 from liftmesh.tiles import shards as formats
 from liftmesh.tiles.edges import paired

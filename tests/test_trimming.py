@@ -18,8 +18,7 @@ from test_sampling import LATTICE, exactly
 from test_surface_raster import covering, raster
 
 import liftmesh
-from liftmesh.terrain.polygon_files import polygons_in
-from liftmesh.terrain.polygons import as_polygons, contains
+from liftmesh.vector.polygons import as_polygons, contains, polygons_in
 
 LIMITS = st.floats(0.5, 6).filter(lambda each: abs(each * each - round(each * each)) > 1e-6)
 
@@ -336,9 +335,9 @@ class TestPolygons:
     @pytest.mark.parametrize("seed", range(24))
     def test_any_rings_by_definition(self, monkeypatch, few: int, seed: int) -> None:
         """In narrow strips or in one, crossing rings, corners on points, the largest numbers."""
-        monkeypatch.setattr("liftmesh.terrain.polygons._FEW", few)
-        monkeypatch.setattr("liftmesh.terrain.polygons._NEAR", 0 if few == 1 else 16)
-        monkeypatch.setattr("liftmesh.terrain.polygons._LONG", 8 if seed % 8 > 3 else 4096)
+        monkeypatch.setattr("liftmesh.vector.polygons._FEW", few)
+        monkeypatch.setattr("liftmesh.vector.polygons._NEAR", 0 if few == 1 else 16)
+        monkeypatch.setattr("liftmesh.vector.polygons._LONG", 8 if seed % 8 > 3 else 4096)
         rng = np.random.default_rng(seed)
         corners, count = rng.integers(3, 90), rng.integers(1, 60)
         grid = [0.0, 1.0, 3.0, -7.0, 5e-324, 1e-300, 1e308, -1e308]

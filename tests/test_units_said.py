@@ -15,8 +15,8 @@ from lidar import encoded, records
 
 import liftmesh as lm
 from liftmesh import Cloud, InputError
-from liftmesh.same_crs import plane_of
-from liftmesh.transformation import common, sentence, told_of, transformed
+from liftmesh.crs.comparison import plane_of
+from liftmesh.crs.transformation import common, sentence, told_of, transformed
 
 UTM = np.array([[500000.0, 5400000.0, 100.0], [500100, 5400000, 110], [500000, 5400100, 120]])
 GAUSS = np.array([[3500000.0, 5400000.0, 100.0], [3500100, 5400000, 1], [3500000, 5400100, 2]])

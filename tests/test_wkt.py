@@ -15,10 +15,16 @@ from hypothesis import given, settings, strategies as st
 
 import liftmesh as lm
 from liftmesh import Cloud, InputError
-from liftmesh.crs import check_system, described, is_system, looked_up, without_files
-from liftmesh.io.geotiff_writer import checked
-from liftmesh.same_crs import given_system, is_same
-from liftmesh.wkt import has_grids, plain, tree
+from liftmesh.crs.comparison import given_system, is_same
+from liftmesh.crs.description import (
+    check_system,
+    described,
+    is_system,
+    looked_up,
+    without_files,
+)
+from liftmesh.crs.wkt import has_grids, plain, tree
+from liftmesh.raster.writer import checked
 
 UTM1 = pyproj.CRS(25832).to_wkt("WKT1_GDAL")
 UTM2 = pyproj.CRS(25832).to_wkt("WKT2_2019")

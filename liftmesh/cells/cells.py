@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Rows
-from liftmesh.arrays import read_only
+from liftmesh.base.arrays import read_only
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.clipping import clip
 from liftmesh.cells.unclipped import Unclipped

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.arrays import read_only
+from liftmesh.base.arrays import read_only
 from liftmesh.cells.columns import common_crs, frame_of, free_name
 from liftmesh.cells.parts import binary_scale, parts_of
-from liftmesh.crs import looked_up
+from liftmesh.crs.description import looked_up
 from liftmesh.optional import load
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.choices import counted, shown
+from liftmesh.base.options import counted, shown
+from liftmesh.crs.comparison import common_system, given_system, system_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
-from liftmesh.same_crs import common_system, given_system, system_of
 
 
 def free_name(name: str, taken: Iterable[Any]) -> str:

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats
-from liftmesh.arrays import as_reals, read_only
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_reals, read_only
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.ragged import places
 

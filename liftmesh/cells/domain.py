@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.arrays import as_reals
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_reals
+from liftmesh.base.options import shown
+from liftmesh.crs.comparison import common_system, system_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
-from liftmesh.same_crs import common_system, system_of
 
 _KINDS = ("Polygon", "MultiPolygon")
 _WIDENED = 0.1  # of the longer side of the points' box, on each side

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from liftmesh.cells.domain import shapes_of, united
-from liftmesh.crs import described
+from liftmesh.crs.description import described
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.geometry_files import read_features, stated_system
+from liftmesh.vector.files import read_features, stated_system
 
 _STANDARD = "EPSG:4326"  # of GeoJSON that names no other
 _DEGREES = np.array([180.0, 90.0])

@@ -9,7 +9,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
-from liftmesh.arrays import as_coordinates, non_finite, widened
+from liftmesh.base.arrays import as_coordinates, non_finite, widened
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.diagram import Diagram, diagram_of, regions_of

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.io.geojson_writer import crs_member
 from liftmesh.io.text_tables import write_rows
+from liftmesh.vector.geojson import crs_member
 
 if TYPE_CHECKING:
     from liftmesh.cells.clipped import ClippedCells

@@ -10,10 +10,10 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.cells.columns import free_name
-from liftmesh.crs import looked_up
+from liftmesh.crs.description import looked_up
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.geopackage_writer import write_shapes
 from liftmesh.optional import load
+from liftmesh.vector.geopackage import write_shapes
 
 if TYPE_CHECKING:
     from liftmesh.cells.clipped import ClippedCells

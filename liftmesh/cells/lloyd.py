@@ -16,16 +16,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import read_only
+from liftmesh.base.arrays import read_only
+from liftmesh.base.options import as_count, counted, shown
 from liftmesh.cells.cells import Cells
 from liftmesh.cells.density import as_density
 from liftmesh.cells.domain import as_domain
 from liftmesh.cells.dual import dual_of
 from liftmesh.cells.measure import Measure, check_extent, total_mass
 from liftmesh.cells.sites import sites_of
-from liftmesh.choices import as_count, counted, shown
+from liftmesh.crs.comparison import system_of
 from liftmesh.errors import InputError
-from liftmesh.same_crs import system_of
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -15,11 +15,11 @@ import numpy as np
 
 from liftmesh._typing import Floats, Indices
 from liftmesh.cells.exact import Exact, as_exact, turn
-from liftmesh.planar.apollonius_cells import shares_in
+from liftmesh.disks.sides import shares_in
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
-    from liftmesh.planar.apollonius_cells import Traced
+    from liftmesh.disks.sides import Traced
 
 _NEAREST = 8  # segments to which ways are tried
 _HALF = Fraction(1, 2)

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import as_pairs, as_reals, check_finite, read_only
+from liftmesh.base.arrays import as_pairs, as_reals, check_finite, read_only
+from liftmesh.base.options import counted, shown
+from liftmesh.base.threads import as_threads
 from liftmesh.cells.sites import sites_of
-from liftmesh.choices import counted, shown
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.member import options_of
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.threads import as_threads
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

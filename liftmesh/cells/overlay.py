@@ -27,7 +27,7 @@ from liftmesh.io.ragged import places
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
-    from liftmesh.planar.apollonius_cells import Traced
+    from liftmesh.disks.sides import Traced
 
 
 class _Stations(NamedTuple):

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Mask
-from liftmesh.choices import counted
+from liftmesh.base.options import counted
 from liftmesh.io.format import OWN, crs_comment
-from liftmesh.io.ply.names import property_names, statements
-from liftmesh.io.ply.writer import PORTABLE, portable
+from liftmesh.io.formats.ply.names import property_names, statements
+from liftmesh.io.formats.ply.writer import PORTABLE, portable
 from liftmesh.io.ragged import places
 from liftmesh.io.text_tables import write_rows
 from liftmesh.optional import load

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
+from liftmesh.crs.comparison import common_system, system_of
 from liftmesh.errors import InputError
 from liftmesh.io.objects.kinds import is_table
 from liftmesh.io.registry import as_cloud
 from liftmesh.planar.meshes import rows_of
 from liftmesh.planar.weights import named_values
-from liftmesh.same_crs import common_system, system_of
 
 
 def sites_of(points: Any, domain: Any = None) -> Any:

@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_reals, read_only
+from liftmesh.base.arrays import as_reals, read_only
+from liftmesh.base.options import as_count, as_switch, counted, shown
 from liftmesh.cells.cells import Cells
 from liftmesh.cells.density import Density, as_density
 from liftmesh.cells.domain import Domain, as_domain
@@ -32,10 +33,9 @@ from liftmesh.cells.dual import Dual, dual_of
 from liftmesh.cells.lloyd import as_tolerance
 from liftmesh.cells.measure import Measure, check_extent, total_mass
 from liftmesh.cells.sites import sites_of
-from liftmesh.choices import as_count, as_switch, counted, shown
+from liftmesh.crs.comparison import system_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
-from liftmesh.same_crs import system_of
 
 _SHORTEST = 2.0**-40  # share of a step
 _LEAST = 2.0**-200  # share of the whole

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import read_only
-from liftmesh.choices import counted
+from liftmesh.base.arrays import read_only
+from liftmesh.base.options import counted
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
 
 if TYPE_CHECKING:

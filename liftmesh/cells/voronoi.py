@@ -10,8 +10,8 @@ from liftmesh.cells.cells import Cells
 from liftmesh.cells.domain import as_domain
 from liftmesh.cells.dual import dual_of
 from liftmesh.cells.sites import sites_of, values_of
+from liftmesh.crs.comparison import system_of
 from liftmesh.planar.weights import chosen
-from liftmesh.same_crs import system_of
 
 
 def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import GroundMethod
+from liftmesh.base.options import GroundMethod
 from liftmesh.cli import groups
 from liftmesh.cli.files import without_warnings
 from liftmesh.cli.options import parse_length
@@ -15,7 +15,7 @@ from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _GROUND = 2  # not "ground", which takes all rows where there is none
 

@@ -23,7 +23,7 @@ from liftmesh.cli import (
 )
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.comparison.report import Comparison
 
 SHORT_HELP = "Compare liftmesh's triangles with trimesh's convex hull."

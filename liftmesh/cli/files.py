@@ -27,7 +27,7 @@ from liftmesh.errors import (
 )
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _MOST_LISTED = 8
 _LONGEST = 80  # characters of each
@@ -101,9 +101,9 @@ def counts_of(cloud: Cloud) -> dict[str, int] | None:
 
 def _read_quietly(source: Any, **choices: Any) -> Cloud:
     """Read without warnings: they are among the notes."""
-    from liftmesh.crs import check_system  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - as above
+    from liftmesh.crs.description import check_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.io import files as io_files  # noqa: PLC0415 - as above
-    from liftmesh.same_crs import adds_heights  # noqa: PLC0415 - as above
 
     with without_warnings():
         if CRS_OF_OTHERS not in choices:
@@ -132,7 +132,7 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
         is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
         said = cloud.metadata.get("notes") if is_told else ()
         return (*first, *said) if isinstance(said, tuple) else first
-    from liftmesh.io.tables.columns import described  # noqa: PLC0415 - few files are tables
+    from liftmesh.io.formats.text.columns import described  # noqa: PLC0415 - few files are tables
 
     said = described(names)
     told = map(as_on_command_line, cloud.metadata.get("notes", ()))
@@ -219,7 +219,7 @@ def check_content(
     path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
 ) -> None:
     """Raise before the work starts if a file cannot hold what a mesh of these rows would have."""
-    from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
+    from liftmesh.crs.units import system_of  # noqa: PLC0415 - as above
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 

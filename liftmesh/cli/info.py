@@ -79,7 +79,7 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
 
 def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
-    from liftmesh.crs import described  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
 
     found = described(crs)
     if found is None:

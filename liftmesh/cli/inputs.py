@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from liftmesh.choices import counted
+from liftmesh.base.options import counted
 from liftmesh.cli import files
 from liftmesh.cli.terminal import note, stage
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 

@@ -7,7 +7,7 @@ from datetime import date, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.surface import Surface
 
 # ASPRS, LAS Specification 1.4-R15, tables 9 and 17.
@@ -80,8 +80,8 @@ def _as_date(seconds: float) -> str | float:
 
 def provenance(held: Cloud | Surface) -> dict[str, Any]:
     """Return for JSON which classes the rows of a cloud or a surface are of, and their way here."""
+    from liftmesh.crs.transformation import told_of  # noqa: PLC0415 - as above
     from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - help and --version do without
-    from liftmesh.transformation import told_of  # noqa: PLC0415 - as above
 
     told = told_of(held.metadata) or None
     return {"classes": classes_of(held.attributes), "transformation": told}

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.choices import NonFinite, as_count
+from liftmesh.base.options import NonFinite, as_count
 from liftmesh.errors import InputError
 
 Source: TypeAlias = Annotated[
@@ -173,8 +173,8 @@ def _whole(text: str) -> int | str:
 def parse_threads(text: str | None) -> int | None:
     """Parse the value of ``--threads``, before the work starts."""
     threads: Any = None if text is None else _whole(text)
-    from liftmesh.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
-    from liftmesh.threads import as_threads  # noqa: PLC0415 - as above
+    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
 
     try:
         as_threads(threads, MOST_ROWS)
@@ -186,7 +186,7 @@ def parse_threads(text: str | None) -> int | None:
 
 def parse_color_depth(text: str | None) -> int | None:
     """Parse the value of ``--color-depth``, before the work starts."""
-    from liftmesh.color_depth import DEPTHS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
 
     depth = None if text is None else _whole(text)
     if depth is not None and depth not in DEPTHS:
@@ -204,7 +204,7 @@ def _numbers(text: str, count: int) -> tuple[float, ...] | None:
 
 
 def _read_npy(path: Path) -> Any:
-    from liftmesh.io.npy_array import read_array  # noqa: PLC0415 - as above
+    from liftmesh.io.formats.npy_array import read_array  # noqa: PLC0415 - as above
 
     with path.open("rb") as stream:
         return read_array(stream, path.name)

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
 
 import typer
 
-from liftmesh.choices import Unit3MF
+from liftmesh.base.interruption import check
+from liftmesh.base.options import Unit3MF
 from liftmesh.cli import groups, terminal
 from liftmesh.cli.files import is_stream
 from liftmesh.cli.options import parse_count, parse_length
 from liftmesh.errors import FormatError
-from liftmesh.interruption import check
 
 if TYPE_CHECKING:
     from liftmesh.io.writing import Written

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import shown
+from liftmesh.base.options import shown
 from liftmesh.cli import (
     files,
     lidar,
@@ -128,11 +128,11 @@ def _check_shapes(target: Path) -> None:
 def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.draping import system_of_plane  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.line_files import lines_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
     if not shapes.is_cloud(path):
         return list(lines_of(path, system_of_plane(surface)))
-    from liftmesh.same_crs import are_different  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
 
     cloud = files.read(path, None, reading.max_bytes, tables.flat_of(path))
     crs = system_of_plane(surface)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import RasterQuantity, SampleMethod, shown
+from liftmesh.base.options import RasterQuantity, SampleMethod, shown
 from liftmesh.cli import (
     files,
     lidar,
@@ -128,7 +128,7 @@ def _check(
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
-    from liftmesh.io import geotiff_writer  # noqa: PLC0415 - as above
+    from liftmesh.raster import writer  # noqa: PLC0415 - as above
     from liftmesh.terrain.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
     from liftmesh.terrain.raster_values import check_method  # noqa: PLC0415 - as above
 
@@ -137,7 +137,7 @@ def _check(
         if bounds is not None:
             bounds_of(bounds)
         check_method(quantity, method)
-        geotiff_writer.checked(crs, compress)
+        writer.checked(crs, compress)
 
 
 def _write(
@@ -167,7 +167,7 @@ def _write(
 
 def _system(source: Path, stated: str | None, given: str) -> str:
     """Return the system of an option; raise if the file states another."""
-    from liftmesh.same_crs import are_different  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
 
     if are_different(stated, given):
         raise InputError(f"{source} is in {shown(stated)}, not in --crs {given}: leave --crs out")

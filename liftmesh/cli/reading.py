@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.choices import NonFinite
+from liftmesh.base.options import NonFinite
 from liftmesh.cli import groups, options, rows, surfaces, tables
 from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 

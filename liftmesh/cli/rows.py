@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from liftmesh.choices import Returns
+from liftmesh.base.options import Returns
 from liftmesh.cli import groups
 from liftmesh.cli.options import parse_count, parse_length
 from liftmesh.errors import InputError

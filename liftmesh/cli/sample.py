@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import SampleMethod, shown
+from liftmesh.base.options import SampleMethod, shown
 from liftmesh.cli import (
     files,
     lidar,
@@ -28,7 +28,7 @@ from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 SHORT_HELP = "Write the heights of a mesh or cloud at points."
 HELP = (
@@ -108,7 +108,7 @@ def _asked(at: Path, source: Path, own: str | None, limit: int | None) -> Cloud:
         asked = files.read(at, None, limit, tables.flat_of(at))
         _check_systems(source, own, at, asked.crs)
         return asked
-    from liftmesh.terrain.point_files import points_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.vector.points import points_of  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"reading {at.name}"):
         asked = points_of(at, own)
@@ -119,7 +119,7 @@ def _asked(at: Path, source: Path, own: str | None, limit: int | None) -> Cloud:
 
 def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -> None:
     """Raise if the points are in another system than the surface."""
-    from liftmesh.same_crs import are_different  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - help and --version do without
 
     if are_different(own, given):
         raise InputError(

@@ -2,8 +2,8 @@
 
 The handler states which signal came first and raises an exception in the main thread, so that what
 was begun is cleaned up. Code may catch it; so the statement holds by itself: from then on no file
-is put in place (`liftmesh.interruption.check`), and the exit code is that of the signal. A signal
-that is ignored when the process starts, as SIGINT is after nohup, stays ignored.
+is put in place (`base.interruption.check`), and the exit code is that of the signal. A signal that
+is ignored when the process starts, as SIGINT is after nohup, stays ignored.
 
 While one long call of compiled code runs, Python calls no handler: `liftmesh.cli.watchdog` ends
 the process then.
@@ -20,7 +20,7 @@ from contextlib import suppress
 from types import FrameType
 from typing import Any
 
-from liftmesh import interruption
+from liftmesh.base import interruption
 from liftmesh.cli import exit_codes
 from liftmesh.cli.standard_streams import discard_stdout
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import Duplicates
+from liftmesh.base.options import Duplicates
 from liftmesh.cli import (
     files,
     inputs,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import Pinched
+from liftmesh.base.options import Pinched
 from liftmesh.cli import (
     files,
     lidar,
@@ -21,7 +21,7 @@ from liftmesh.cli import (
 from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.writing import Written
     from liftmesh.terrain.surface import Surface
 

@@ -12,12 +12,12 @@ import numpy as np
 from liftmesh._typing import Floats, Rows
 from liftmesh.cli.files import notes, parts_not_read
 from liftmesh.cli.lidar import counted
-from liftmesh.height_units import system_of
+from liftmesh.crs.units import system_of
 from liftmesh.io.metadata import found_columns
 from liftmesh.planar.positions import find_positions, pieces
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 
 # Measured: peak memory of reading, triangulating and writing, in addition to the file's arrays.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.choices import NonFinite, counted
+from liftmesh.base.options import NonFinite, counted
 from liftmesh.cli import files, inputs, terminal
 from liftmesh.errors import InputError
 

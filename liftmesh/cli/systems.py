@@ -6,16 +6,16 @@ import importlib.util
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _LONGEST = 80  # characters of a system that is not understood
 
 
 def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs import is_system, named, warnings_of  # noqa: PLC0415 - help does without
-    from liftmesh.height_units import system_of  # noqa: PLC0415 - as above
-    from liftmesh.transformation import sentence, told_of  # noqa: PLC0415 - as above
+    from liftmesh.crs.description import is_system, named, warnings_of  # noqa: PLC0415 - help does without
+    from liftmesh.crs.transformation import sentence, told_of  # noqa: PLC0415 - as above
+    from liftmesh.crs.units import system_of  # noqa: PLC0415 - as above
 
     crs, found = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")

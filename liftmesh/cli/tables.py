@@ -65,7 +65,7 @@ def parse(
     given |= {"skip_rows": lines} if lines else {}
     if not given:
         return given
-    from liftmesh.io.tables.options import checked  # noqa: PLC0415 - most runs do without
+    from liftmesh.io.formats.text.options import checked  # noqa: PLC0415 - most runs do without
 
     try:
         checked(**given)

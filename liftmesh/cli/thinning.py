@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import CellRow
+from liftmesh.base.options import CellRow
 from liftmesh.cli import groups
 from liftmesh.cli.options import parse_count, parse_length
 from liftmesh.cli.terminal import note, stage
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 
 def parse(

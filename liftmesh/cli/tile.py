@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import Duplicates, ShardFormat
+from liftmesh.base.options import Duplicates, ShardFormat
 from liftmesh.cli import files, inputs, lidar, options, standard_streams, terminal
 from liftmesh.cli.python_options import of_reading
 from liftmesh.cli.rows import with_options as with_rows

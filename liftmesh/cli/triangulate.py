@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import Duplicates, Method
+from liftmesh.base.options import Duplicates, Method
 from liftmesh.cli import (
     classifying,
     files,
@@ -30,7 +30,7 @@ from liftmesh.cli import (
 from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.writing import Written
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface

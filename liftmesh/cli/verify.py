@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.choices import NonFinite
+from liftmesh.base.options import NonFinite
 from liftmesh.cli import exit_codes, files, options, overwriting, standard_streams, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.certificate import Certificate
 
 SHORT_HELP = "Verify that a mesh is the Delaunay triangulation of its vertices."

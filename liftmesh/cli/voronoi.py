@@ -14,8 +14,8 @@ import typer
 from liftmesh.cli import files, options, overwriting, standard_streams, tables, terminal
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.cells.clipped import ClippedCells
-    from liftmesh.cloud import Cloud
 
 SHORT_HELP = "Write the Voronoi or power cells of a cloud, or cells of disks, as polygons."
 HELP = (
@@ -140,7 +140,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
     from liftmesh.cells.domain_file import read_domain  # noqa: PLC0415 - as above
-    from liftmesh.same_crs import common_system  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import common_system  # noqa: PLC0415 - as above
 
     shape, crs = read_domain(path)
     return shape, common_system(cloud.crs, crs)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Mask, Rows
-from liftmesh.caching import cached_property
+from liftmesh.base.frozen import cached_property
 from liftmesh.optional import load
 from liftmesh.predicates import incircle
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex
-from liftmesh.arrays import used_rows
-from liftmesh.choices import NonFinite, as_count, check_option
+from liftmesh.base.arrays import used_rows
+from liftmesh.base.options import NonFinite, as_count, check_option
 from liftmesh.comparison.cells import find_cells
 from liftmesh.comparison.differences import find_differences
 from liftmesh.comparison.evidence import Evidence

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from liftmesh._typing import Rows
-from liftmesh.arrays import used_rows
-from liftmesh.cloud import Cloud
-from liftmesh.frozen import constructed_from, freeze
+from liftmesh.base.arrays import used_rows
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.planar.lifting import LowerHull, lift
 
 if TYPE_CHECKING:

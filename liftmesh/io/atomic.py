@@ -21,7 +21,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from liftmesh.interruption import check, opened
+from liftmesh.base.interruption import check, opened
 from liftmesh.io.links import check_links
 from liftmesh.io.streams import add_name
 

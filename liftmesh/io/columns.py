@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Rows
-from liftmesh.cloud import Cloud
-from liftmesh.color_depth import confirmed_depth
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import confirmed_depth
 
 POSITION = ("x", "y", "z")
 NORMAL = ("nx", "ny", "nz")

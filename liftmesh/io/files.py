@@ -10,24 +10,24 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 from liftmesh._typing import Floats
-from liftmesh.choices import Returns, as_count
-from liftmesh.color_depth import check_depth
-from liftmesh.crs import check_system, described
+from liftmesh.base.colors import check_depth
+from liftmesh.base.interruption import kept
+from liftmesh.base.options import Returns, as_count
+from liftmesh.crs.comparison import is_same
+from liftmesh.crs.description import check_system, described
+from liftmesh.crs.transformation import Operation, transformed, with_heights
+from liftmesh.crs.units import height_factors, steps_in
 from liftmesh.errors import FormatError, InputError
-from liftmesh.height_units import height_factors, steps_in
-from liftmesh.interruption import kept
 from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.format import configured
+from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import TRANSFORMATION, Label
 from liftmesh.io.places import PathOrStream, at_home, format_of, name_of, opened
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
-from liftmesh.io.tables.columns import DEGREES
-from liftmesh.same_crs import is_same
-from liftmesh.transformation import Operation, transformed, with_heights
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.format import Format, Reader
 
 CHUNK_ROWS = 1_000_000

@@ -20,12 +20,12 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import used_rows
-from liftmesh.choices import shown
-from liftmesh.cloud import Cloud, is_crs
+from liftmesh.base.arrays import used_rows
+from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
+from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.colors import check_colors, fits_eight_bits, is_opaque
 from liftmesh.io.json_text import ascii_string
 
 Origin: TypeAlias = tuple[float, float, float]

@@ -17,8 +17,8 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Integers, Mask
+from liftmesh.base.threads import as_threads
 from liftmesh.errors import FormatError
-from liftmesh.threads import as_threads
 
 BLOCK = 1 << 17  # lines taken at a time, at most
 

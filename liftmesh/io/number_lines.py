@@ -12,9 +12,9 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array
+from liftmesh.base.threads import as_threads
 from liftmesh.io.ragged import Ragged
 from liftmesh.io.text_tables import line_error
-from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-from liftmesh.interruption import deferred
+from liftmesh.base.interruption import deferred
 
 
 class OnCall:

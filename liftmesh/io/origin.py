@@ -20,7 +20,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.json_numbers import finite_numbers, shown
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.format import Origin
 
 TOLERANCE = 1e-6

@@ -20,11 +20,11 @@ from functools import lru_cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from liftmesh.choices import shown
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.frozen import freeze
+from liftmesh.base.interruption import deferred, kept
+from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, UnsupportedTypeError
-from liftmesh.frozen import freeze
-from liftmesh.interruption import deferred, kept
 from liftmesh.io.format import Format
 from liftmesh.io.formats import FORMATS
 from liftmesh.io.objects import plain

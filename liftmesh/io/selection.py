@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.choices import Returns, as_count, as_switch, check_option, shown
+from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 GROUND = 2  # the class of the ground, ASPRS
 MOST_CLASSES = 256

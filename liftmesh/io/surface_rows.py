@@ -31,7 +31,7 @@ from liftmesh.io.selection import (
 )
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _BLOCK = 1 << 20  # rows: NumPy counts bytes as words of 64 bits
 _NAMED = 3  # files in a message

@@ -18,9 +18,9 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
+from liftmesh.base.threads import as_threads
 from liftmesh.errors import FormatError
 from liftmesh.io.limits import MOST_COLUMNS
-from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from liftmesh.interruption import opened
+from liftmesh.base.interruption import opened
 from liftmesh.io.atomic import unfinished_folders
 
 LOCK = "in-use"

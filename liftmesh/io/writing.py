@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from liftmesh.base.interruption import kept
 from liftmesh.errors import FormatError
-from liftmesh.interruption import kept
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
@@ -20,7 +20,7 @@ from liftmesh.io.registry import as_cloud, find_written, suffix_of
 from liftmesh.io.streams import written_whole
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.format import Format, Origin
 
 
@@ -119,7 +119,7 @@ def write(
     --------
     >>> import io
     >>> import numpy as np
-    >>> from liftmesh.cloud import Cloud
+    >>> from liftmesh.base.cloud import Cloud
     >>> stream = io.BytesIO()
     >>> write(stream, Cloud(np.array([[0.1, 2.0, 1e300]])), format="obj").bytes
     28

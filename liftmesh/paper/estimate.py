@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import TypeAlias
 
 from liftmesh._typing import Floats
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
 from liftmesh.paper.experiments import BURST, METHODS, PATIENCE, ROUNDS, Trial
 from liftmesh.paper.printed import TABLES, TableName, Vertex
 from liftmesh.planar.delaunay import delaunay

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
 from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
 from liftmesh.planar.counters import REJECTIONS
 from liftmesh.planar.delaunay import delaunay

@@ -15,7 +15,7 @@ from fractions import Fraction
 from math import isqrt
 from typing import Literal
 
-from liftmesh.caching import cached_property
+from liftmesh.base.frozen import cached_property
 from liftmesh.paper.geometry import Exact, Number, Plane, Point, exact, fraction
 
 

@@ -14,13 +14,11 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Progress, Rows
-from liftmesh.arrays import as_coordinates
-from liftmesh.choices import NonFinite, check_option, check_progress
+from liftmesh.base.arrays import as_coordinates, as_floats, of_one_array, unmasked
+from liftmesh.base.options import NonFinite, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.floats import as_floats, unmasked
 from liftmesh.planar.anisotropic_stars import AnisotropicStars
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.shapes import of_one_array
 
 _REMEDY = "give [[a, b], [b, c]] with a > 0 and a c > b^2 for each row"
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
-from liftmesh.choices import as_count
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import as_count
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

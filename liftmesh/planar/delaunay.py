@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import (
+from liftmesh.base.arrays import as_coordinates, non_finite, of_one_array
+from liftmesh.base.options import (
     Method,
     NonFinite,
     RowOrder,
@@ -24,14 +24,13 @@ from liftmesh.choices import (
     check_progress,
     counted,
 )
+from liftmesh.base.threads import as_threads
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import given_vertex, resolve_q
 from liftmesh.planar.meshes import rows_of
 from liftmesh.planar.metric import as_metric
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.shapes import of_one_array
-from liftmesh.threads import as_threads
 
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
 _AUTO: Method = "auto"  # the defaults are not checked, which takes as long as a point or two

@@ -13,7 +13,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
-from liftmesh.threads import as_threads
+from liftmesh.base.threads import as_threads
 
 _NO_VALUES = np.empty(0)
 

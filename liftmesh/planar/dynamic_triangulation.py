@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite
-from liftmesh.choices import shown
+from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 

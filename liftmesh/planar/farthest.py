@@ -10,8 +10,8 @@ from typing import Any
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats
+from liftmesh.base.threads import as_threads
 from liftmesh.planar.delaunay import solution_of
-from liftmesh.threads import as_threads
 
 
 def solve(rows: Floats, *, copy: bool = False) -> dict[str, Any]:

@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_coordinates, as_reals, as_rows3, read_only
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_coordinates, as_reals, as_rows3, read_only
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
 from liftmesh.planar.meshes import rows_of
 
 if TYPE_CHECKING:
     import trimesh
 
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.writing import Written
     from liftmesh.planar.counters import Counters
 
@@ -197,7 +197,7 @@ class LowerHull:
         >>> len(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_cloud())
         3
         """
-        from liftmesh.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
+        from liftmesh.base.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
 
         metadata = {} if self.q is None else {"q": self.q}
         return Cloud(self.vertices, faces=self.faces, metadata=metadata)

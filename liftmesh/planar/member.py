@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats
-from liftmesh.choices import as_switch
+from liftmesh.base.options import as_switch
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.metric import as_metric
 from liftmesh.planar.weights import ONE_EACH, Weights, as_weights, named_values

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
+from liftmesh.base.arrays import as_floats, unmasked
 from liftmesh.errors import InputError
-from liftmesh.floats import as_floats, unmasked
 
 _REMEDY = "give [[a, b], [b, c]] with a > 0 and a c > b^2"
 

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals, Rows
-from liftmesh.arrays import as_coordinates
-from liftmesh.threads import as_threads
+from liftmesh.base.arrays import as_coordinates
+from liftmesh.base.threads import as_threads
 
 _PIECE = 1 << 15  # of so many triangles, the points fit the cache
 

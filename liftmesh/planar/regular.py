@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Progress, Reals
-from liftmesh.arrays import as_coordinates
-from liftmesh.choices import NonFinite, RowOrder, as_switch
+from liftmesh.base.arrays import as_coordinates, of_one_array
+from liftmesh.base.options import NonFinite, RowOrder, as_switch
+from liftmesh.base.threads import as_threads
 from liftmesh.planar.delaunay import check_options, solution_of
 from liftmesh.planar.meshes import rows_of
 from liftmesh.planar.regular_triangulation import RegularTriangulation
 from liftmesh.planar.weights import Weights, as_weights, chosen, named_values
-from liftmesh.shapes import of_one_array
-from liftmesh.threads import as_threads
 
 
 @of_one_array

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import read_only, widened
-from liftmesh.caching import cached_property
+from liftmesh.base.arrays import read_only, widened
+from liftmesh.base.frozen import cached_property
 from liftmesh.planar.heights import Heights
 from liftmesh.planar.power_cells import rows_without_area
 from liftmesh.planar.triangulation import Triangulation

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_coordinates, check_finite, non_finite
+from liftmesh.base.arrays import as_coordinates, check_finite, non_finite
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
 from liftmesh.planar import farthest

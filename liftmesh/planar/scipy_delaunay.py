@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
-from liftmesh.arrays import read_only
-from liftmesh.caching import cached_property
-from liftmesh.choices import as_switch
+from liftmesh.base.arrays import read_only
+from liftmesh.base.frozen import cached_property
+from liftmesh.base.options import as_switch
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.qhull_options import check_qhull_options

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.arrays import read_only
-from liftmesh.choices import as_switch
+from liftmesh.base.arrays import read_only
+from liftmesh.base.options import as_switch
 from liftmesh.optional import load
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
 from liftmesh.planar.qhull_options import check_qhull_options

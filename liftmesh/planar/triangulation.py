@@ -9,14 +9,13 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.arrays import as_pairs, read_only
-from liftmesh.caching import cached_property
-from liftmesh.choices import NonFinite
-from liftmesh.frozen import check_copied
+from liftmesh.base.arrays import as_pairs, read_only
+from liftmesh.base.frozen import cached_property, check_copied
+from liftmesh.base.options import NonFinite
+from liftmesh.base.threads import as_threads
 from liftmesh.planar.barycentric import barycentric_transforms
 from liftmesh.planar.heights import Heights
 from liftmesh.planar.lifting import LowerHull, resolve_q
-from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
     import scipy.spatial

@@ -16,18 +16,15 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
-from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.choices import NonFinite, as_switch, check_option, check_progress
+from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite
+from liftmesh.base.options import NonFinite, as_switch, check_option, check_progress
+from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
 from liftmesh.planar.anisotropic_stars import AnisotropicStars
-from liftmesh.planar.apollonius_graph import ApolloniusGraph
-from liftmesh.planar.apollonius_verification import verify_graph
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.planar.member import Member, as_member
 from liftmesh.planar.meshes import points_and_triangles
 from liftmesh.planar.offenders import MEANINGS, Evidence
-from liftmesh.shapes import is_masked_array
-from liftmesh.threads import as_threads
 
 MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
 _HASHED_AT_ONCE = 1 << 20
@@ -137,9 +134,10 @@ def verify(  # noqa: PLR0913 - options are keywords
     lifted_by: dict[str, Any] = dict(zip(("weights", "radii", "metric"), given, strict=True))
     lifted_by |= {"furthest_site": (is_farthest := as_switch("furthest_site", furthest_site))}
     _refuse_other_results(points, simplices)
-    if isinstance(points, ApolloniusGraph):
+    if _is_graph_of_disks(points):
         _refuse_more(simplices is not None, is_farthest, *(each is not None for each in given))
-        return verify_graph(points, threads=threads, progress=progress)
+        certificate: Certificate = points.verify(threads=threads, progress=progress)
+        return certificate
     if simplices is None:
         told = is_farthest or any(each is not None for each in given)
         points, simplices, is_skipping, own = points_and_triangles(points, told=told)
@@ -163,6 +161,11 @@ def verify(  # noqa: PLR0913 - options are keywords
     return certificate
 
 
+def _is_graph_of_disks(value: Any) -> bool:
+    """Whether this is an `ApolloniusGraph`, of a room above."""
+    return hasattr(value, "circles") and hasattr(value, "radii")
+
+
 def _refuse_more(*are_given: bool) -> None:
     if any(are_given):
         raise InputError(
@@ -172,7 +175,7 @@ def _refuse_more(*are_given: bool) -> None:
 
 
 def _refuse_other_results(points: Any, simplices: Any) -> None:
-    if isinstance(simplices, ApolloniusGraph):
+    if _is_graph_of_disks(simplices):
         raise InputError("simplices are a graph of disks, which has its own points: give it alone")
     if isinstance(points, AnisotropicStars):
         raise InputError(

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Mask, Reals
-from liftmesh.choices import counted, shown
+from liftmesh.base.arrays import as_floats, is_readable, unmasked
+from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.floats import as_floats, is_readable, unmasked
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 ONE_EACH = {"weights": "weight", "radii": "radius"}
 

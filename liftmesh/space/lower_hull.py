@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
-from liftmesh.arrays import as_coordinates, as_rows3, check_finite
-from liftmesh.choices import HullMethod, Method, check_option
+from liftmesh.base.arrays import as_coordinates, as_rows3, check_finite, of_one_array
+from liftmesh.base.options import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.counters import Counters
 from liftmesh.planar.lifting import LowerHull
 from liftmesh.planar.meshes import rows_of
-from liftmesh.shapes import of_one_array
 
 # Salts the order in which points are inserted: nobody can make an input that is slow in every
 # process. No result depends on it.

@@ -15,13 +15,13 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
-from liftmesh.arrays import check_finite
+from liftmesh.base.arrays import check_finite
 from liftmesh.errors import InputError
 from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 
 def most_significant(cloud: Cloud, wanted: int) -> Rows:

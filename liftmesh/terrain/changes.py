@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.arrays import as_coordinates, non_finite
-from liftmesh.cloud import Cloud
-from liftmesh.color_depth import judged, with_depth
+from liftmesh.base.arrays import as_coordinates, non_finite
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import judged, with_depth
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.planar.regular_triangulation import RegularTriangulation

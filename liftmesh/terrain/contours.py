@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.arrays import as_reals
-from liftmesh.choices import as_count, shown
+from liftmesh.base.arrays import as_reals
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import as_count, shown
+from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
-from liftmesh.io import geojson_writer, geopackage_writer
 from liftmesh.io.atomic import replacing
 from liftmesh.io.places import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.decimals import as_decimal, as_thousands
 from liftmesh.terrain.sampling import relief_of
-from liftmesh.threads import as_threads
+from liftmesh.vector import geojson, geopackage
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -234,11 +234,11 @@ class Contours:
         features = (
             ({"height": x.level, "index": x.index, "closed": x.closed}, x.points) for x in self
         )
-        geojson_writer.write(stream, features, self.crs)
+        geojson.write(stream, features, self.crs)
 
     def _write_geopackage(self, stream: BinaryIO) -> None:
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
-        geopackage_writer.write(stream, self.points, self.starts, columns, self.crs, "contours")
+        geopackage.write(stream, self.points, self.starts, columns, self.crs, "contours")
 
 
 def length_of(length: Any) -> float:

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from numpy.typing import ArrayLike
 
-from liftmesh.arrays import as_reals
+from liftmesh.base.arrays import as_reals
 
 _LONG = 10**15
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
 from liftmesh.errors import InputError
-from liftmesh.io import geojson_writer, geopackage_writer
 from liftmesh.io.atomic import replacing
+from liftmesh.vector import geojson, geopackage
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -54,14 +54,12 @@ class Draped:
         }
         with replacing(path) as stream:
             if path.suffix.lower() == ".gpkg":
-                geopackage_writer.write(
-                    stream, self.points, self.starts, columns, self.crs, "profiles"
-                )
+                geopackage.write(stream, self.points, self.starts, columns, self.crs, "profiles")
             else:
                 rows = zip(*(values.tolist() for values in columns.values()), strict=True)
                 told = (dict(zip(columns, row, strict=True)) for row in rows)
                 parts = np.split(self.points, self.starts[1:-1])
-                geojson_writer.write(stream, zip(told, parts, strict=True), self.crs)
+                geojson.write(stream, zip(told, parts, strict=True), self.crs)
         return path
 
 

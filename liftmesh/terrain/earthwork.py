@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError
 from liftmesh.predicates import orient2d
-from liftmesh.same_crs import are_different
 from liftmesh.terrain.measures import cubic_metres_of
 from liftmesh.terrain.sampling import relief_of
 from liftmesh.terrain.within import between_within, check_measured, in_all, in_each

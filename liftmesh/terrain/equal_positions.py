@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.choices import Duplicates, check_option
+from liftmesh.base.options import Duplicates, check_option
 from liftmesh.errors import DuplicateHeightError
 
 

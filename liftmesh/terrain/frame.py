@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_coordinates, read_only
-from liftmesh.choices import counted, shown
+from liftmesh.base.arrays import as_coordinates, read_only
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.choices import GroundMethod, as_count, check_option, shown
-from liftmesh.crs import described
+from liftmesh.base.options import GroundMethod, as_count, check_option, shown
+from liftmesh.crs.description import described
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.files import read_cloud
 from liftmesh.io.interpreter import command
@@ -28,7 +28,7 @@ from liftmesh.io.selection import class_column
 from liftmesh.terrain.cloth import PROGRAM
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 GROUND, _UNCLASSIFIED = 2, 1
 _CLASSES = "classification"

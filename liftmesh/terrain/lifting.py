@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.choices import Method
+from liftmesh.base.options import Method
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
@@ -27,7 +27,7 @@ from liftmesh.planar.triangulation import Triangulation
 from liftmesh.planar.weights import Weights, as_weights, chosen, named_values
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 HIDDEN = "hidden"
 _DIVIDING = ("auto", "divide-and-conquer")

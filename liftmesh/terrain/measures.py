@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_reals
-from liftmesh.choices import as_switch, shown
+from liftmesh.base.arrays import as_reals
+from liftmesh.base.options import as_switch, shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.corners import ranks
 from liftmesh.terrain.units import metres_of, rise_of

@@ -14,20 +14,19 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.choices import shown
-from liftmesh.cloud import Cloud
-from liftmesh.color_depth import kept_depth
-from liftmesh.crs import described
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import as_float, kept_depth, with_alpha
+from liftmesh.base.options import shown
+from liftmesh.crs.comparison import are_different, is_same
+from liftmesh.crs.description import described
+from liftmesh.crs.transformation import common, told_of
+from liftmesh.crs.units import band_unit
 from liftmesh.errors import DataWarning, InputError
-from liftmesh.height_units import band_unit
-from liftmesh.io.colors import as_float, with_alpha
 from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, said, unread
 from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
-from liftmesh.same_crs import are_different, is_same
 from liftmesh.terrain.overlap import distances_of, overlap_of
-from liftmesh.transformation import common, told_of
 
 _LAYOUT = "las"  # the entry of lidar's scales
 _FLOWN = "flight_lines"

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.arrays import used_rows
+from liftmesh.base.arrays import used_rows
+from liftmesh.crs.transformation import told_of
 from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.files import read_cloud
@@ -27,10 +28,9 @@ from liftmesh.planar.weights import named_values
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
-from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.triangulation import Triangulation
 
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.choices import shown
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _WIDTHS = {"colors": (3, 4), "normals": (3,)}
 

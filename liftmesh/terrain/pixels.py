@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_reals
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_reals
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.decimals import as_decimal, as_thousands
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_reals
+from liftmesh.base.arrays import as_reals
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.terrain.frame import NAMED, Frame
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Mask
-from liftmesh.arrays import as_pairs
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_pairs
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
 from liftmesh.terrain.line_crossings import LineCrossings
 
 if TYPE_CHECKING:

@@ -17,17 +17,17 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.choices import RasterQuantity, SampleMethod, as_switch
-from liftmesh.frozen import constructed_from, freeze
-from liftmesh.io import geotiff_writer
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch
+from liftmesh.base.threads import as_threads
+from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
 from liftmesh.io.places import check_suffix
-from liftmesh.same_crs import plane_of
+from liftmesh.raster import writer
 from liftmesh.terrain.pixels import Layout, Transform, centres_of, layout_of
 from liftmesh.terrain.raster_values import Wanted
 from liftmesh.terrain.sampling import relief_of
 from liftmesh.terrain.units import names_of
-from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
     import os
@@ -152,7 +152,7 @@ class Raster:
         crs = written_system(self.crs, self.quantity)
         packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
         with replacing(found) as stream:
-            geotiff_writer.write(stream, self.values, self.transform, crs, **packed)
+            writer.write(stream, self.values, self.transform, crs, **packed)
         return found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.choices import RasterQuantity, SampleMethod, check_option, shown
+from liftmesh.base.options import RasterQuantity, SampleMethod, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.sampling import aspect_of, slope_of
 from liftmesh.terrain.units import rise_of

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from liftmesh._typing import Rows
-from liftmesh.choices import counted
-from liftmesh.frozen import constructed_from, freeze
-from liftmesh.io.tables.columns import described
-from liftmesh.transformation import sentence
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import counted
+from liftmesh.crs.transformation import sentence
+from liftmesh.io.formats.text.columns import described
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats
-from liftmesh.arrays import as_pairs
-from liftmesh.choices import SampleMethod, check_option
+from liftmesh.base.arrays import as_pairs
+from liftmesh.base.options import SampleMethod, check_option
+from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
 from liftmesh.terrain.units import rise_of
-from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface

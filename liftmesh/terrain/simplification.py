@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Progress, Rows
-from liftmesh.choices import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
+from liftmesh.base.options import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
+from liftmesh.crs.transformation import told_of
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.io.surface_rows import classes_of, read_rows
@@ -28,10 +29,9 @@ from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.triangulate import triangulate
-from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.selection import ClassChoice
 
 _WHOLE = "and a simplified surface covers their hull: simplify first, then trim"

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.arrays import as_reals, used_rows
-from liftmesh.choices import Pinched, check_option, shown
-from liftmesh.cloud import Cloud
+from liftmesh.base.arrays import as_reals, used_rows
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.options import Pinched, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.trimming import mask_of, masked

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.choices import counted
-from liftmesh.cloud import Cloud
-from liftmesh.color_depth import kept_depth
-from liftmesh.frozen import constructed_from, freeze
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import kept_depth
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import counted
 from liftmesh.io import writing
 from liftmesh.io.objects import matplotlib, open3d, trimesh
 from liftmesh.terrain import changes

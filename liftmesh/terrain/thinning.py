@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.choices import CellRow, as_count, check_option, shown
+from liftmesh.base.options import CellRow, as_count, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.io.files import read_cloud
 from liftmesh.terrain.adaptive_thinning import most_significant
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _MOST_CELLS = float(2**52)  # from the origin: beyond, doubles do not tell cells apart
 # Of a cell of the distance / sqrt(2): all others that can have a point within the distance; those

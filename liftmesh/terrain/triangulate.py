@@ -17,25 +17,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
-from liftmesh.arrays import check_finite, non_finite
-from liftmesh.choices import Duplicates, Method, NonFinite, check_option, check_progress
-from liftmesh.crs import described, warnings_of
+from liftmesh.base.arrays import check_finite, non_finite, of_one_array
+from liftmesh.base.options import Duplicates, Method, NonFinite, check_option, check_progress
+from liftmesh.crs.description import described, warnings_of
+from liftmesh.crs.transformation import told_of
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
 from liftmesh.io.metadata import found_columns
 from liftmesh.io.surface_rows import classes_of, read_rows
-from liftmesh.shapes import of_one_array
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.lifting import Lifting, lifting_of
 from liftmesh.terrain.parts import with_parts
 from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
-from liftmesh.transformation import told_of
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.io.formats.text.options import ColumnChoice
     from liftmesh.io.selection import ClassChoice
-    from liftmesh.io.tables.options import ColumnChoice
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
 

@@ -14,12 +14,11 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.arrays import as_reals
-from liftmesh.choices import as_switch, shown
+from liftmesh.base.arrays import as_reals
+from liftmesh.base.options import as_switch, shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.corners import ordered
-from liftmesh.terrain.polygon_files import polygons_in
-from liftmesh.terrain.polygons import contains
+from liftmesh.vector.polygons import contains, polygons_in
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface

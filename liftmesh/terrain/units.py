@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.arrays import as_reals
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_reals
+from liftmesh.base.options import shown
+from liftmesh.crs.units import band_unit, system_of
 from liftmesh.errors import InputError
-from liftmesh.height_units import band_unit, system_of
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface

@@ -18,13 +18,13 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.polygon_files import polygons_in, regions_in
 from liftmesh.terrain.sampling import relief_of
+from liftmesh.vector.polygons import polygons_in, regions_in
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
-    from liftmesh.terrain.polygons import Polygon
     from liftmesh.terrain.surface import Surface
+    from liftmesh.vector.polygons import Polygon
 
 
 _MOST_EXPONENT = 64

@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 from liftmesh._typing import Progress
-from liftmesh.choices import NonFinite, ShardFormat, check_progress
-from liftmesh.threads import as_threads
+from liftmesh.base.options import NonFinite, ShardFormat, check_progress
+from liftmesh.base.threads import as_threads
 from liftmesh.tiles.run import Options, triangulated
 from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.sources import parts_of

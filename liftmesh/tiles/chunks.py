@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.arrays import non_finite
+from liftmesh.base.arrays import non_finite
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.io.surface_rows import classes_of
 from liftmesh.tiles.clouds import read_part

@@ -21,9 +21,9 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from liftmesh.choices import as_folder
+from liftmesh.base.interruption import opened
+from liftmesh.base.options import as_folder
 from liftmesh.errors import DegenerateInputError, FormatError, InputError
-from liftmesh.interruption import opened
 from liftmesh.tiles.manifest import MANIFEST, manifest_of
 from liftmesh.tiles.stages import JOB, Folders
 from liftmesh.tiles.store import load_json, save_json

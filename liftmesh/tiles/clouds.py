@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Progress
-from liftmesh.arrays import as_coordinates, widened
-from liftmesh.choices import shown
+from liftmesh.base.arrays import as_coordinates, widened
+from liftmesh.base.frozen import FrozenDict
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.frozen import FrozenDict
 from liftmesh.io.files import read_chunks
 from liftmesh.io.registry import as_cloud
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
@@ -37,7 +37,7 @@ from liftmesh.tiles.sources import (
 from liftmesh.tiles.store import save_array
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
 
 _DEPTH = "give color_depth= 8 or 16, which decides it for all rows"
 

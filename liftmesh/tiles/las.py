@@ -12,7 +12,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.las.header import stated
+from liftmesh.io.formats.las.header import stated
 from liftmesh.io.surface_rows import for_chunks
 
 if TYPE_CHECKING:

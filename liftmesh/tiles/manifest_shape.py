@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from liftmesh.choices import Duplicates, NonFinite, ShardFormat
+from liftmesh.base.options import Duplicates, NonFinite, ShardFormat
 from liftmesh.tiles.schema import POSITION, ROW
 
 Check = Callable[[Any], bool]

@@ -12,7 +12,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Integers, Rows
-from liftmesh.arrays import MOST_ROWS
+from liftmesh.base.arrays import MOST_ROWS
 from liftmesh.errors import InputError
 
 

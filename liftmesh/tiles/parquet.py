@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.arrays import widened
+from liftmesh.base.arrays import as_floats, widened
 from liftmesh.errors import FormatError, InputError
-from liftmesh.floats import as_floats
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.tiles.sources import Origin
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Integers
-from liftmesh.choices import counted
+from liftmesh.base.options import counted
 from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.base.interruption import opened
 from liftmesh.errors import FormatError
-from liftmesh.interruption import opened
 from liftmesh.tiles.store import mapped
 
 _NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand

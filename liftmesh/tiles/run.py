@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.choices import NonFinite, ShardFormat, as_count, as_switch, check_option, shown
+from liftmesh.base.options import NonFinite, ShardFormat, as_count, as_switch, check_option, shown
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.terrain.triangulate import check_system
 from liftmesh.tiles.chunks import Scanned, changed, partition, scan

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.frozen import FrozenDict
+from liftmesh.crs.units import band_unit
 from liftmesh.errors import InputError
-from liftmesh.frozen import FrozenDict
-from liftmesh.height_units import band_unit
 from liftmesh.io.metadata import found_columns
 
 POSITION = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]

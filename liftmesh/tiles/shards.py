@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Integers
-from liftmesh.choices import ShardFormat
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.options import ShardFormat
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.ply import read_ply
-from liftmesh.io.ply.writer import write_ply
+from liftmesh.io.formats.ply import read_ply
+from liftmesh.io.formats.ply.writer import write_ply
 from liftmesh.optional import load
 from liftmesh.tiles.store import damaged, mapped, save_array, saving, sound
 

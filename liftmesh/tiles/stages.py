@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Integers
-from liftmesh.choices import ShardFormat
+from liftmesh.base.options import ShardFormat
 from liftmesh.tiles.edges import open_edges, paired
 from liftmesh.tiles.groups import Groups
 from liftmesh.tiles.node import Frontier, Merged, joined, merge

@@ -23,8 +23,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from liftmesh._typing import Array, Integers
+from liftmesh.base.interruption import opened
 from liftmesh.errors import FormatError
-from liftmesh.interruption import opened
 from liftmesh.io.atomic import replacing
 
 _BLOCK = 1 << 22

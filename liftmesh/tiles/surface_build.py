@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.choices import Duplicates, NonFinite, check_progress
-from liftmesh.threads import as_threads
+from liftmesh.base.options import Duplicates, NonFinite, check_progress
+from liftmesh.base.threads import as_threads
 from liftmesh.tiles.clouds import valued_parts
 from liftmesh.tiles.run import Options, triangulated
 from liftmesh.tiles.schedule import Serial

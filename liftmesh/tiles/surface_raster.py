@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats, Progress
-from liftmesh.choices import RasterQuantity, SampleMethod, as_switch, check_progress
-from liftmesh.io import geotiff_writer
+from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
+from liftmesh.raster import writer
 from liftmesh.terrain.pixels import Layout, centres_of, layout_of
 from liftmesh.terrain.raster import Raster, check_name, unit_of, written_system
 from liftmesh.terrain.raster_values import Wanted
@@ -237,7 +237,7 @@ class Rasterizing:
         is_cog = as_switch("cog", cog)
         layout = _layout(self, resolution, bounds, transform, shape)
         windows, wanted = _windows(self, layout, quantity, method, dtype, light, z_factor, threads)
-        geotiff_writer.write_windows(
+        writer.write_windows(
             target,
             (layout.rows, layout.columns),
             wanted.kind,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from liftmesh.choices import Duplicates, ShardFormat, as_folder, check_option, shown
-from liftmesh.cloud import is_crs
+from liftmesh.base.cloud import is_crs
+from liftmesh.base.options import Duplicates, ShardFormat, as_folder, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.tiles.clouds import Reading, Valued
 

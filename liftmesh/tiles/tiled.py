@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Integers
-from liftmesh.choices import as_folder
+from liftmesh.base.frozen import freeze
+from liftmesh.base.options import as_folder
 from liftmesh.errors import FormatError, InputError
-from liftmesh.frozen import freeze
 from liftmesh.terrain.report import Report
 from liftmesh.tiles.adjacency import as_pairs, neighbors_of
 from liftmesh.tiles.dask_collections import Collections

@@ -19,7 +19,7 @@ from liftmesh.tiles.surface_raster import Rasterizing
 from liftmesh.tiles.tiled import Tiled
 
 if TYPE_CHECKING:
-    from liftmesh.cloud import Cloud
+    from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.report import Report
 

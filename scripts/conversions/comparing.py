@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh.io.colors import as_float, as_uint8
+from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT
 from liftmesh.io.metadata import said
 from liftmesh.io.origin import TOLERANCE

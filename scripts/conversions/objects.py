@@ -22,11 +22,11 @@ from laspy.vlrs.known import WktCoordinateSystemVlr
 
 from conversions.passages import Arrival, Passage
 from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
-from liftmesh.color_depth import stated_depth
+from liftmesh.base.colors import stated_depth
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.formats.text.names import meaning
 from liftmesh.io.metadata import NOTE
 from liftmesh.io.objects import open3d, trimesh
-from liftmesh.io.tables.names import meaning
 from liftmesh.io.whole_numbers import DOUBLE, fit
 
 Array = np.ndarray[Any, np.dtype[Any]]

@@ -19,8 +19,7 @@ from pye57 import libe57
 from conversions.objects import to_structured, to_tensor_points
 from conversions.passages import Arrival, Passage, without_others
 from liftmesh import Cloud, InputError, read
-from liftmesh.color_depth import stated_depth
-from liftmesh.io.colors import as_uint8
+from liftmesh.base.colors import as_uint8, stated_depth
 from liftmesh.io.registry import FORMATS
 
 Array = np.ndarray[Any, np.dtype[Any]]

@@ -17,7 +17,7 @@ import pytest
 from commands import ROOT
 
 import liftmesh
-from liftmesh import interruption
+from liftmesh.base import interruption
 
 PACKAGE = str(Path(liftmesh.__file__).parent)
 CLOUD = liftmesh.Cloud(np.random.default_rng(8).random((60, 3)), colors=np.zeros((60, 3), np.uint8))

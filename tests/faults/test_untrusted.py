@@ -19,7 +19,7 @@ from file_samples import loaded, saved, small_mesh
 import liftmesh as lm
 from liftmesh import Cloud, FormatError
 from liftmesh.cli import exit_codes
-from liftmesh.io.gltf import buffers as gltf_buffers, reader as gltf_reader
+from liftmesh.io.formats.gltf import buffers as gltf_buffers, reader as gltf_reader
 from liftmesh.io.limits import limit_of
 from liftmesh.io.streams import read_most
 

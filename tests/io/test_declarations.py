@@ -13,7 +13,7 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError, Written
-from liftmesh.io.colors import as_float, as_uint8
+from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT, NEEDS
 from liftmesh.io.metadata import said
 from liftmesh.io.registry import FORMATS

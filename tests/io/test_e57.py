@@ -16,7 +16,7 @@ from file_samples import assert_same_bits
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError
-from liftmesh.io.e57 import decoding
+from liftmesh.io.formats.e57 import decoding
 
 RNG = np.random.default_rng(3)
 ROWS = 70_000  # more than a piece

@@ -17,7 +17,7 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
-from liftmesh.crs import described
+from liftmesh.crs.description import described
 
 FEET = 'PROJCS["a",GEOGCS["b",UNIT["degree",0.0174532925199433]],UNIT["foot",{}]]'
 OFFSET = np.array([450000.1, 5200000.2, 0.0])

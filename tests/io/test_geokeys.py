@@ -17,8 +17,8 @@ from rasterio.transform import Affine
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError, InputError
-from liftmesh.crs import described
-from liftmesh.io.las.parameters import _tiff
+from liftmesh.crs.description import described
+from liftmesh.crs.geokeys import _tiff
 
 PROJECTION = b"LASF_Projection"
 WKT = 'PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89"],UNIT["metre",1]]'

@@ -19,8 +19,8 @@ from hypothesis import given, settings, strategies as st
 
 from liftmesh.cells.domain_file import read_domain
 from liftmesh.errors import DataWarning, FormatError
-from liftmesh.io.geometry_files import read_features
-from liftmesh.io.wkb import geometry_of
+from liftmesh.vector.files import read_features
+from liftmesh.vector.geopackage import geometry_of
 
 SQUARE = shapely.box(0, 0, 8, 8)
 ISLANDS = shapely.MultiPolygon(
@@ -180,8 +180,8 @@ def test_no_other_library_reads_a_file_of_shapes(tmp_path: Path) -> None:
     program = """
         import sys
         from pathlib import Path
-        from liftmesh.io.geometry_files import read_features
-        from liftmesh.terrain.polygon_files import polygons_in
+        from liftmesh.vector.files import read_features
+        from liftmesh.vector.polygons import polygons_in
 
         for each in sys.argv[1:]:
             polygons_in(None, each)

@@ -17,7 +17,7 @@ from gltf_models import SQUARE, TRIANGLE, Model, faces, shape
 import liftmesh
 from liftmesh import FormatError
 from liftmesh.cli import exit_codes, main
-from liftmesh.io.gltf import reader as gltf_reader
+from liftmesh.io.formats.gltf import reader as gltf_reader
 
 QUARTER = [0.0, 0.0, 0.5**0.5, 0.5**0.5]
 

@@ -10,9 +10,9 @@ import pytest
 from file_samples import loaded
 from gltf_models import TRIANGLE, Model, faces
 
-from liftmesh.io.gltf import reader as gltf_reader
-from liftmesh.io.gltf.buffers import Buffers, Stated
-from liftmesh.io.gltf.validation import Document
+from liftmesh.io.formats.gltf import reader as gltf_reader
+from liftmesh.io.formats.gltf.buffers import Buffers, Stated
+from liftmesh.io.formats.gltf.validation import Document
 from liftmesh.io.objects.trimesh import transformed
 
 

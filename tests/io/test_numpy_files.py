@@ -25,7 +25,7 @@ from file_samples import (
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io.numpy_files import _Roles
+from liftmesh.io.formats.numpy_files import _Roles
 
 
 def npy(array: Any, **options: Any) -> bytes:

@@ -14,7 +14,7 @@ from file_samples import loaded
 
 import liftmesh
 from liftmesh import FormatError
-from liftmesh.io.lzf import decompress
+from liftmesh.io.formats.pcd import decompress
 
 RNG = np.random.default_rng(15)
 POINTS = RNG.random((500, 3)) * 100

@@ -13,7 +13,7 @@ from array import array
 import numpy as np
 import pytest
 
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
 from liftmesh.errors import InputError, UnsupportedTypeError
 from liftmesh.io.registry import Adapter, as_cloud, known_formats
 

@@ -148,7 +148,7 @@ def test_text_in_many_styles(text: str) -> None:
 def test_colours_are_told(color: str, monkeypatch: pytest.MonkeyPatch) -> None:
     text = TEXT.replace("\n", f"\n  {color}\n") * 5
     for size in (1, 4, 1 << 17):
-        monkeypatch.setattr("liftmesh.io.stl_text.BLOCK", size)
+        monkeypatch.setattr("liftmesh.io.formats.stl.BLOCK", size)
         back = loaded(text.encode(), "stl")
         assert back.points.tolist() == CORNERS
         assert back.metadata["skipped"] == ("45 lines of colours",)
@@ -237,7 +237,7 @@ def test_facets_across_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     data = text.export(file_type="stl_ascii").encode()
     whole = loaded(data * 2, "stl")
     for size in (1, 6, 7, 8, 100):
-        monkeypatch.setattr("liftmesh.io.stl_text.BLOCK", size)
+        monkeypatch.setattr("liftmesh.io.formats.stl.BLOCK", size)
         parts = loaded(data * 2, "stl")
         assert parts.points.tobytes() == whole.points.tobytes()
         assert np.array_equal(parts.faces, whole.faces)

@@ -12,7 +12,7 @@ from file_samples import AWKWARD, assert_same_bits, full_mesh
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
-from liftmesh.color_depth import kept_depth
+from liftmesh.base.colors import kept_depth
 from liftmesh.io.registry import find_format
 
 POINTS = np.array([[0.1, 2.0, -3.0], [1e300, -0.0, 5e-324]])
@@ -112,7 +112,7 @@ def test_every_value_comes_back(kind: str) -> None:
 )
 @pytest.mark.parametrize("kind", ["xyz", "csv"])
 def test_colours_come_back(kind: str, colors: np.ndarray) -> None:
-    from liftmesh.io.colors import as_float
+    from liftmesh.base.colors import as_float
 
     points = np.zeros((len(colors), 3))
     for depth in (None, kept_depth(colors)):

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh import arrays
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.choices import shown
-from liftmesh.cloud import Cloud
+from liftmesh.base import arrays
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import as_float, is_opaque
+from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.colors import as_float, is_opaque
 from liftmesh.io.faces import narrowed
 from liftmesh.io.metadata import Unread
 from liftmesh.io.origin import needed_origin

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh import arrays
 from liftmesh._typing import Array
-from liftmesh.cloud import Cloud
+from liftmesh.base import arrays
+from liftmesh.base.cloud import Cloud
 from liftmesh.errors import InputError
 
 AS_TABLE = "give what its get_coordinates(include_z=True) returns, and other columns beside"

@@ -14,22 +14,22 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh import arrays
 from liftmesh._typing import Array, Floats
-from liftmesh.cloud import Cloud
+from liftmesh.base import arrays
+from liftmesh.base.arrays import is_masked_array
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import fits_eight_bits, recognized
+from liftmesh.base.interruption import kept
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
-from liftmesh.interruption import kept
-from liftmesh.io.colors import fits_eight_bits, recognized
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.formats.text.columns import Columns, understood, unnamed
+from liftmesh.io.formats.text.doubts import Doubts
+from liftmesh.io.formats.text.options import TableOptions, checked
+from liftmesh.io.formats.text.words import with_point
 from liftmesh.io.metadata import NotedColumns, Unread
 from liftmesh.io.objects.kinds import FRAMES, RECORDS, classes, is_structured, is_table
 from liftmesh.io.objects.plain import AS_TABLE, is_array, qualified_name
-from liftmesh.io.tables.columns import Columns, understood, unnamed
-from liftmesh.io.tables.doubts import Doubts
-from liftmesh.io.tables.options import TableOptions, checked
-from liftmesh.io.tables.words import with_point
 from liftmesh.io.text_tables import is_number, shortened
-from liftmesh.shapes import is_masked_array
 
 _CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe", "read")
 _OPTIONS = ("columns", "flat", "nodata")

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh import arrays
 from liftmesh._typing import Array, Floats
-from liftmesh.cloud import Cloud, is_crs
-from liftmesh.interruption import kept
-from liftmesh.io.colors import as_uint8, with_alpha
+from liftmesh.base import arrays
+from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.colors import as_uint8, with_alpha
+from liftmesh.base.interruption import kept
 from liftmesh.io.faces import narrowed
 from liftmesh.io.metadata import NOTE, Unread, said
 from liftmesh.optional import load

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.metadata import Unread, not_read, said
 from liftmesh.io.objects.trimesh import of_metadata, to_cloud as of_geometry, transformed

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats
+from liftmesh.disks.apollonius import apollonius
 from liftmesh.optional import load
 from liftmesh.paper.pictures.style import (
     BLUE,
@@ -24,13 +25,12 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
-from liftmesh.planar.apollonius import apollonius
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from liftmesh.planar.apollonius_graph import ApolloniusGraph
+    from liftmesh.disks.graph import ApolloniusGraph
 
 LIMITS = (-1.2, 9.0)
 _DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 0.25]]

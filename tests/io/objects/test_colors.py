@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from liftmesh.base.colors import as_float, as_uint8, with_alpha
 from liftmesh.errors import InputError
-from liftmesh.io.colors import as_float, as_uint8, with_alpha
 
 ALL_BYTES = np.arange(256, dtype=np.uint8).repeat(3).reshape(-1, 3)
 

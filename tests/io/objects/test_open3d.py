@@ -15,7 +15,7 @@ import trimesh
 from hypothesis import given, settings, strategies as st
 
 import liftmesh
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.io.objects.open3d import to_legacy, to_tensor
 from liftmesh.io.registry import as_cloud

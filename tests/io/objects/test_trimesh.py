@@ -11,7 +11,7 @@ import trimesh
 from hypothesis import given, settings, strategies as st
 
 import liftmesh
-from liftmesh.cloud import Cloud
+from liftmesh.base.cloud import Cloud
 from liftmesh.errors import InputError
 from liftmesh.io.objects.trimesh import to_mesh, transformed
 from liftmesh.io.registry import as_cloud

@@ -1,0 +1,105 @@
+"""Results that stay as they are: read-only arrays and dictionaries, also in copies and pickles.
+
+`copy` and `pickle` make writable arrays of read-only ones. A result is therefore copied and pickled
+through its constructor, which makes them read-only again.
+
+Properties that are computed when first asked for, without a lock.
+
+In Python 3.10 and 3.11 `functools.cached_property` holds one lock for all instances of a class: two
+threads cannot compute a property of two triangulations at a time, and a process that is forked
+meanwhile finds it held for ever. From 3.12 on there is no lock, and this module is that property.
+"""
+
+from __future__ import annotations
+
+import functools
+import sys
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import numpy as np
+
+from liftmesh._typing import Rows
+from liftmesh.base.arrays import read_only
+from liftmesh.errors import InputError
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+class FrozenDict(dict[Key, Value]):
+    """A dictionary that cannot be changed, which `dataclasses.asdict`, `json` and `pickle` take."""
+
+    __slots__ = ()
+
+    def _refuse(self, *_args: object, **_named: object) -> NoReturn:
+        raise TypeError("this dictionary is read-only: change a copy, dict(...)")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self),)
+
+
+def freeze(result: Any) -> None:
+    """Make all arrays and mappings of a frozen dataclass read-only; called when it is made."""
+    for each in fields(result):
+        value = getattr(result, each.name)
+        if isinstance(value, np.ndarray | Mapping):
+            object.__setattr__(result, each.name, _frozen(value))
+
+
+def _frozen(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return read_only(value) if value.flags.writeable else value
+    return FrozenDict(
+        {key: read_only(v) if isinstance(v, np.ndarray) else v for key, v in value.items()}
+    )
+
+
+def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> None:
+    """Refuse a damaged pickle of triangles, whose numbers the kernel would follow anywhere."""
+    triangles = len(simplices)
+    for array, least, beyond in [
+        (simplices, 0, rows),
+        (neighbors, -1, triangles),
+        *((each, 0, rows) for each in others),
+    ]:
+        if array.size and not least <= array.min() <= array.max() < beyond:
+            wrong = array[(array < least) | (array >= beyond)][0]
+            raise InputError(
+                f"the copy is damaged: it has the number {wrong} where {least} to {beyond - 1} "
+                "are possible; triangulate again"
+            )
+    if not simplices.shape == neighbors.shape == (triangles, 3):
+        raise InputError(
+            f"the copy is damaged: simplices are {simplices.shape} and neighbors "
+            f"{neighbors.shape}; triangulate again"
+        )
+
+
+def constructed_from(result: Any) -> tuple[Any, ...]:
+    """Pickle and copy a frozen dataclass by its class and fields."""
+    return type(result), tuple(getattr(result, each.name) for each in fields(result))
+
+
+__all__ = ["cached_property"]
+
+if TYPE_CHECKING or sys.version_info >= (3, 12):
+    from functools import cached_property
+else:
+    T = TypeVar("T")
+
+    class cached_property(functools.cached_property[T]):  # noqa: N801 - as the one it stands for
+        """`functools.cached_property` without its lock."""
+
+        def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
+            if instance is None:
+                return self
+            name: Any = self.attrname
+            computed = instance.__dict__
+            if name not in computed:
+                computed[name] = self.func(instance)
+            return computed[name]

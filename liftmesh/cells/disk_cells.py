@@ -1,0 +1,285 @@
+"""`ApolloniusCells`: cells of disks inside a domain, between polylines.
+
+apollonius_diagram(): cells of disks inside a domain.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liftmesh._typing import Floats, Progress, Rows
+from liftmesh.base.arrays import as_coordinates, read_only
+from liftmesh.cells.clipped import ClippedCells
+from liftmesh.cells.clipping import clip
+from liftmesh.cells.domain import Domain, as_domain
+from liftmesh.cells.dual import dual_of
+from liftmesh.cells.overlay import overlaid
+from liftmesh.cells.parts import binary_scale
+from liftmesh.cells.sites import sites_of, values_of
+from liftmesh.crs.comparison import system_of
+from liftmesh.disks.apollonius import apollonius, as_disks
+from liftmesh.disks.graph import as_tolerance
+from liftmesh.disks.sides import Traced, traced
+from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.cells.domain import Domain
+    from liftmesh.disks.graph import ApolloniusGraph
+
+
+_MARGIN = 0.125  # of the longer side of the domain's box: how far beyond it sides are followed
+_OFF = 2.0**-48  # of the largest number: what rounding may put between two distances
+_VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
+
+
+class ApolloniusCells(ClippedCells):
+    """Cells of disks inside a domain, as returned by `apollonius_diagram`.
+
+    The arrays are those of `Cells`: row i has the parts from ``parts[i]`` to ``parts[i + 1]``, part
+    j the rings from ``rings[j]`` to ``rings[j + 1]``, ring k the corners from ``ring_corners[k]``
+    to ``ring_corners[k + 1]``; the first ring of a part turns counter-clockwise, and the others are
+    holes. They are read-only.
+
+    Sides of cells are arcs of hyperbolas. Here they are polylines, whose points are on the arcs but
+    for rounding, and whose chords are at most `tolerance` off. Cells that meet have these points in
+    common, bit for bit, and which parts cells have inside the domain is exact for the polylines; so
+    cells neither overlap nor leave gaps but for rounding. Areas, centroids and lengths are those of
+    the polygons.
+
+    Parameters
+    ----------
+    graph : ApolloniusGraph
+        The disks and their triangles.
+    domain : Domain
+        What the cells are clipped to.
+    tolerance : float
+        How far chords may be from the arcs.
+
+    Attributes
+    ----------
+    graph : ApolloniusGraph
+        The graph that is dual to the cells.
+    tolerance : float
+        How far chords may be from the arcs, in the unit of the coordinates.
+    points : (n, 2) ndarray of float64
+        The centres.
+    domain, parts, rings, ring_corners, corners, beyond
+        As of `Cells`.
+    duplicates, hidden : ndarray of int32
+        Those of the graph: disks equal to one before, each with that, and disks within others.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> cells = liftmesh.apollonius_diagram([[-2, 0], [2, 0]], [0, 1], domain=(-4, -3, 4, 3))
+    >>> cells
+    <ApolloniusCells: 2 of 2 rows have an area in the box (-4.0, -3.0, 4.0, 3.0)>
+    >>> cells.areas.round(3), cells.neighbors.tolist()
+    (array([20.045, 27.955]), [[0, 1]])
+    """
+
+    def __init__(self, graph: ApolloniusGraph, domain: Domain, tolerance: float) -> None:
+        self.graph = graph
+        self.tolerance: float = tolerance
+        self._lines: Traced | None = None
+        if len(graph.radii) and (graph.radii == graph.radii[0]).all():
+            dual = dual_of(graph.centers)
+            self._simplices = dual.simplices
+            super().__init__(graph.centers, domain, *clip(dual, domain))
+        else:
+            self._simplices = graph.simplices
+            self._lines = traced(graph, _box_around(domain, tolerance), tolerance)
+            default = _nearest(graph, domain)
+            super().__init__(graph.centers, domain, *overlaid(self._lines, domain, default))
+        self.duplicates, self.hidden = graph.duplicates, graph.hidden
+
+    @property
+    def radii(self) -> NDArray[np.float64]:
+        """The radii, (n,) float64."""
+        return self.graph.radii
+
+    @cached_property
+    def corner_kinds(self) -> NDArray[np.uint8]:
+        """Where each corner comes from, (k,) uint8.
+
+        0 is a vertex of the diagram, 1 a crossing of an edge of the domain with a side, 2 a corner
+        of the domain, 3 another point of an arc.
+        """
+        edge, other, _ = self._sources.T
+        found = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
+        found[(edge < 0) & (self._vertex < 0)] = _OF_ARC
+        return read_only(found.astype(np.uint8))
+
+    @cached_property
+    def corner_sources(self) -> Rows:
+        """What each corner is made of, (k, 3) int32.
+
+        A vertex: three disks that are equally near. A crossing: the two disks of the side, and the
+        edge of the domain, which has the number of the corner it leaves. A corner of the domain:
+        its number, and -1 twice. A point of an arc: the two disks, and -1.
+        """
+        edge, other, beyond = self._sources.T
+        own, kinds = self._cell_of_corner.astype(np.int32), self.corner_kinds
+        found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
+        is_vertex, is_crossing, is_arc = (kinds == k for k in (_VERTEX, _CROSSING, _OF_ARC))
+        found[is_vertex] = self._simplices[self._vertex[is_vertex]]
+        across = other
+        if self._lines is not None:
+            lines = self._lines
+            line = np.searchsorted(lines.starts, other[is_crossing], side="right") - 1
+            across = other.copy()
+            across[is_crossing] = lines.rows[line].sum(axis=1) - own[is_crossing]
+        crossing = own[is_crossing], across[is_crossing], edge[is_crossing]
+        found[is_crossing] = np.stack(crossing, axis=1)
+        found[is_arc, 0], found[is_arc, 1] = own[is_arc], beyond[is_arc]
+        return read_only(found)
+
+    @cached_property
+    def _vertex(self) -> Rows:
+        """The triangle of each corner that is a vertex; -1 for others."""
+        edge, other, _ = self._sources.T
+        vertex = np.where(edge < 0, other, -1)
+        if self._lines is None:
+            return vertex
+        of_point = np.full(len(self._lines.points), -1, dtype=np.int32)
+        of_point[self._lines.starts[:-1]] = self._lines.ends[:, 0]
+        of_point[self._lines.starts[1:] - 1] = self._lines.ends[:, 1]
+        vertex[edge < 0] = of_point[other[edge < 0]]
+        return vertex
+
+
+def _box_around(domain: Domain, tolerance: float) -> tuple[float, float, float, float]:
+    """Return the box of a domain, wider by more than polylines are off."""
+    low, high = domain.corners.min(axis=0), domain.corners.max(axis=0)
+    margin = _MARGIN * float((high / 2 - low / 2).max()) * 2 + 2 * tolerance
+    left, lower, right, upper = np.concatenate([low - margin, high + margin]).tolist()
+    return left, lower, right, upper
+
+
+def _nearest(graph: ApolloniusGraph, domain: Domain) -> int:
+    """Return the disk next to a domain: that of all of it if no side comes near."""
+    place = domain.corners[0]
+    disks = np.column_stack([graph.centers, graph.radii])
+    scale = binary_scale(np.append(disks, place))
+    disks, at = np.ldexp(disks, -scale), np.ldexp(place, -scale)
+    distance = np.hypot(disks[:, 0] - at[0], disks[:, 1] - at[1]) - disks[:, 2]
+    distance[graph.hidden] = distance[graph.duplicates[:, 0]] = np.inf
+    near = np.flatnonzero(distance <= distance.min() + _OFF).tolist()
+    return int(near[0]) if len(near) == 1 else _nearest_exactly(graph, near, place)
+
+
+def _nearest_exactly(graph: ApolloniusGraph, rows: list[int], place: Floats) -> int:
+    """Return the disk next to a place among some, the first of several."""
+    x, y = map(Fraction, place.tolist())
+    nearest, square, radius = -1, Fraction(0), Fraction(0)
+    for row in rows:
+        u, v = map(Fraction, graph.centers[row].tolist())
+        own, size = (u - x) ** 2 + (v - y) ** 2, Fraction(float(graph.radii[row]))
+        if nearest < 0 or _is_less(own, square, size - radius):
+            nearest, square, radius = row, own, size
+    return nearest
+
+
+def _is_less(one: Fraction, other: Fraction, more: Fraction) -> bool:
+    """Whether the root of one square is less than that of another and so much more."""
+    if more >= 0:
+        rest = one - other - more**2
+        return rest < 0 or rest**2 < 4 * more**2 * other
+    rest = other - one - more**2
+    return rest > 0 and rest**2 > 4 * more**2 * one
+
+
+_FINE = 1e-3  # of the side of a square as large as a cell
+
+
+def apollonius_diagram(
+    centers: ArrayLike,
+    radii: ArrayLike | str,
+    *,
+    domain: Any = None,
+    tolerance: float | None = None,
+    progress: Progress | None = None,
+) -> ApolloniusCells:
+    """Compute the cells of disks inside a domain: the additively weighted Voronoi diagram.
+
+    The cell of a disk is what is nearer to it than to any other: by |x - c| - r, the distance from
+    its boundary, negative inside. Sides are arcs of hyperbolas, here polylines to a tolerance. With
+    equal radii the cells are those of `voronoi`.
+
+    Parameters
+    ----------
+    centers : array_like of shape (n, 2) or (n, 3)
+        The centre of each disk, as the points of `voronoi`. Disks may overlap.
+    radii : (n,) array_like or str
+        The radius of each disk, not negative, such as the reach of a transmitter; or the name of
+        such values of the centres.
+    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+        As for `voronoi`: by default the box of the centres, widened by a tenth of its longer side.
+    tolerance : float, optional
+        How far polylines may be from the arcs, in the unit of the coordinates; no more than the
+        longer side of the domain's box counts. By default a thousandth of the side of a square that
+        has the mean area of a cell.
+    progress : callable, optional
+        As for `apollonius`, which takes most of the time.
+
+    Returns
+    -------
+    ApolloniusCells
+        Of all rows. Rows in ``hidden`` are within other disks and have no cell.
+
+    Raises
+    ------
+    InputError
+        As for `apollonius`, and of the domain as for `voronoi`; there are no disks; the tolerance
+        is not positive or not finite, near the rounding of coordinates, or so small that there are
+        too many points to hold; or a cell is thinner than float64 can tell apart there.
+    NonFiniteError
+        A coordinate or a radius is not finite.
+    MissingDependencyError
+        The domain is a polygon, and shapely is missing.
+
+    Notes
+    -----
+    For the graph, see `apollonius`. Seen from a focus, a hyperbola has a simple equation
+    (``liftmesh/disks/arcs.py``), by which arcs are halved until chords are near enough.
+    As every cell is star-shaped about its centre, and stays so for any tolerance, polygons do not
+    overlap.
+
+    Examples
+    --------
+    >>> disks = [[0, 0], [6, 0], [0, 6], [1, 0]]
+    >>> cells = apollonius_diagram(disks, [2, 1, 1, 0.5], domain=(-3, -3, 9, 9))
+    >>> cells.areas.round(2), cells.hidden
+    (array([43.5 , 50.25, 50.25,  0.  ]), array([3], dtype=int32))
+    >>> cells.tolerance
+    0.006928203230275509
+    """
+    rows = as_coordinates(sites_of(centers, domain))
+    if not len(rows):
+        raise InputError("there are no disks: give one at least")
+    disks = as_disks(rows[:, :2], values_of(centers, "radii", radii), skippable=False)
+    graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
+    area = as_domain(domain, graph.centers, system_of(centers))
+    bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
+    if tolerance is None:
+        seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)
+        tolerance = max(_FINE * _side_of_cells(area, seen), _least(bounds))
+    return ApolloniusCells(graph, area, as_tolerance(tolerance, bounds))
+
+
+def _side_of_cells(domain: Domain, count: int) -> float:
+    """Return the side of a square that has the mean area of so many cells of a domain."""
+    scale = binary_scale(domain.corners)
+    corners = np.ldexp(domain.corners, -scale)
+    u, v = corners - corners[0], corners[domain.following] - corners[0]
+    area = float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2)
+    return float(np.ldexp(np.sqrt(area / count), scale))
+
+
+def _least(bounds: Floats) -> float:
+    return float(np.abs(bounds).max()) * 2.0**-45

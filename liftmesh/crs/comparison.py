@@ -1,0 +1,106 @@
+"""Whether coordinates are in one system: of clouds, surfaces, domains, polygons and files.
+
+`Cloud.crs` is a text; objects of geopandas hold systems of pyproj. Texts may differ where the
+systems are the same, so pyproj is asked. Nothing is known to differ without it but numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from liftmesh.base.options import shown
+from liftmesh.crs.description import described, is_number, looked_up, urn_of
+from liftmesh.errors import InputError, MissingDependencyError
+from liftmesh.optional import load
+
+
+def system_of(held: Any) -> str | None:
+    """Return the coordinate system that an object says it is in."""
+    crs = getattr(held, "crs", None)
+    if crs is None or isinstance(crs, str):
+        return crs
+    return text_of(crs) if hasattr(crs, "to_authority") else None
+
+
+def text_of(crs: Any) -> str:
+    """Convert a coordinate system of pyproj to text."""
+    authority = crs.to_authority(min_confidence=100)
+    return ":".join(authority) if authority and authority[0] == "EPSG" else str(crs.to_wkt())
+
+
+def given_system(crs: Any) -> str:
+    """Convert what geopandas takes as a coordinate system to text."""
+    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
+    if isinstance(crs, int):
+        text = f"EPSG:{crs}"
+    elif isinstance(crs, tuple):
+        text = ":".join(map(str, crs))
+    try:
+        return text_of(looked_up(load("pyproj", extra="shapes"), text))
+    except InputError as error:
+        raise InputError(
+            f"crs is {shown(crs)}, which pyproj does not know: give one such as 'EPSG:25832'"
+        ) from error
+
+
+def are_different(one: str | None, other: str | None) -> bool:
+    """Whether two texts are known to mean different systems of the plane."""
+    if one is None or other is None or urn_of(one) == urn_of(other):
+        return False
+    try:
+        pyproj = load("pyproj", extra="terrain")
+        planes = [looked_up(pyproj, each).to_2d() for each in (one, other)]
+    except (MissingDependencyError, InputError):
+        return all(is_number(each) for each in (one, other))
+    first, second = (each.sub_crs_list[0] if each.is_compound else each for each in planes)
+    return not first.equals(second, ignore_axis_order=True)
+
+
+def plane_of(crs: str | None) -> str | None:
+    """Return the system of x and y alone: what has no height is in none of heights."""
+    system = described(crs)
+    if crs is None or system is None or system.units[2] is None:
+        return crs
+    found = looked_up(load("pyproj", extra="terrain"), crs).to_2d()
+    return text_of(found.sub_crs_list[0] if found.is_compound else found)
+
+
+def adds_heights(one: str | None, other: str) -> bool:
+    """Whether a system is another one of the plane, which says nothing of heights, with heights."""
+    if one is None:
+        return True
+    before, after = described(one), described(other)
+    if before is None or after is None or are_different(one, other):
+        return False
+    return before.units[2] is None and after.units[2] is not None
+
+
+def is_same(one: str | None, other: str | None) -> bool:
+    """Whether two texts are of one coordinate system, as pyproj judges it if it is installed."""
+    if one == other:
+        return True
+    if one is None or other is None:
+        return False
+    try:
+        pyproj = load("pyproj", extra="terrain")
+        first, second = (looked_up(pyproj, each) for each in (one, other))
+    except (MissingDependencyError, InputError):
+        return False
+    return bool(first.equals(second, ignore_axis_order=True))
+
+
+def common_system(
+    one: str | None, other: str | None, names: tuple[str, str] = ("the points", "the domain")
+) -> str | None:
+    """Return the coordinate system of two things that are used together."""
+    if not are_different(one, other):
+        return other if one is None else one
+    raise InputError(
+        f"{names[0]} are in {_name(one)}, and {names[1]} in {_name(other)}: transform one of them "
+        "to the system of the other"
+    )
+
+
+def _name(crs: str | None) -> str:
+    system = described(crs)
+    return shown(crs if system is None else system.name)

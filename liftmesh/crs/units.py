@@ -1,0 +1,102 @@
+"""The units of a cloud's coordinates: what its system says, and the unit that a raster's band says.
+
+A GeoTIFF may say of its band that heights are in feet, where its coordinate system has metres in
+the plane and says nothing of heights.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Protocol
+
+from liftmesh.base.options import shown
+from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, System, Unit, described
+from liftmesh.errors import InputError
+
+_DEGREE = 111_320.0  # metres of a degree on the equator
+
+
+class Placed(Protocol):
+    """What has coordinates in a system: a cloud, or a surface."""
+
+    @property
+    def crs(self) -> str | None:
+        """WKT or a number."""
+
+    @property
+    def metadata(self) -> Mapping[str, Any]:
+        """What a file says besides."""
+
+
+_NAMES = {
+    METRE: ("m", "metre", "meter", "metres", "meters"),
+    FOOT: ("ft", "foot", "feet", "international foot", "international feet"),
+    SURVEY_FOOT: ("us survey foot", "us survey feet", "us-ft", "ftus", "us_ft", "foot_us", "sft"),
+}
+
+
+def system_of(cloud: Placed) -> System | None:
+    """Read what a coordinate system says, with the unit of a raster's band as that of z."""
+    system, unit = described(cloud.crs), band_unit(cloud)
+    if system is None or unit is None:
+        return system
+    return replace(system, units=(*system.units[:2], unit))
+
+
+def band_unit(cloud: Placed) -> Unit | None:
+    """Return the unit that the band of a raster says of its heights."""
+    raster = cloud.metadata.get("raster")
+    text = raster.get("unit") if isinstance(raster, Mapping) else None
+    if not isinstance(text, str) or not text.strip():
+        return None
+    name = text.strip()
+    return next((unit for unit, names in _NAMES.items() if name.lower() in names), Unit(name, None))
+
+
+def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
+    """Return what heights are multiplied by before and after a transformation to another system."""
+    band = band_unit(cloud)
+    stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
+    if wanted is not None and stated is None and band is None and cloud.crs is not None:
+        raise InputError(
+            f"to_crs={shown(target)} states what heights are, but nothing says their unit in the "
+            "file: name their system, too, with crs=, as 'EPSG:2263+6360' (US survey feet), or "
+            "give to_crs= without heights"
+        )
+    if band is None or (stated is None and wanted is None):
+        return 1.0, 1.0
+    if band.metres is None:
+        raise InputError(
+            f"to_crs={shown(target)}: the band says that heights are in {shown(band.name)}, which "
+            "cannot be converted: give a system without heights"
+        )
+    if stated is not None:
+        return band.metres / stated, 1.0
+    return 1.0, 1.0 if wanted is None else band.metres / wanted
+
+
+def steps_in(scale: object, crs: str | None, target: str) -> list[float] | None:
+    """Return steps of coordinates in another system that are as fine on the ground."""
+    one, other = described(crs), described(target)
+    if not isinstance(scale, list) or len(scale) != 3 or one is None or other is None:
+        return None
+    if not all(isinstance(each, float) and 0 < each < math.inf for each in scale):
+        return None
+    return [*map(_step_in, scale, one.units, other.units)]
+
+
+def _step_in(step: float, before: Unit | None, after: Unit | None) -> float:
+    if before == after or (before is None) != (after is None):  # what is not said stays
+        return step
+    metres = [_DEGREE if each.metres is None else each.metres for each in (before, after) if each]
+    exponent = math.floor(math.log10(step * metres[0] / metres[1]) + 1e-9)
+    return float(f"1e{exponent}")
+
+
+def _unit_of_heights(crs: str | None) -> float | None:
+    """Return how many metres the unit of z has that a system states."""
+    system = described(crs)
+    unit = None if system is None else system.units[2]
+    return None if unit is None else unit.metres

@@ -1,0 +1,235 @@
+"""Clouds as LAS and LAZ files.
+
+A cloud that was read from such a file becomes the same again: every whole number, every bit of a
+point, the header and the records; with other classes, say, nothing but the classes is another. Of
+LAZ the compressed bytes may differ, if it had chunks of other sizes, or from another compressor.
+Points are filled in and compressed in blocks; memory beyond the arrays is that of a block. Bytes
+are a function of the cloud: a new file has no date.
+"""
+
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.base.colors import as_float
+from liftmesh.errors import FormatError
+from liftmesh.io.formats.las.carried import made, replaced
+from liftmesh.io.formats.las.fields import depth_of, levels
+from liftmesh.io.formats.las.header import ENCODING_WKT, PACKING, SIZES, Record
+from liftmesh.io.formats.las.layout import Layout, layout_of
+from liftmesh.io.formats.las.own import LAYOUT
+from liftmesh.io.formats.las.records import BLOCK, may_use_threads
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+
+_NAMES = ("X", "Y", "Z")
+_PACKED = 128
+_LAYERED = 6  # the first point format of LAS 1.4
+_CONFUSED = (9, 10)
+_INTERNAL_WAVES = 1 << 1  # of the global encoding
+_LAST_BITS = "last bits of coordinates, whose decimals are the same"
+_LEGACY_RETURNS, _RETURNS = 5, 15
+
+
+def write_las(
+    stream: BinaryIO,
+    cloud: Cloud,
+    *,
+    compressed: bool = False,
+    scale: float | None = None,
+    point_format: int | None = None,
+) -> None:
+    """Write a cloud as LAS, or LAZ."""
+    layout = layout_of(cloud, scale, point_format)
+    if compressed and layout.point_format in _CONFUSED and _has_waves(cloud):
+        raise FormatError(
+            f"wave packets of point format {layout.point_format} cannot be compressed: write .las"
+        )
+    lazrs = load("lazrs", extra="las") if compressed else None
+    vlr = None if lazrs is None else _packing(lazrs, layout)
+    before = _packed([each for each in layout.records if not each.extended], vlr)
+    after = [each for each in layout.records if each.extended]
+    head = _Header(cloud, layout, is_packed=compressed)
+    begin = stream.tell()
+    stream.write(bytes(head.data))
+    stream.writelines(each.head + each.data for each in before)
+    stream.write(layout.gap)
+    start = stream.tell() - begin
+    blocks = _blocks(cloud, layout)
+    stream.writelines(blocks if lazrs is None else _compressed(blocks, lazrs, vlr, start))
+    end = stream.tell()
+    stream.writelines(each.head + each.data for each in after)
+    last = stream.tell()
+    head.set_places(start, len(before), end - begin, len(after))
+    stream.seek(begin)
+    stream.write(bytes(head.data))
+    stream.seek(last)
+
+
+def lost(cloud: Cloud, options: Mapping[str, Any]) -> Collection[str]:
+    """Return what is not kept of a cloud: values without a place, bits of coordinates, colours."""
+    layout = layout_of(cloud, options.get("scale"), options.get("point_format"))
+    found = [*layout.fields.lost]
+    if not all(each.near for each in layout.steps):
+        found.append("float64")
+    elif not all(each.exact for each in layout.steps):
+        found.append(_LAST_BITS)
+    said = cloud.metadata.get(LAYOUT)
+    if isinstance(said, Mapping) and "copc" in said:
+        found.append("the index of COPC")
+    colors = cloud.colors
+    if colors is not None and not _is_16_bits(colors[:, :3], depth_of(cloud)):
+        found.append("deep_colors")
+    return found
+
+
+def check(cloud: Cloud) -> None:
+    """Raise if a value does not fit."""
+    layout_of(cloud, None, None)
+
+
+def _is_16_bits(colors: Array, depth: int | None) -> bool:
+    if colors.dtype.itemsize <= 2 and colors.dtype.kind == "u":
+        return True
+    found = levels(colors, depth) / np.float64(65535.0)
+    if colors.dtype.kind == "f":
+        found = found.astype(colors.dtype).astype(np.float64)
+    return np.array_equal(found, as_float(colors))
+
+
+def _has_waves(cloud: Cloud) -> bool:
+    values = cloud.attributes.get("wavepacket_index")
+    return values is not None and bool(values.any())
+
+
+def _packed(records: list[Record], vlr: Any) -> list[Record]:
+    """Put the record of LAZ in its place, as it was if it says the same."""
+    before = [each for each in records if (each.user, each.number) == PACKING]
+    if vlr is None:
+        return replaced(records, None, *before)
+    data = bytes(vlr.record_data())
+    if before and _packing_of(before[0].data) == _packing_of(data):
+        return records
+    return replaced(records, made(*PACKING, data, b"lazrs"), *before)
+
+
+def _packing_of(data: bytes) -> tuple[bytes, ...]:
+    """Return compressor, coder, points of a chunk and items; the rest is by whom, and for where."""
+    return data[:4], data[12:16], data[32:]
+
+
+def _packing(lazrs: Any, layout: Layout) -> Any:
+    extra = sum(each.kind.itemsize for each in layout.fields.extras)
+    return lazrs.LazVlr.new_for_compression(layout.point_format, extra)
+
+
+def _compressed(
+    blocks: Iterable[memoryview], lazrs: Any, vlr: Any, start: int
+) -> Iterator[memoryview]:
+    """Compress blocks in memory: what a file raises would become an error of lazrs."""
+    held = io.BytesIO()
+    held.seek(start)  # the places that LAZ states count from the beginning of the file
+    kind = lazrs.ParLasZipCompressor if may_use_threads() else lazrs.LasZipCompressor
+    compressor = kind(held, vlr)
+    for block in blocks:
+        compressor.compress_many(block)
+    compressor.done()
+    yield held.getbuffer()[start:]
+
+
+def _blocks(cloud: Cloud, layout: Layout) -> Iterator[memoryview]:
+    """Yield the bytes of the points."""
+    for start in range(0, len(cloud), BLOCK):
+        rows = slice(start, min(start + BLOCK, len(cloud)))
+        points = np.zeros(rows.stop - start, layout.fields.kind)
+        for name, steps, values in zip(_NAMES, layout.steps, cloud.points[rows].T, strict=True):
+            points[name] = steps.numbers(values.astype(np.float64, copy=False))
+        layout.fields.fill(points, rows)
+        yield points.view(np.uint8).data
+
+
+class _Header:
+    """The header of a file: that of the file that was read, with what the points decide."""
+
+    def __init__(self, cloud: Cloud, layout: Layout, *, is_packed: bool) -> None:
+        size = max(SIZES[layout.version[1]], len(layout.header))
+        self.data = bytearray((layout.header or _new()).ljust(size, b"\0"))
+        self._version, self._before = layout.version, layout.header
+        self._set("<2B", 24, *layout.version)
+        encoding = int.from_bytes(self.data[6:8], "little") & ~(ENCODING_WKT | _INTERNAL_WAVES)
+        self._set("<H", 6, encoding | (ENCODING_WKT if layout.is_wkt else 0))
+        number = layout.point_format | (_PACKED if is_packed else 0)
+        self._set("<BH", 104, number, layout.fields.kind.itemsize)
+        self._set_counts(cloud, layout)
+        self._set("<6d", 131, *(s.scale for s in layout.steps), *(s.offset for s in layout.steps))
+        self._set_bounds(cloud, layout)
+
+    def set_places(self, start: int, records: int, end: int, extended: int) -> None:
+        """Set where points and extended records begin, once it is known."""
+        self._set("<HII", 94, len(self.data), start, records)
+        if self._version[1] >= 4:
+            self._set("<QI", 235, end if extended else 0, extended)
+
+    def _set(self, form: str, place: int, *values: float) -> None:
+        struct.pack_into(form, self.data, place, *values)
+
+    def _set_counts(self, cloud: Cloud, layout: Layout) -> None:
+        counted, older, before = _counts_of(layout.header)
+        is_same = counted == len(cloud)
+        returns = [0] * _RETURNS if is_same and not any(before) else _returns(cloud)
+        fits = len(cloud) < 1 << 32
+        is_older = layout.point_format < _LAYERED or any(older[:1])  # some say so in all formats
+        is_left_out = is_same and counted > 0 and self._version[1] >= 4 and not any(older)
+        is_older &= fits and not is_left_out
+        older = [len(cloud), *returns[:_LEGACY_RETURNS]] if is_older else [0] * 6
+        if self._version[1] < 4 and not fits:
+            raise FormatError(f"{len(cloud):,} points are too many for LAS 1.{self._version[1]}")
+        self._set("<6I", 107, *older)
+        if self._version[1] >= 3:
+            self._set("<Q", 227, 0)
+        if self._version[1] >= 4:
+            self._set("<16Q", 247, len(cloud), *returns)
+
+    def _set_bounds(self, cloud: Cloud, layout: Layout) -> None:
+        """Set the box; that of the file before is kept where it is the same within a step."""
+        for k, steps in enumerate(layout.steps):
+            column = cloud.points[:, k]
+            ends = np.array([column.max(), column.min()] if len(cloud) else [0.0, 0.0])
+            found = steps.coordinates(steps.numbers(ends))
+            place = 179 + 16 * k
+            before = struct.unpack_from("<2d", self.data, place)
+            if not self._before or not (np.abs(found - before) < abs(steps.scale)).all():
+                self._set("<2d", place, *found)
+
+
+def _counts_of(header: bytes) -> tuple[int, list[int], list[int]]:
+    """Return what a header counts: points, all in its older fields, and points by return."""
+    if not header:
+        return -1, [], [1]
+    older = [*struct.unpack_from("<6I", header, 107)]
+    if header[25] < 4 or len(header) < SIZES[4]:
+        return older[0], older, older[1:]
+    count, *returns = struct.unpack_from("<16Q", header, 247)
+    return count, older, [*returns, *older[1:]]
+
+
+def _returns(cloud: Cloud) -> list[int]:
+    """Count the points of the 1st to 15th return."""
+    values = cloud.attributes.get("return_number")
+    if values is None:
+        return [0] * _RETURNS
+    counts = np.bincount(values.astype(np.int64), minlength=_RETURNS + 1)
+    return [int(each) for each in counts[1 : _RETURNS + 1]]
+
+
+def _new() -> bytes:
+    """Begin a header: by whom, and no date."""
+    return struct.pack("<4s20x2B32s32s4xH", b"LASF", 1, 4, b"", b"liftmesh", 0)

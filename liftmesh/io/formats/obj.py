@@ -1,0 +1,287 @@
+"""OBJ files, reader and writer: text with doubles, colours, normals and triangles.
+
+An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, ``vn`` a normal,
+``f`` a face whose corners are vertex, vertex/texture, vertex/texture/normal or vertex//normal,
+counted from 1, or backwards from the last one so far. The lines are read in large blocks and
+grouped by keyword, so that all vertices of a block are parsed at once. Keywords that do not
+concern the shape are counted and skipped. The writer emits the shortest digits that round-trip. A
+coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``; metadata stand there too.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import as_float, fits_eight_bits, recognized
+from liftmesh.base.options import ObjColors, check_option
+from liftmesh.errors import FormatError
+from liftmesh.io.faces import face_counts, triangulated
+from liftmesh.io.format import OWN, crs_comment, others, stated_crs
+from liftmesh.io.formats.obj_faces import (
+    MARK,
+    Corners,
+    color_columns,
+    commented_colors,
+    outside,
+    parse_corners,
+    write_comments,
+)
+from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
+from liftmesh.io.metadata import stated, statements, storable
+from liftmesh.io.text_tables import number_table, shortened, write_rows
+
+if TYPE_CHECKING:
+    from liftmesh.io.ragged import Ragged
+
+_SYNTAX = Syntax(comments=("#",), continued=True)
+_KEYWORDS = ("v", "vn", "f")
+
+# Possible numbers of values of a vertex line: x y z, with a weight, with r g b, with alpha.
+_VERTEX_WIDTHS = (3, 4, 6, 7)
+
+_MOST_KEYWORDS = 1000
+
+# Characters of the comments at the top that are kept, each with so many more: all that is written.
+_MOST_COMMENTS, _COMMENT = 1 << 18, 4
+
+_RUN = 1 << 16  # corners compared at a time
+
+
+def read_obj(stream: BinaryIO, name: str) -> Cloud:
+    """Read an OBJ file."""
+    crs, entries = _stated(stream, name)
+    reading = _Reading(name, crs, entries)
+    begin = stream.tell()
+    lines = Lines(stream, name, _SYNTAX, sought=MARK.encode())
+    while len(block := lines.take(BLOCK)):
+        reading.take(block)
+    if lines.found:
+        stream.seek(begin)
+        reading.painted = commented_colors(stream, name)
+    return reading.cloud()
+
+
+def _stated(stream: BinaryIO, name: str) -> tuple[str | None, dict[str, Any]]:
+    """Return the coordinate system and the metadata that the comments at the top state."""
+    crs, kept, left = None, [], _MOST_COMMENTS
+    with closing(leading_comments(stream, name)) as comments:
+        for comment in comments:
+            crs = stated_crs([comment]) if crs is None else crs
+            left -= len(comment) + _COMMENT
+            if left >= 0:
+                kept.append(comment)
+    return crs, stated(others(kept, crs))
+
+
+@dataclass(slots=True)
+class _Reading:
+    """State of reading one OBJ file: the contents of the blocks so far."""
+
+    name: str
+    crs: str | None
+    entries: dict[str, Any]
+    painted: Array | None = None
+    vertices: list[Array] = field(default_factory=list)
+    normals: list[Array] = field(default_factory=list)
+    corners: list[Corners] = field(default_factory=list)
+    ignored: Counter[str] = field(default_factory=Counter)
+    vertex_count: int = 0
+    normal_count: int = 0
+
+    def take(self, block: Block) -> None:
+        v, vn, f = self._sorted(block)
+        if len(f):
+            before = (self.vertex_count, self.normal_count)
+            self.corners.append(parse_corners(f, self.name, (v.numbers, vn.numbers), before))
+        self._take_vertices(v)
+        if len(vn):
+            self.normals.append(number_table(vn, self.name, width=3))
+        self.vertex_count += len(v)
+        self.normal_count += len(vn)
+
+    def _sorted(self, block: Block) -> tuple[Block, ...]:
+        """Return the values of the lines of each relevant keyword, and count the other lines."""
+        found = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
+        for text, number in _where(found, -1, block):
+            if text in _KEYWORDS:
+                raise FormatError(f"{self.name}: line {number}: {text!r} without values")
+            self._ignore(shortened(text.split(None, 1)[0]))
+        return tuple(
+            _where(found, k, block).behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
+        )
+
+    def _ignore(self, keyword: str) -> None:
+        """Count a line of a keyword, under "..." if the file has too many of them."""
+        known = keyword in self.ignored or len(self.ignored) < _MOST_KEYWORDS
+        self.ignored[keyword if known else "..."] += 1
+
+    def _take_vertices(self, block: Block) -> None:
+        if not len(block):
+            return
+        width = self.vertices[0].shape[1] if self.vertices else None
+        table = number_table(block, self.name, width=width)
+        if table.shape[1] not in _VERTEX_WIDTHS:
+            raise FormatError(
+                f"{self.name}: line {block.numbers[0]}: a vertex has 3 coordinates and optionally "
+                f"3 colour values: found {table.shape[1]} values"
+            )
+        if table.shape[1] == 4:
+            self.ignored["weight of v"] += len(table)
+        self.vertices.append(table)
+
+    def cloud(self) -> Cloud:
+        if not self.vertices:
+            raise FormatError(f"{self.name}: not an OBJ file, or without vertices: no 'v' line")
+        table = np.concatenate(self.vertices)
+        corners = Corners.joined(self.corners) if self.corners else None
+        colors, attributes = _colors(table[:, 3:])
+        if self.painted is not None:
+            colors = self._painted(colors, len(table))
+        # Faces first: this validates the vertex indices that the normals rely on.
+        faces = self._faces(corners, len(table))
+        return Cloud(
+            np.ascontiguousarray(table[:, :3]),
+            colors=colors,
+            normals=self._normals(corners, len(table)),
+            attributes=attributes,
+            faces=faces,
+            metadata=self._metadata(corners),
+            crs=self.crs,
+        )
+
+    def _painted(self, colors: Array | None, vertices: int) -> Array | None:
+        """The colours of comments, if there are no others and as many as vertices."""
+        if colors is None and self.painted is not None and len(self.painted) == vertices:
+            return self.painted
+        self.ignored["#MRGB"] += 1
+        return colors
+
+    def _faces(self, corners: Corners | None, vertices: int) -> Rows | None:
+        if corners is None:
+            return None
+        lines = corners.lines
+        return triangulated(
+            corners.vertices,
+            vertices,
+            self.name,
+            lambda face: f"line {lines[face]}: face",
+            outside,
+        )
+
+    def _metadata(self, corners: Corners | None) -> dict[str, Any]:
+        ignored = {"ignored": dict(self.ignored)} if self.ignored else {}
+        return (
+            self.entries | ignored | (face_counts(corners.vertices) if corners is not None else {})
+        )
+
+    def _normals(self, corners: Corners | None, vertices: int) -> Array | None:
+        if not self.normals:
+            return None
+        return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
+
+
+def _where(found: Array, keyword: int, block: Block) -> Block:
+    """The lines of a keyword: most often all or none."""
+    count = np.count_nonzero(found == keyword)
+    if count in (0, len(block)):
+        return block[:count]
+    return block[found == keyword]
+
+
+def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
+    """Recognise colours; values that cannot be colours become an attribute instead."""
+    if extra.shape[1] < 3:
+        return None, {}
+    values = np.ascontiguousarray(extra)
+    colors = recognized(values)
+    return colors, {} if colors is not None else {"color": values}
+
+
+def _vertex_normals(
+    normals: Floats, corners: Corners | None, vertices: int, name: str
+) -> Floats | None:
+    """Convert normals of corners to normals of vertices, if the corners of each vertex agree."""
+    if corners is None:
+        return normals if len(normals) == vertices else None
+    named = corners.normals
+    if named is None:
+        return None
+    _check(corners.vertices, named, corners.lines, len(normals), name)
+    if len(normals) == vertices and np.array_equal(named, corners.vertices.values):
+        return normals
+    if not len(named) or (named == -1).any():
+        return None
+    return _agreed(normals, corners.vertices.values, named, vertices)
+
+
+def _agreed(normals: Floats, at: Integers, named: Integers, vertices: int) -> Floats | None:
+    """Give each vertex the normal of its corners; None if these differ."""
+    found = np.zeros((vertices, 3))
+    found[at] = normals[named]
+    runs = range(0, len(at), _RUN)
+    agree = (
+        np.array_equal(found[at[k : k + _RUN]], normals[named[k : k + _RUN]], equal_nan=True)
+        for k in runs
+    )
+    return found if all(agree) else None
+
+
+def _check(vertices: Ragged, named: Integers, lines: Integers, count: int, name: str) -> None:
+    wrong = np.flatnonzero((named < -1) | (named >= count))
+    if len(wrong):
+        line = lines[vertices.row_of(int(wrong[0]))]
+        text = outside(int(named[wrong[0]]), count, "normal")
+        raise FormatError(f"{name}: line {line}: a corner {text}")
+
+
+def write_obj(
+    stream: BinaryIO,
+    cloud: Cloud,
+    *,
+    colors: ObjColors = "values",
+    comments: Sequence[str] = (),
+) -> None:
+    """Write a cloud, or a mesh, as OBJ."""
+    check_option("colors", colors, ObjColors)
+    own = [OWN, *crs_comment(cloud.crs), *statements(storable(cloud.metadata), "comments")]
+    given = [comments] if isinstance(comments, str) else comments
+    for comment in [*own, *(each for each in given if each not in own)]:
+        if not comment.isprintable() or comment.endswith("\\"):
+            raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
+        stream.write(f"# {comment}\n".encode())
+    held = None if colors == "none" else cloud.colors
+    values = [] if held is None or colors == "comments" else [color_columns(held)]
+    eight_bits = held is not None and held.dtype == np.uint8
+    write_rows(stream, [cloud.points, *values], prefix="v ", shortest=eight_bits)
+    if held is not None and colors == "comments":
+        write_comments(stream, held)
+    if cloud.normals is not None:
+        write_rows(stream, [cloud.normals], prefix="vn ")
+    if cloud.faces is not None:
+        _write_faces(stream, cloud.faces, normals=cloud.normals is not None)
+
+
+def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
+    a, b, c = faces.T
+    columns = [a, a, b, b, c, c] if normals else [a, b, c]
+    between = ("//", " ", "//", " ", "//") if normals else " "
+    write_rows(stream, columns, prefix="f ", between=between, plus=1)
+
+
+def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Colours within printed precision of 8-bit ones are read as these."""
+    if options.get("colors", "values") != "values":
+        return ("deep_colors", *(["colors"] if options["colors"] == "none" else []))
+    if cloud.colors is None or fits_eight_bits(cloud.colors[:, :3]):
+        return ()
+    levels = recognized(as_float(cloud.colors[:, :3]))
+    return () if levels is not None and levels.dtype.kind == "f" else ("deep_colors",)

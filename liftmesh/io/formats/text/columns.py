@@ -1,0 +1,263 @@
+"""The columns of a table: which are coordinates, colours and normals, by the names they have.
+
+The names decide, and what the caller says goes first. A name that could mean two things, a second
+column with the same meaning, and a depth, whose sign nobody told, are refused: the message shows
+the header and names the option. Which columns are what is kept as text for those who ask.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from liftmesh.errors import DataWarning, FormatError
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
+from liftmesh.io.formats.text.names import Meaning, meaning
+from liftmesh.io.formats.text.options import LEFT_OUT, TableOptions, is_plain
+
+_GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
+
+_GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
+DEGREES = (  # holds until they are transformed
+    "x and y are degrees: lengths and triangles are distorted, and heights have another unit: "
+    "transform them with crs= and to_crs="
+)
+_CHOOSE = "columns='x=..,y=..,z=..'"
+_LONGEST = 40  # characters of a name in a message
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """What each column of a table is."""
+
+    names: tuple[str, ...]
+    given: tuple[str, ...]
+    left_out: frozenset[int] = frozenset()
+    negated: int | None = None
+    said: bool = True
+    notes: tuple[str, ...] = ()
+
+    def mapping(self) -> dict[str, str]:
+        """The name in the table of each part of a point, with the sign of depths."""
+        pairs = zip(self.names, self.given, strict=True)
+        found = {
+            name: f"-{given}" if k == self.negated else given
+            for k, (name, given) in enumerate(pairs)
+            if name in PARTS and k not in self.left_out
+        }
+        return {part: found[part] for part in PARTS if part in found}
+
+    def warn(self) -> None:
+        """Warn of what the names tell about units, and most users do not want."""
+        for each in self.notes:
+            warnings.warn(each, DataWarning, stacklevel=2)
+
+    def check_height(self, values: Collection[str], where: str) -> None:
+        """Raise if no column is z, but others hold numbers: one may be the height."""
+        groups = [group for group in _GROUPS if {*group[:3]} <= {*self.names}]
+        known = {*POSITION}.union(*groups)
+        others = [each for each in values if each not in known]
+        if "z" not in self.names and others:
+            raise FormatError(
+                f"{where}: no column of {shown(self.given)} is known as the height z, and "
+                f"{shown(others, 4)} {'holds' if len(others) == 1 else 'hold'} numbers: read it "
+                f"with {_CHOOSE}, or with flat=True if heights do not matter"
+            )
+
+
+def described(mapping: Mapping[str, str]) -> str:
+    """Say which columns are the coordinates; "" where they are called x, y and z, or come first."""
+    planar = {part: name for part, name in mapping.items() if part in POSITION}
+    plain = all(name.lower() == part for part, name in planar.items())
+    first = all(name == f"column_{POSITION.index(part) + 1}" for part, name in planar.items())
+    return (
+        "" if plain or first else ", ".join(f"{k} is {_quoted(name)}" for k, name in planar.items())
+    )
+
+
+def shown(names: Sequence[str], most: int = 12) -> str:
+    """List the names of a header for a message."""
+    rest = len(names) - most
+    listed = ", ".join(map(_quoted, names[:most]))
+    return f"{listed} and {rest:,} more" if rest > 0 else listed
+
+
+def _quoted(name: str) -> str:
+    return repr(name if len(name) <= _LONGEST else name[: _LONGEST - 3] + "...")
+
+
+def known_header(names: Sequence[str]) -> bool:
+    """Whether names are those of a header: x and y are among them."""
+    parts = {name for name in _planar(list(map(meaning, names))) if name}
+    return {"x", "y"} <= parts
+
+
+def unnamed(width: int, options: TableOptions, where: str) -> Columns:
+    """Name the columns of a table without a header: x, y, z, then column_4 and so on."""
+    if width < 2:
+        raise FormatError(f"{where}: only one value: a point needs x and y at least")
+    given = tuple(f"column_{k}" for k in range(1, width + 1))
+    if options.chosen or options.names is not None:
+        return understood(given, options, where)
+    names = (*POSITION[: 2 if options.flat else 3], *given[2 if options.flat else 3 :])[:width]
+    dropped = frozenset({2}) if options.flat and width > 2 else frozenset[int]()
+    return Columns(names, given, dropped, said=False)
+
+
+def understood(given: Sequence[str], options: TableOptions, where: str) -> Columns:
+    """Find what the columns of a header are."""
+    given = tuple(each or f"column_{k}" for k, each in enumerate(given, 1))
+    named = given if options.names is None else _renamed(given, options.names, where)
+    choice = _Choice(given, where)
+    for part, source in options.chosen.items():
+        choice.take(part, source)
+    names = choice.completed(named, flat=options.flat)
+    left_out = {k for k, name in enumerate(names) if name in (LEFT_OUT, "")}
+    kept = [k for k in range(len(names)) if k not in left_out]
+    _check_once([names[k] for k in kept], [given[k] for k in kept], where)
+    return Columns(
+        tuple(names),
+        given,
+        frozenset(left_out),
+        choice.negated,
+        notes=tuple(_notes(names, [meaning(each) for each in given])),
+    )
+
+
+def _renamed(given: Sequence[str], names: Sequence[str], where: str) -> tuple[str, ...]:
+    if len(names) != len(given):
+        raise FormatError(
+            f"{where}: columns= names {len(names)} columns, and the table has {len(given)}: "
+            f"{shown(given)}"
+        )
+    return tuple(names)
+
+
+class _Choice:
+    """The parts of a point by column, first those that the caller chose."""
+
+    def __init__(self, given: Sequence[str], where: str) -> None:
+        self.negated: int | None = None
+        self._given = given
+        self._where = where
+        self._parts: dict[int, str] = {}
+
+    def take(self, part: str, source: str) -> None:
+        """Take the column that the caller chose for a part."""
+        k, sign = self._found(source)
+        if k in self._parts:
+            raise FormatError(
+                f"{self._where}: columns= takes {self._given[k]!r} for {self._parts[k]!r} and for "
+                f"{part!r}: give two columns"
+            )
+        if part == "z" and not sign and meaning(self._given[k]).part == "depth":
+            raise self._unsigned(k)
+        if sign and part != "z":
+            raise FormatError(f"{self._where}: columns= gives {part!r} a sign: only z can have one")
+        self._parts[k] = part
+        self.negated = k if sign == "-" else self.negated
+
+    def completed(self, named: Sequence[str], *, flat: bool | None) -> list[str]:
+        """Return the part or the name of each column; "" for one that is left out."""
+        taken = set(self._parts.values())
+        found = _complete([meaning(name) for name in named])
+        for k, (part, name) in enumerate(zip(found, named, strict=True)):
+            if k not in self._parts and part and part not in taken:
+                self._parts[k] = "" if flat and part == "z" else part
+            elif k not in self._parts:
+                self._parts[k] = "" if name in taken and name in PARTS else name
+        names = [self._parts[k] for k in range(len(named))]
+        self._check(named, names, flat=flat)
+        return names
+
+    def _check(self, named: Sequence[str], names: Sequence[str], *, flat: bool | None) -> None:
+        missing = [each for each in ("x", "y") if each not in names]
+        if missing and list(named) != list(self._given):
+            raise FormatError(
+                f"{self._where}: columns= renames the columns to {shown(named)}, and none of these "
+                f"is {' or '.join(missing)}: name x and y among them"
+            )
+        if missing:
+            raise FormatError(
+                f"{self._where}: the header {shown(self._given)} has no column "
+                f"{' or '.join(missing)}: {self._remedy()}"
+            )
+        depths = [k for k, name in enumerate(named) if meaning(name).part == "depth"]
+        if depths and "z" not in names and flat is False:
+            raise self._unsigned(depths[0])
+
+    def _remedy(self) -> str:
+        """Say how to read a table whose names do not tell the coordinates."""
+        if {each.casefold() for each in self._given} & _GEOMETRY:
+            return "points as WKT are not read: save x, y and z as columns (QGIS: GEOMETRY=AS_XYZ)"
+        skip = ", or if it is no header, with skip_rows=1" if ": line " in self._where else ""
+        return f"read it with {_CHOOSE}{skip}"
+
+    def _found(self, source: str) -> tuple[int, str]:
+        """Find a column by its name, its name in other letters, or its number; and its sign."""
+        for sign in ("", "-", "+"):
+            if source.startswith(sign):
+                name = source.removeprefix(sign)
+                for test in (str, str.casefold):
+                    places = [k for k, each in enumerate(self._given) if test(each) == test(name)]
+                    if len(places) == 1:
+                        return places[0], sign
+                if name.isdecimal() and 0 < int(name[:9]) <= len(self._given):
+                    return int(name[:9]) - 1, sign
+        raise FormatError(
+            f"{self._where}: columns= names {_quoted(source)}, which is not one of the columns "
+            f"{shown(self._given)}"
+        )
+
+    def _unsigned(self, k: int) -> FormatError:
+        name = self._given[k]
+        typed = name if is_plain(name) else f"{k + 1}"
+        return FormatError(
+            f"{self._where}: {_quoted(name)} may count downwards or upwards: read it with "
+            f"columns='z=-{typed}' if heights are negative depths, or with columns='z=+{typed}' if "
+            "they are heights already"
+        )
+
+
+def _planar(found: Sequence[Meaning]) -> list[str]:
+    """Return the parts of a point that names mean, each name by itself but for E, N and H."""
+    parts = [each.part for each in found]
+    grid = {"e": "x", "n": "y", "h": "z"} if {"e", "n"} <= {*parts} else {}
+    angles = {"lon": "x", "lat": "y"} if {"lon", "lat"} <= {*parts} else {}
+    known = {"e": "", "n": "", "h": "", "lon": "x", "lat": "y", "depth": ""} | grid | angles
+    return [known.get(part, part) for part in parts]
+
+
+def _complete(found: Sequence[Meaning]) -> list[str]:
+    """Leave only groups that are complete: a column R alone is no colour."""
+    parts = _planar(found)
+    for group in _GROUPS:
+        if not {*group[:3]} <= {*parts}:
+            parts = ["" if part in group else part for part in parts]
+    return parts
+
+
+def _check_once(names: Sequence[str], given: Sequence[str], where: str) -> None:
+    """Raise for two columns of one name, in time that does not grow with their number squared."""
+    twice = next((name for name, count in Counter(names).items() if count > 1), None)
+    if twice is not None:
+        those = [each for name, each in zip(names, given, strict=True) if name == twice]
+        how = _CHOOSE if twice in POSITION else "columns='..,..,..', the names of all columns"
+        raise FormatError(
+            f"{where}: the header has {len(those)} columns for {_quoted(twice)}, {shown(those)}: "
+            f"read it with {how}"
+        )
+
+
+def _notes(names: Sequence[str], found: Sequence[Meaning]) -> Iterator[str]:
+    """Say what a table tells about its units that its user should know."""
+    by_part: Mapping[str, Meaning] = dict(zip(names, found, strict=True))
+    planar = [by_part[each] for each in ("x", "y")]
+    if any(each.part in ("lon", "lat") or each.unit == "degrees" for each in planar):
+        yield DEGREES
+    units = {part: each.unit for part, each in by_part.items() if part in POSITION and each.unit}
+    if len({*units.values()} - {"degrees"}) > 1:
+        listed = ", ".join(f"{part} in {unit}" for part, unit in units.items())
+        yield f"the columns have different units: {listed}: nothing is converted"

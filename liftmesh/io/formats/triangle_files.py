@@ -1,0 +1,149 @@
+"""Files of Triangle and TetGen: .node, the points, and .ele, the triangles of the .node beside it.
+
+A .node file begins with its number of points, their dimension, the number of attributes and whether
+there are boundary markers; each line is an index, the coordinates, the attributes and the marker.
+An .ele file begins with its number of triangles, their number of nodes (3, or 6 with the midpoints
+of edges) and of attributes; each line is an index, the nodes and the attributes. Indices count
+from 0 or 1, as the first point says.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.cloud import Cloud
+from liftmesh.errors import FormatError
+from liftmesh.io.faces import checked_faces
+from liftmesh.io.gzip_stream import decompressed
+from liftmesh.io.limits import check_columns
+from liftmesh.io.lines import HASH, Lines, promised
+from liftmesh.io.text_tables import exact_values, number_table, quoted
+
+_MARKER = "boundary_marker"
+
+
+def read_node(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+    """Read the points of a .node file."""
+    return _nodes(stream, name, max_bytes)[0]
+
+
+def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+    """Read the triangles of an .ele file, with the points of the .node file beside it."""
+    with _beside(name, max_bytes) as (nodes, beside):
+        cloud, first = _nodes(nodes, beside, max_bytes)
+    lines = Lines(stream, name, HASH)
+    count, corners, more = _header(lines, name, "triangles, their nodes and attributes", 3)
+    if corners not in (3, 6):
+        raise FormatError(
+            f"{name}: line {lines.number}: elements of {corners} nodes are no triangles"
+        )
+    check_columns(1 + corners + more, max_bytes, name, "its header")
+    table = _rows(lines, count, 1 + corners + more, "triangles", name)
+    _check_indices(table[:, 0], first, f"counted from {first} as in {beside}", name)
+    faces = table[:, 1:4] - first
+    skipped = [f"{more} attribute{'s' * (more > 1)} of triangles"] * (more > 0)
+    skipped += ["midpoints of edges"] * (corners == 6)
+    described = {"skipped": tuple(skipped)} if skipped else {}
+    return replace(
+        cloud, faces=checked_faces(_whole(faces, name), len(cloud), name), metadata=described
+    )
+
+
+def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, int]:
+    """Read a .node file; return its points and the index of the first."""
+    lines = Lines(stream, name, HASH)
+    what = "points, their dimension, attributes and markers"
+    count, dimension, more, markers = _header(lines, name, what, 4)
+    if dimension not in (2, 3) or markers > 1 or not count:
+        raise FormatError(
+            f"{name}: line {lines.number}: expected points of dimension 2 or 3 and at most one "
+            f"marker, found {count} points of dimension {dimension} with {markers}"
+        )
+    width = 1 + dimension + more + markers
+    check_columns(width, max_bytes, name, "its header")
+    table = _rows(lines, count, width, "points", name)
+    first = 1 if table[0, 0] == 1 else 0
+    _check_indices(table[:, 0], first, "counted from 0 or 1", name)
+    points = np.zeros((count, 3))
+    points[:, :dimension] = table[:, 1 : 1 + dimension]
+    columns: dict[str, Array] = {
+        f"attribute_{k + 1}": np.ascontiguousarray(table[:, 1 + dimension + k]) for k in range(more)
+    }
+    if markers:
+        columns[_MARKER] = _whole(table[:, -1], name)
+    return Cloud(points, attributes=columns), first
+
+
+def _header(lines: Lines, name: str, what: str, count: int) -> list[int]:
+    """Read the numbers of the first line; those that are left out are zero."""
+    words = lines.next().split()
+    are_counts = all(w.isascii() and w.isdigit() and len(w) < 19 for w in words)
+    if not 2 <= len(words) <= count or not are_counts:
+        raise FormatError(
+            f"{name}: line {lines.number}: expected the numbers of {what}, "
+            f"found {quoted(' '.join(words))}"
+        )
+    return [*map(int, words), *[0] * (count - len(words))]
+
+
+def _rows(lines: Lines, count: int, width: int, what: str, name: str) -> Floats:
+    parts = [number_table(block, name, width=width) for block in promised(lines, count, what, name)]
+    if len(lines.take(1)):
+        raise FormatError(
+            f"{name}: line {lines.number}: more rows follow than the header promises: "
+            "correct its counts"
+        )
+    return np.concatenate(parts) if parts else np.zeros((0, width))
+
+
+def _check_indices(indices: Floats, first: int, counted: str, name: str) -> None:
+    wrong = indices != np.arange(first, first + len(indices))
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise FormatError(
+            f"{name}: row {row + 1} has the index {indices[row]:.15g}, not {row + first}: the rows "
+            f"must be in the order of their indices, {counted}"
+        )
+
+
+def _whole(values: Array, name: str) -> Rows:
+    """Convert to int32; an error gives the row, counted from 1."""
+    width = values[:1].size or 1
+    where: Callable[[int], int] = lambda position: position // width + 1  # noqa: E731
+    flat = exact_values(values.reshape(-1), np.dtype(np.int32), name, "an index or marker", where)
+    whole: Rows = flat.reshape(values.shape)
+    return whole
+
+
+@contextmanager
+def _beside(name: str, max_bytes: int | None) -> Iterator[tuple[BinaryIO, str]]:
+    """Open the .node file of an .ele file, which may be compressed."""
+    if not os.path.isfile(name):  # noqa: PTH113 - a name of a stream may hold any bytes
+        raise FormatError(
+            f"{name}: its points are in a .node file in the same folder, which is unknown for a "
+            "stream: give a path"
+        )
+    given = Path(name)
+    plain = given.with_suffix("") if given.suffix.lower() == ".gz" else given
+    stem = plain.with_suffix(".node")
+    path = next((each for each in (stem, Path(f"{stem}.gz")) if each.is_file()), None)
+    if path is None:
+        raise FormatError(f"{name}: its points are in {stem}, which does not exist")
+    _check_folder(path, given)
+    with path.open("rb") as stream:
+        yield decompressed(stream, str(path), max_bytes), str(path)
+
+
+def _check_folder(path: Path, given: Path) -> None:
+    """Raise if a link leads out of the folder: who made the file may not choose among all files."""
+    folders = (given.absolute().parent.resolve(), given.resolve().parent)
+    if path.resolve().parent not in folders:
+        raise FormatError(f"{given}: its points, {path}, are a link to another folder: copy them")

@@ -1,0 +1,294 @@
+"""Rasters of heights: GeoTIFF, which rasterio decodes, and ASCII grids of Esri, by `ascii_grid`.
+
+A sample becomes a row of the cloud, at the centre of its pixel: rows of the raster from the first
+on, as they are stored. The transform of the file gives x and y, also if it is rotated; whether a
+pixel is an area or a point, GDAL has taken into account. Scale and offset of the band give z. What
+has no value (nodata, a mask, NaN) is left out and counted; where the file says of no number that it
+stands for none, one that looks so is refused (`missing`). What the file does not say of its place
+may stand beside it (`beside_rasters`). Without a transform a pixel has the size 1, and the first
+row is the northern one.
+
+A GeoTIFF is handed over in memory, to the driver of its format alone: so no other file is opened,
+such as those beside it or those that it names. What is read of it is compared with the limit before
+it is decoded.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Mask
+from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.options import as_count, shown
+from liftmesh.crs.geokeys import without_wkt, wkt_in
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.columns import POSITION, CloudBuilder
+from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.missing import Missing, Outliers, as_missing
+from liftmesh.io.selection import Selection, Selector
+from liftmesh.optional import load
+from liftmesh.raster.ascii_grid import AsciiGrid, is_grid
+from liftmesh.raster.blocks import bytes_decoded, check_blocks, without_warnings
+from liftmesh.raster.sidecars import Transform, system_of, world_of
+from liftmesh.raster.window import Band, Window, bands_of, window_of
+
+_ROW_BYTES = 24  # of three doubles
+_DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
+_MOST_EXACT = 2**53
+_ESRI = -9999.0  # of grids that do not say it
+_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+_OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in memory
+_ALONE = {
+    "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF",
+    "GTIFF_REPORT_COMPD_CS": "YES",  # the system of heights, also of files of GeoTIFF 1.0
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class RasterOptions:
+    """Checked options: the band, and what stands for a missing value; None if nothing is said."""
+
+    band: int = 1
+    missing: tuple[float, ...] | None = None
+
+
+_DEFAULTS = RasterOptions()
+
+
+def checked(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
+    """Check the options of a raster."""
+    marks = as_missing(nodata)
+    numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
+    if marks is not None and numbers != marks:
+        raise InputError(
+            f"nodata is {shown(nodata)}: give the number that stands for a missing value in the "
+            "raster, or 'none' if there is none"
+        )
+    return RasterOptions(as_count("band", band, 1), numbers)
+
+
+def read_raster(
+    stream: BinaryIO,
+    name: str,
+    *,
+    max_bytes: int | None = None,
+    selection: Selection | None = None,
+    options: RasterOptions = _DEFAULTS,
+) -> Cloud:
+    """Read a raster."""
+    data = stream.read()
+    if is_grid(data):
+        grid = AsciiGrid(data, name, _ESRI if options.missing is None else None)
+        return _Raster(grid, options, name).cloud(selection, data, max_bytes)
+    if data[:4] not in _TIFF:
+        raise FormatError(f"{name}: neither a TIFF file nor an ASCII grid, which begins with ncols")
+    rasterio = load("rasterio", extra="terrain")
+    data = without_wkt(data)
+    with (
+        _decoding(name),
+        rasterio.Env(**_ALONE),
+        rasterio.MemoryFile(data, ext=".tif") as memory,
+        memory.open(driver="GTiff") as file,
+    ):
+        return _Raster(file, options, name).cloud(selection, data, max_bytes)
+
+
+@contextmanager
+def _decoding(name: str) -> Iterator[None]:
+    """Turn what rasterio raises of a file into one error."""
+    errors = load("rasterio.errors", extra="terrain")
+    inner = load("rasterio._err", extra="terrain")
+    try:
+        with warnings.catch_warnings(), np.errstate(over="ignore", invalid="ignore"):
+            warnings.simplefilter("ignore", errors.NotGeoreferencedWarning)  # ours to say
+            yield
+    except (errors.RasterioError, errors.CRSError, inner.CPLE_BaseError, UnicodeError) as error:
+        cause = _OWN_NAME.sub("the file", " ".join(str(error.__cause__ or error).split()))[:200]
+        cause = cause.replace("the file: the file:", "the file: ")
+        raise FormatError(
+            f"{name}: the raster cannot be decoded, truncated or damaged, or of a kind that GDAL "
+            f"does not know: {cause}"
+        ) from error
+
+
+class _Raster:
+    """An open raster, of rasterio or an ASCII grid, of which one band is read."""
+
+    def __init__(self, file: Any, options: RasterOptions, name: str) -> None:
+        self._file = file
+        self._band = band = options.band
+        self._missing = options.missing or ()
+        is_said = options.missing is not None or file.nodata is not None
+        self._outliers = None if is_said else Outliers(0)
+        self._name = name
+        self._valid = 0
+        self._transform, self._world = file.transform, ""
+        if band > file.count:
+            raise FormatError(f"{name}: there is no band {band}: give one from 1 to {file.count}")
+        if np.dtype(file.dtypes[band - 1]).kind not in "iuf":
+            raise FormatError(f"{name}: band {band} holds {file.dtypes[band - 1]}, not heights")
+        if self._is_plain and (found := world_of(name)):
+            self._transform, self._world = found
+        if file.gcps[0] and self._is_plain:
+            raise FormatError(
+                f"{name}: positions are given by control points: rectify it first (gdalwarp)"
+            )
+
+    @property
+    def _is_plain(self) -> bool:
+        return bool(self._transform.is_identity)
+
+    @property
+    def _placed(self) -> Transform:
+        """The transform; without one the first row is the northern one."""
+        if self._is_plain:
+            return Transform(1.0, 0.0, 0.0, 0.0, -1.0, float(self._file.height))
+        return Transform(*[*self._transform][:6])
+
+    def cloud(self, selection: Selection | None, data: bytes, max_bytes: int | None) -> Cloud:
+        """Read the samples that are selected, a few rows at a time."""
+        file = self._file
+        window = window_of(self._placed, file.width, file.height, selection)
+        self._check_size(window, limit_of(max_bytes, _DENSEST * len(data)))
+        check_blocks(file, self._band, window, data, self._name)
+        selector = None if selection is None else Selector(_without_steps(selection), self._name)
+        builder = CloudBuilder(dict.fromkeys(POSITION, np.dtype("f8")), window.samples)
+        filled = 0
+        for block in self._blocks(window):
+            chosen: Any = slice(None)
+            if selector is not None:
+                chosen, _ = selector.rows(len(block["z"]), block)
+            part = {key: values[chosen] for key, values in block.items()}
+            count = len(part["z"])
+            builder.fill(slice(filled, filled + count), part)
+            filled += count
+        if self._outliers is not None:
+            self._outliers.check(f"{self._name}: band {self._band}", "samples")
+        if not self._valid and not window.outside:
+            raise FormatError(f"{self._name}: none of {window.samples:,} samples has a value")
+        builder.shorten(filled)
+        entries = self._entries(window.samples)
+        if selector is not None:
+            selector.leave_out({"bbox": window.outside, "every": window.between})
+            entries["selection"] = selector.counts()
+        return builder.cloud(metadata=entries, crs=self._crs(data))
+
+    def _check_size(self, window: Window, limit: int) -> None:
+        """Compare the rows, and the blocks that are decoded for them, with the limit."""
+        file = self._file
+        needed = window.samples * _ROW_BYTES + bytes_decoded(file, self._band, window)
+        what = f"a raster of {file.width:,} x {file.height:,} samples"
+        if window.samples < file.width * file.height:
+            what = f"{window.samples:,} samples of {what}"
+        check_expanded(needed, limit, self._name, what)
+
+    def _blocks(self, window: Window) -> Iterator[dict[str, Array]]:
+        """Decode the samples that have a value, with their positions."""
+        if not window.samples:
+            return
+        for band in bands_of(window, self._file.block_shapes[self._band - 1]):
+            with without_warnings(self._name):
+                values, mask = self._decoded(band)
+            mask &= ~np.isnan(values)
+            self._valid += int(np.count_nonzero(mask))
+            x, y = self._positions(np.asarray(band.rows), np.asarray(window.columns))
+            yield {"x": x[mask], "y": y[mask], "z": values[mask]}
+
+    def _decoded(self, band: Band) -> tuple[Floats, Mask]:
+        """Decode the samples of a band, and whether they have a value, piece by piece."""
+        shape = len(band.rows), sum(map(len, band.across))
+        values, mask = np.empty(shape), np.empty(shape, np.bool_)
+        left = 0
+        for columns in band.across:
+            top, right = 0, left + len(columns)
+            for rows in band.down:
+                place = slice(top, top + len(rows)), slice(left, right)
+                top += len(rows)
+                window = (rows.start, rows[-1] + 1), (columns.start, columns[-1] + 1)
+                steps = slice(None, None, rows.step), slice(None, None, columns.step)
+                found = self._file.read(self._band, window=window)[steps]
+                known = self._file.read_masks(self._band, window=window)[steps] != 0
+                known &= ~self._are_missing(found)
+                values[place], mask[place] = self._heights(found, known), known
+            left = right
+        return values, mask
+
+    def _are_missing(self, values: Array) -> Mask:
+        """Which numbers the caller says to stand for none, rounded as the file stores them."""
+        found = np.zeros(values.shape, np.bool_)
+        for mark in self._missing:
+            found |= values == mark
+            if values.dtype.kind == "f":
+                found |= values == np.float64(mark).astype(values.dtype)
+        return found
+
+    def _heights(self, values: Array, known: Mask) -> Floats:
+        """Apply scale and offset; the numbers themselves where there are none."""
+        k = self._band - 1
+        heights: Floats = values.astype(np.float64)
+        is_long = values.dtype.itemsize == 8 and values.dtype.kind in "iu"
+        if is_long and (abs(heights[known]) > _MOST_EXACT).any():
+            raise FormatError(f"{self._name}: band {self._band} has numbers beyond 2**53")
+        if self._outliers is not None:
+            self._outliers.examine(heights[known & ~np.isnan(heights)][:, None])
+        if self._file.scales[k] != 1:
+            heights *= self._file.scales[k]
+        if self._file.offsets[k] != 0:
+            heights += self._file.offsets[k]
+        return heights
+
+    def _positions(self, rows: Array, columns: Array) -> tuple[Floats, Floats]:
+        """Return x and y of the centres of pixels."""
+        row, column, found = rows[:, None] + 0.5, columns[None, :] + 0.5, self._placed
+        x = found.a * column + found.b * row + found.c
+        y = found.d * column + found.e * row + found.f
+        return x, y
+
+    def _entries(self, samples: int) -> dict[str, Any]:
+        file = self._file
+        layout: dict[str, Any] = {
+            "width": file.width,
+            "height": file.height,
+            "transform": [*self._transform][:6],
+            "band": self._band,
+        }
+        skipped = []
+        if samples > self._valid:
+            count = samples - self._valid
+            skipped.append(f"{count:,} sample{'s' * (count != 1)} without a value")
+        others = [k for k in range(1, file.count + 1) if k != self._band]
+        if others:
+            skipped.append(f"band {', '.join(map(str, others[:8]))}")
+        entries: dict[str, Any] = {"raster": layout}
+        entries |= {"skipped": tuple(skipped)} if skipped else {}
+        if unit := file.units[self._band - 1]:
+            layout["unit"] = unit
+        entries |= {"notes": notes} if (notes := self._notes(unit)) else {}
+        return entries
+
+    def _notes(self, unit: str | None) -> tuple[str, ...]:
+        """Say what the file does not, or only of the band."""
+        notes = [f"band {self._band} says that heights are in {unit}"] if unit else []
+        if self._is_plain:
+            notes.append("no transform: pixels have the size 1, the first row is north")
+        if self._world:
+            notes.append(f"no transform but that of {self._world} beside it")
+        return tuple(notes)
+
+    def _crs(self, data: bytes) -> str | None:
+        found = self._file.crs
+        text = system_of(self._name) if found is None else found.to_wkt()
+        if text is None or text.startswith(("LOCAL_CS", "ENGCRS")):
+            text = wkt_in(data) or text
+        return text if is_crs(text) else None
+
+
+def _without_steps(selection: Selection) -> Selection:
+    return replace(selection, every=1)

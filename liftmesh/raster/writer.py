@@ -1,0 +1,177 @@
+"""GeoTIFF from arrays; rasterio encodes it.
+
+A file of an array is made in memory and handed to the stream whole, so that nothing but the file
+itself is opened on the disk, and GDAL leaves no files beside it. What need not fit in memory is
+written in windows, to a file in a folder of its own.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+from zlib import crc32
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.base.options import shown
+from liftmesh.crs.description import without_files
+from liftmesh.errors import InputError
+from liftmesh.io.atomic import check_writable, replacing
+from liftmesh.io.working_folder import working_folder
+from liftmesh.optional import load
+
+_COMPRESSIONS = (None, "deflate", "lzw", "zstd")
+_TILE = 256
+_PIECE = 1 << 24
+_ALONE = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF"}
+
+
+def write(
+    stream: BinaryIO,
+    values: Array,
+    transform: Sequence[float],
+    crs: str | None,
+    *,
+    unit: str | None = None,
+    cog: bool = False,
+    compress: str | None = "deflate",
+) -> None:
+    """Write one band, with NaN as nodata."""
+    system = checked(crs, compress)
+    rasterio = load("rasterio", extra="terrain")
+    profile = {
+        "width": values.shape[1],
+        "height": values.shape[0],
+        "count": 1,
+        "dtype": values.dtype.name,
+        "transform": rasterio.Affine(*transform),
+        "crs": system,
+        "nodata": np.nan,
+        **(_cog(compress) if cog else _tiff(compress, values.nbytes)),
+    }
+    with rasterio.Env(**_ALONE), rasterio.MemoryFile() as memory:
+        with memory.open(**profile) as file:
+            file.write(values, 1)
+            _state_unit(file, unit)
+        data = memoryview(memory.getbuffer())
+        stream.writelines(data[start : start + _PIECE] for start in range(0, len(data), _PIECE))
+
+
+def write_windows(  # noqa: PLR0913 - options are keywords
+    path: Path,
+    shape: tuple[int, int],
+    kind: np.dtype[Any],
+    windows: Iterable[tuple[tuple[range, range], Array]],
+    transform: Sequence[float],
+    crs: str | None,
+    *,
+    unit: str | None = None,
+    cog: bool = False,
+    compress: str | None = "deflate",
+) -> None:
+    """Write one band from windows, which need not fit in memory together; NaN is nodata."""
+    system = checked(crs, compress)
+    rasterio = load("rasterio", extra="terrain")
+    check_writable(path)
+    rows, columns = shape
+    profile = {
+        "width": columns,
+        "height": rows,
+        "count": 1,
+        "dtype": kind.name,
+        "transform": rasterio.Affine(*transform),
+        "crs": system,
+        "nodata": np.nan,
+        **_tiff(compress, rows * columns * kind.itemsize),
+    }
+    beside = Path(os.path.realpath(path)).parent
+    with working_folder(beside, "raster") as folder:
+        written = folder / "raster.tif"
+        with rasterio.Env(**_ALONE), _told(path):
+            sums = []
+            with rasterio.open(written, "w", **profile) as file:
+                _state_unit(file, unit)
+                for (down, across), values in windows:
+                    window = (down.start, down.stop), (across.start, across.stop)
+                    file.write(values, 1, window=window)
+                    sums.append((window, crc32(np.ascontiguousarray(values).data)))
+            if cog:
+                written = _optimised(written, rows * columns * kind.itemsize, compress)
+            _check(written, sums)
+        with written.open("rb") as source, replacing(path) as stream:
+            shutil.copyfileobj(source, stream, _PIECE)
+
+
+def _state_unit(file: Any, unit: str | None) -> None:
+    if unit is not None:
+        file.set_band_unit(1, unit)
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Raise what GDAL says of a file as an error of the disk."""
+    errors = load("rasterio.errors", extra="terrain")
+    base = load("rasterio._err", extra="terrain").CPLE_BaseError
+
+    try:
+        yield
+    except (errors.RasterioError, base, SystemError) as error:
+        message = "the raster could not be written whole; is the disk full?"
+        raise OSError(errno.EIO, message, str(path)) from error
+
+
+def _check(path: Path, sums: Sequence[tuple[Any, int]]) -> None:
+    """Read what was written: what fails as GDAL closes a file is told to nobody."""
+    rasterio = load("rasterio", extra="terrain")
+    with rasterio.open(path) as file:
+        for window, expected in sums:
+            if crc32(file.read(1, window=window)) != expected:
+                raise rasterio.errors.RasterioIOError(f"{path} holds other values")
+
+
+def _optimised(path: Path, size: int, compress: str | None) -> Path:
+    """Copy a file as a cloud optimised one, beside it."""
+    copied = path.with_name("optimised.tif")
+    options = {**_cog(compress), "BIGTIFF": "YES"} if size >> 31 else _cog(compress)
+    load("rasterio.shutil", extra="terrain").copy(path, copied, **options)
+    path.unlink()
+    return copied
+
+
+def checked(crs: str | None, compress: str | None) -> Any:
+    """Check what a file is asked to have, before there are values."""
+    if compress not in _COMPRESSIONS:
+        known = ", ".join(map(repr, _COMPRESSIONS))
+        raise InputError(f"compress is {shown(compress)}: give one of {known}")
+    if crs is None:
+        return None
+    rasterio = load("rasterio", extra="terrain")
+    errors = load("rasterio.errors", extra="terrain")
+    unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
+    text = without_files(crs)
+    if text is None:
+        raise unknown
+    try:
+        with rasterio.Env(**_ALONE):  # or GDAL prints what it raises
+            return rasterio.crs.CRS.from_user_input(text)
+    except (errors.CRSError, UnicodeError) as error:
+        raise unknown from error
+
+
+def _tiff(compress: str | None, size: int) -> dict[str, Any]:
+    options: dict[str, Any] = {"driver": "GTiff", "BIGTIFF": "YES" if size >> 31 else "NO"}
+    if compress is None:
+        return options
+    tiles = {"tiled": True, "blockxsize": _TILE, "blockysize": _TILE}
+    return {**options, **tiles, "compress": compress, "predictor": 3}
+
+
+def _cog(compress: str | None) -> dict[str, Any]:
+    options = {"driver": "COG", "compress": compress or "none", "resampling": "nearest"}
+    return options if compress is None else {**options, "predictor": "FLOATING_POINT"}

@@ -1,0 +1,1 @@
+"""Polygons, lines and points of files: GeoJSON, GeoPackage and shapefiles."""

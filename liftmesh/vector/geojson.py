@@ -1,0 +1,71 @@
+"""GeoJSON of lines, which are written one by one.
+
+GeoJSON by itself is in degrees (RFC 7946). Coordinates of another system have its name in the
+member ``crs``, as GeoJSON had it before, and as GDAL writes and reads it: the number of the system
+if it has one, or else its whole text.
+
+Geometries in a tree of GeoJSON, wherever collections and features hold them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any, BinaryIO, TypeAlias
+
+from liftmesh._typing import Floats
+from liftmesh.crs.description import urn_of
+
+
+def write(
+    stream: BinaryIO, lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None
+) -> None:
+    """Write a collection of features."""
+    stream.writelines(each.encode() for each in _texts(lines, crs))
+
+
+def crs_member(crs: str | None) -> str:
+    """Return the member that names a coordinate system, with the comma and line end after it."""
+    if crs is None:
+        return ""
+    system = {"type": "name", "properties": {"name": urn_of(crs)}}
+    return f'"crs": {json.dumps(system)},\n'
+
+
+def _texts(lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None) -> Iterator[str]:
+    yield f'{{"type": "FeatureCollection",\n{crs_member(crs)}"features": ['
+    for number, (properties, points) in enumerate(lines):
+        geometry = {"type": "LineString", "coordinates": points.tolist()}
+        feature = {"type": "Feature", "properties": properties, "geometry": geometry}
+        yield ("," if number else "") + "\n" + json.dumps(feature)
+    yield "\n]}\n"
+
+
+Geometry: TypeAlias = tuple[str, Any, Mapping[str, Any]]
+
+_PARTS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+_NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+def geometries(tree: object, properties: Mapping[str, Any] = _NONE) -> Iterator[Geometry]:
+    """Yield the geometries of a tree, in its order."""
+    if not isinstance(tree, Mapping):
+        raise TypeError(f"no object of GeoJSON: {tree!r:.60}")
+    kind = tree.get("type")
+    if kind in _PARTS:
+        for part in tree.get(_PARTS[kind]) or ():
+            yield from geometries(part, properties)
+    elif kind == "Feature":
+        held = tree.get("properties")
+        mine = held if isinstance(held, Mapping) else _NONE
+        yield from geometries(tree.get("geometry") or _NONE, mine)
+    elif isinstance(kind, str):
+        yield kind, tree.get("coordinates") or (), properties
+
+
+def coordinates_of(tree: object, kind: str) -> Iterator[Any]:
+    """Yield the coordinates of all geometries of one kind, those of a Multi one by one."""
+    for found, coordinates, _ in geometries(tree):
+        parts = [coordinates] if found == kind else coordinates if found == f"Multi{kind}" else ()
+        yield from (part for part in parts if part)

@@ -1,0 +1,295 @@
+"""Geometries and values of a GeoPackage, which the SQLite of the standard library reads.
+
+A file of SQLite holds statements as well as rows. So it is opened for reading alone, without any
+file beside it, and nothing but rows of ordinary tables is read: views, virtual tables and computed
+columns are refused, functions denied. What is read is counted, and the steps that SQLite takes for
+it: pages that are used many times, as only damaged files have them, end in an error.
+
+Geometries of well-known binary (WKB), of which x and y are read, as objects of GeoJSON.
+
+Counts are compared with the bytes that are there, and collections may be nested only so deep.
+
+GeoPackage of lines and other shapes, which geopandas writes.
+
+The file is made in memory, since the database behind it cannot be written to a stream.
+"""
+
+from __future__ import annotations
+
+import io
+import sqlite3
+import struct
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import Any, BinaryIO, TypeAlias
+from warnings import warn
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats
+from liftmesh.base.options import shown
+from liftmesh.crs.description import looked_up
+from liftmesh.errors import DataWarning, FormatError
+from liftmesh.optional import load
+
+MAGIC = b"SQLite format 3\0"
+
+_SCHEMA, _COLUMNS = "sqlite_master", "table_xinfo"
+_STEPS = 10_000  # of SQLite between two counts
+_STEPS_OF_A_BYTE, _STEPS_MORE = 10, 1_000_000
+_EXPANSION, _BYTES_MORE = 20, 1 << 22  # of what is read, for each byte of the file, and in all
+_ENVELOPES = (0, 32, 48, 48, 64)  # bytes before the geometry, by a number in its flags
+_WAITING = ("-wal", "-journal")
+
+
+def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
+    """Read the features of the first layer."""
+    for each in map(path.with_name, (path.name + suffix for suffix in _WAITING)):
+        if each.is_file() and each.stat().st_size:
+            raise FormatError(f"{path}: changes wait in {each.name}: close what has the file open")
+    try:
+        with closing(_opened(path)) as connection:
+            return _Package(connection, path).features()
+    except (sqlite3.Error, ValueError, struct.error, IndexError) as error:
+        if isinstance(error, FormatError):
+            raise
+        raise FormatError(f"{path}: damaged, or no GeoPackage: {error}") from error
+
+
+def _opened(path: Path) -> sqlite3.Connection:
+    """Open a file as it is: neither changed nor locked, and without a journal."""
+    uri = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
+    connection = sqlite3.connect(uri, uri=True, isolation_level=None)
+    for each in ("trusted_schema = OFF", "cell_size_check = ON", "mmap_size = 0"):
+        connection.execute(f"PRAGMA {each}")
+    left = _STEPS_MORE + _STEPS_OF_A_BYTE * path.stat().st_size
+
+    def count() -> bool:
+        nonlocal left
+        left -= _STEPS
+        return left < 0
+
+    connection.set_progress_handler(count, _STEPS)
+    return connection
+
+
+class _Package:
+    """An open file, whose tables are read one by one."""
+
+    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+        self._connection, self._path = connection, path
+        self._left = _BYTES_MORE + _EXPANSION * path.stat().st_size
+        self._allowed = {_SCHEMA}
+        connection.set_authorizer(self._judged)
+        rows = self._rows(_SCHEMA, "name", "type", "sql")
+        self._tables = {name.lower(): (kind, sql or "") for name, kind, sql in rows}
+
+    def features(self) -> tuple[dict[str, Any], str | None]:
+        """Read the first layer."""
+        name, key, system = self._layer()
+        columns = self._columns(name)
+        if key not in columns:
+            raise FormatError(f"{self._path}: layer {shown(name)} has no column {shown(key)}")
+        found = []
+        for row in self._rows(name, *columns):
+            values = dict(zip(columns, row, strict=True))
+            shape = _geometry(values.pop(key))
+            found.append({"type": "Feature", "properties": values, "geometry": shape})
+        return {"type": "FeatureCollection", "features": found}, self._system(system)
+
+    def _layer(self) -> tuple[str, str, int]:
+        """Return the table of the first layer, its column of geometries, and its system."""
+        if "gpkg_contents" not in self._tables:
+            raise FormatError(f"{self._path}: a file of SQLite, but no GeoPackage")
+        kinds = self._rows("gpkg_contents", "table_name", "data_type")
+        names = [name for name, kind in kinds if kind == "features"]
+        keys = {
+            name: (column, system)
+            for name, column, system in self._rows(
+                "gpkg_geometry_columns", "table_name", "column_name", "srs_id"
+            )
+        }
+        if not names or names[0] not in keys:
+            raise FormatError(f"{self._path}: there is no layer of features in the GeoPackage")
+        if len(names) > 1:
+            others = ", ".join(map(shown, names[1:9]))
+            warn(
+                f"{self._path}: layer {shown(names[0])} is read, and {others} not: save the layer "
+                "you need to a file of its own",
+                DataWarning,
+                stacklevel=2,
+            )
+        return names[0], *keys[names[0]]
+
+    def _system(self, number: int) -> str | None:
+        """Return the system of a number that the file gives it."""
+        columns = ("srs_id", "organization", "organization_coordsys_id", "definition")
+        for own, author, code, text in self._rows("gpkg_spatial_ref_sys", *columns):
+            if own == number:
+                if str(author).upper() == "EPSG" and isinstance(code, int) and code > 0:
+                    return f"EPSG:{code}"
+                return text if isinstance(text, str) and text != "undefined" else None
+        return None
+
+    def _columns(self, table: str) -> list[str]:
+        """Return the columns of values: without the number of the row, and none computed."""
+        self._check_table(table)
+        found = self._connection.execute(f"PRAGMA main.{_COLUMNS}({_quoted(table)})").fetchall()
+        if any(each[6] for each in found):
+            raise FormatError(f"{self._path}: layer {shown(table)} has computed columns: refused")
+        return [each[1] for each in found if not each[5]]
+
+    def _rows(self, table: str, *columns: str) -> Iterator[tuple[Any, ...]]:
+        """Read columns of an ordinary table; what is read may not take more than files can hold."""
+        if table != _SCHEMA:
+            self._check_table(table)
+        own = _quoted(table)
+        names = ", ".join(f"{own}.{_quoted(each)}" for each in columns)
+        command = f"SELECT {names} FROM main.{own} NOT INDEXED"  # noqa: S608 - names are quoted
+        for row in self._connection.execute(command):
+            held = sum(len(each) for each in row if isinstance(each, (str, bytes)))
+            self._left -= held + 8 * len(row)
+            if self._left < 0:
+                raise FormatError(
+                    f"{self._path}: table {shown(table)} holds more than the file: it is damaged"
+                )
+            yield row
+
+    def _check_table(self, name: str) -> None:
+        kind, text = self._tables.get(name.lower(), ("nothing", ""))
+        if kind != "table" or not text.startswith("CREATE TABLE "):
+            raise FormatError(
+                f"{self._path}: {shown(name)} is no ordinary table but {kind} (views and virtual "
+                "tables are refused): save the layer to a new file"
+            )
+        self._allowed.add(name.lower())
+
+    def _judged(self, action: int, table: str | None, *rest: str | None) -> int:
+        """Deny all but reading columns of tables that were looked at, and not through a view."""
+        is_known = {
+            sqlite3.SQLITE_SELECT: True,
+            sqlite3.SQLITE_PRAGMA: table == _COLUMNS,
+            sqlite3.SQLITE_READ: str(table).lower() in self._allowed,
+        }.get(action, False)
+        return sqlite3.SQLITE_OK if is_known and rest[-1] is None else sqlite3.SQLITE_DENY
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _geometry(value: object) -> dict[str, Any] | None:
+    """Convert a geometry with the head that a GeoPackage puts before it."""
+    if value is None:
+        return None
+    if not isinstance(value, bytes) or value[:2] != b"GP" or value[3] >> 1 & 7 >= len(_ENVELOPES):
+        raise ValueError(f"no geometry of a GeoPackage: {shown(value)}")
+    return geometry_of(value, 8 + _ENVELOPES[value[3] >> 1 & 7])
+
+
+Geometry: TypeAlias = dict[str, Any]
+
+_POINT, _LINE, _POLYGON, _COLLECTION = 1, 2, 3, 7
+_KINDS = ("Point", "LineString", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon")
+_DEEPEST = 32  # collections in collections
+_Z, _M, _SRID = 0x80000000, 0x40000000, 0x20000000  # marks of another dialect (EWKB)
+
+
+def geometry_of(data: bytes, begin: int = 0) -> Geometry:
+    """Convert a geometry."""
+    return _Reader(data, begin).geometry()
+
+
+class _Reader:
+    """A place in the bytes that moves as they are read."""
+
+    def __init__(self, data: bytes, place: int) -> None:
+        self._data, self._place = data, place
+
+    def geometry(self, depth: int = 0) -> Geometry:
+        """Read a geometry."""
+        order, kind, width = self._head()
+        if kind == _COLLECTION and depth < _DEEPEST:
+            parts = [self.geometry(depth + 1) for _ in range(self._count(order))]
+            return {"type": "GeometryCollection", "geometries": parts}
+        if not _POINT <= kind <= len(_KINDS):
+            raise ValueError(f"type {shown(kind)} of geometries is a curve, a surface or unknown")
+        if kind > _POLYGON:
+            several = [self._part(kind - _POLYGON) for _ in range(self._count(order))]
+            return {"type": _KINDS[kind - 1], "coordinates": several}
+        return {"type": _KINDS[kind - 1], "coordinates": self._simple(order, kind, width)}
+
+    def _part(self, expected: int) -> list[Any]:
+        order, kind, width = self._head()
+        if kind != expected:
+            raise ValueError(f"a Multi{_KINDS[expected - 1]} holds type {shown(kind)}")
+        return self._simple(order, kind, width)
+
+    def _simple(self, order: str, kind: int, width: int) -> list[Any]:
+        if kind == _POLYGON:
+            rings = range(self._count(order))
+            return [self._corners(order, self._count(order), width) for _ in rings]
+        if kind == _LINE:
+            return self._corners(order, self._count(order), width)
+        (point,) = self._corners(order, 1, width)
+        return [] if np.isnan(point).all() else list(point)
+
+    def _head(self) -> tuple[str, int, int]:
+        """Read order of bytes, type, and how many numbers a corner has."""
+        order = "<" if self._data[self._place] else ">"
+        self._place += 1
+        code = self._count(order)
+        self._place += 4 if code & _SRID else 0
+        extra, kind = divmod(code & 0x0FFFFFFF, 1000)
+        return (
+            order,
+            kind,
+            2 + (extra in (1, 3)) + (extra in (2, 3)) + sum(bool(code & mark) for mark in (_Z, _M)),
+        )
+
+    def _count(self, order: str) -> int:
+        (count,) = struct.unpack_from(order + "I", self._data, self._place)
+        self._place += 4
+        return int(count)
+
+    def _corners(self, order: str, count: int, width: int) -> list[list[float]]:
+        found = np.frombuffer(self._data, order + "f8", count * width, self._place)
+        self._place += found.nbytes
+        return found.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
+
+
+def write(
+    stream: BinaryIO,
+    points: Floats,
+    starts: Array,
+    columns: Mapping[str, Array],
+    crs: str | None,
+    layer: str,
+) -> None:
+    """Write a layer of lines."""
+    shapely = load("shapely", extra="shapes")
+    counts = np.diff(starts)
+    lines = shapely.linestrings(points, indices=np.repeat(np.arange(len(counts)), counts))
+    write_shapes(stream, lines, columns, crs, layer)
+
+
+def write_shapes(
+    stream: BinaryIO,
+    shapes: Array,
+    columns: Mapping[str, Array],
+    crs: str | None,
+    layer: str,
+    **options: str,
+) -> None:
+    """Write a layer of geometries of any kind."""
+    load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
+    geopandas = load("geopandas", extra="shapes")
+    system = None if crs is None else looked_up(load("pyproj", extra="shapes"), crs)
+    frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=system)
+    content = io.BytesIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*'crs' was not provided", UserWarning)
+        frame.to_file(content, driver="GPKG", layer=layer, engine="pyogrio", **options)
+    stream.write(content.getbuffer())
