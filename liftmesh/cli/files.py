@@ -201,7 +201,8 @@ def is_stream(path: Path) -> bool:
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:
     """Raise before the work starts if a file cannot be written."""
-    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.places import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_written  # noqa: PLC0415 - as above
 
     if path is None:
         return

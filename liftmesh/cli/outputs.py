@@ -47,7 +47,8 @@ def check_options(target: Path, target_format: str | None, options: Mapping[str,
     """Raise before the work starts if a format has no such options."""
     if not options:
         return
-    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.places import suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_written  # noqa: PLC0415 - help does without
     from liftmesh.io.writing import writer_of  # noqa: PLC0415 - as above
 
     found = find_written(target_format or suffix_of(target.name), str(target))

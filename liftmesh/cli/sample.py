@@ -164,7 +164,7 @@ class _EmptyFields:
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
     from liftmesh.io import atomic, writing  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.registry import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.places import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:

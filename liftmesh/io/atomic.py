@@ -29,7 +29,7 @@ from liftmesh.io.streams import add_name
 # errors of file systems that do not support such files.
 _NAMELESS: int = getattr(os, "O_TMPFILE", 0)
 _OPEN_FILES = Path("/proc/self/fd")
-_UNABLE = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}
+_NOT_NAMELESS = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}
 
 # A writable folder need not be readable.
 _FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)
@@ -160,7 +160,7 @@ def _open_new(temporary: str, folder: int, stack: ExitStack) -> int:
             flags = _NAMELESS | os.O_RDWR
             return stack.enter_context(opened(".", flags, 0o666, folder=folder))
         except OSError as error:
-            if error.errno not in _UNABLE:
+            if error.errno not in _NOT_NAMELESS:
                 raise
     flags = os.O_CREAT | os.O_EXCL | os.O_RDWR
     return stack.enter_context(opened(temporary, flags, 0o666, folder=folder))

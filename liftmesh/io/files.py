@@ -172,7 +172,7 @@ def read(  # noqa: PLR0913 - options are keywords
     name = name_of(source)
     found = format_of(source, format, name, find_format)
     read_whole = _selecting(_reader(found, name, limit, options), found, chosen)
-    with opened(source, found, name, limit) as stream, kept():
+    with opened(source, name, limit, may_be_compressed=found.gzip) as stream, kept():
         cloud = _labelled(read_whole(stream, name), found, name)
     return _changed(cloud, color_depth, crs, to_crs, name)
 
@@ -259,7 +259,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     else:
         chunks = _limited(configured(found.read_chunks, found, name, options), found, limit)
         chunks = of_one_depth(chunks, color_depth)
-    place = opened(source, found, name, limit)
+    place = opened(source, name, limit, may_be_compressed=found.gzip)
     pieces = _chunks(place, found, partial(chunks, name=name, rows=rows), name)
     if chosen is not None:
         pieces = _selected_chunks(pieces, Selector(chosen, name))

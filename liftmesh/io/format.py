@@ -233,7 +233,7 @@ def _names(cloud: Cloud, word: str) -> list[str]:
     if word == "attributes":
         return sorted(cloud.attributes)
     if word == "metadata":
-        return metadata.named(metadata.said(cloud.metadata))
+        return metadata.named(metadata.user_entries(cloud.metadata))
     return [CONTENT[word]]
 
 
@@ -254,7 +254,7 @@ def _has(cloud: Cloud, word: str) -> bool:
     if word == "deep_colors":
         return colors is not None and not fits_eight_bits(colors)
     if word == "metadata":
-        return bool(metadata.said(cloud.metadata))
+        return bool(metadata.user_entries(cloud.metadata))
     part = getattr(cloud, word)
     return part is not None and len(part) > 0
 

@@ -13,7 +13,7 @@ from typing import Any
 from liftmesh.base.interruption import deferred
 
 
-class OnCall:
+class LazyFunction:
     """A function of a module, which is imported at the first call."""
 
     def __init__(self, module: str, name: str) -> None:
@@ -30,7 +30,7 @@ class OnCall:
 
     def __eq__(self, other: object) -> bool:
         """Whether the other one stands for the same function."""
-        return isinstance(other, OnCall) and repr(self) == repr(other)
+        return isinstance(other, LazyFunction) and repr(self) == repr(other)
 
     def __hash__(self) -> int:
         return hash(repr(self))

@@ -6,21 +6,19 @@ import io
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, BinaryIO, TypeAlias
+from pathlib import PurePath
+from typing import BinaryIO, TypeAlias, TypeVar
 
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.gzip_stream import decompressed
 from liftmesh.io.links import check_links
-from liftmesh.io.registry import suffix_of
 from liftmesh.io.streams import add_name, remaining, seekable
-
-if TYPE_CHECKING:
-    from liftmesh.io.format import Format
 
 _open: list[BinaryIO] = []  # files that are being read
 _written: list[BinaryIO] = []  # files that are being written
 
 PathOrStream: TypeAlias = str | os.PathLike[str] | BinaryIO
+Found = TypeVar("Found")
 
 
 def at_home(place: PathOrStream) -> PathOrStream:
@@ -48,18 +46,27 @@ def name_of(place: object) -> str:
     return name if isinstance(name, str) else "<stream>"
 
 
+def suffix_of(name: str) -> str:
+    """Return the suffix of a file's name, and the one before ``.gz`` with it."""
+    path = PurePath(name)
+    is_compressed = path.suffix.lower() == ".gz"
+    return "".join(path.suffixes[-2:]) if is_compressed else path.suffix
+
+
 @contextmanager
-def opened(source: PathOrStream, found: Format, name: str, limit: int | None) -> Iterator[BinaryIO]:
+def opened(
+    source: PathOrStream, name: str, limit: int | None, *, may_be_compressed: bool
+) -> Iterator[BinaryIO]:
     """Open a path, or use a stream; yield it as a seekable stream that is not empty."""
     if not isinstance(source, str | os.PathLike):
         check_stream(source, "read")
-        yield _filled(seekable(source), found, name, limit)
+        yield _filled(seekable(source), name, limit, may_be_compressed)
         return
     try:
         with open(source, "rb") as stream:  # noqa: PTH123
             _open.append(stream)
             try:
-                yield _filled(seekable(stream), found, name, limit)
+                yield _filled(seekable(stream), name, limit, may_be_compressed)
             finally:
                 _open.remove(stream)
     except IsADirectoryError as error:
@@ -98,8 +105,8 @@ def written() -> tuple[int, None] | None:
 
 
 def format_of(
-    place: object, wanted: str | None, name: str, find: Callable[[str, str], Format]
-) -> Format:
+    place: object, wanted: str | None, name: str, find: Callable[[str, str], Found]
+) -> Found:
     """Find the format of a path or stream: the one that is wanted, or that of its suffix."""
     if wanted is None and isinstance(place, str | os.PathLike) and os.path.isdir(place):  # noqa: PTH112
         raise folder(name)
@@ -111,8 +118,8 @@ def folder(name: str) -> FormatError:
     return FormatError(f"{name}: this is a folder, not a file")
 
 
-def _filled(stream: BinaryIO, found: Format, name: str, limit: int | None) -> BinaryIO:
-    content = decompressed(stream, name, limit) if found.gzip else stream
+def _filled(stream: BinaryIO, name: str, limit: int | None, may_be_compressed: bool) -> BinaryIO:
+    content = decompressed(stream, name, limit) if may_be_compressed else stream
     if not remaining(content):
         raise FormatError(f"{name}: the file is empty (0 bytes)")
     return content

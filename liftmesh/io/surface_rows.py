@@ -18,7 +18,8 @@ from liftmesh._typing import Array
 from liftmesh.errors import InputError
 from liftmesh.io.columns import POSITION
 from liftmesh.io.files import read_chunks, read_cloud
-from liftmesh.io.registry import find_format, suffix_of
+from liftmesh.io.places import suffix_of
+from liftmesh.io.registry import find_format
 from liftmesh.io.selection import (
     GROUND,
     MOST_CLASSES,

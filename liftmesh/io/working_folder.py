@@ -21,7 +21,7 @@ from liftmesh.base.interruption import opened
 from liftmesh.io.atomic import unfinished_folders
 
 LOCK = "in-use"
-_UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
+_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
 @contextmanager
@@ -33,7 +33,7 @@ def working_folder(place: str | os.PathLike[str], kind: str) -> Iterator[Path]:
     unfinished_folders.add(folder)
     try:
         folder.mkdir(mode=0o700)
-        with _locked(folder):
+        with _in_use(folder):
             yield folder
     finally:
         if folder.exists():
@@ -42,14 +42,14 @@ def working_folder(place: str | os.PathLike[str], kind: str) -> Iterator[Path]:
 
 
 @contextmanager
-def _locked(folder: Path) -> Iterator[None]:
+def _in_use(folder: Path) -> Iterator[None]:
     """Mark a folder as in use; its mark has its name only once it is locked."""
     new = folder / f"{LOCK}-new"
     with opened(new, os.O_RDWR | os.O_CREAT | os.O_EXCL) as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:  # without locks, abandoned folders stay
-            if error.errno not in _UNABLE:
+            if error.errno not in _WITHOUT_LOCKS:
                 raise
         new.rename(folder / LOCK)
         yield

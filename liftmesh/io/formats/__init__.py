@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 from liftmesh.io.format import Format
-from liftmesh.io.on_call import OnCall
+from liftmesh.io.on_call import LazyFunction
 
 
-def _code(module: str, name: str) -> OnCall:
-    return OnCall(f"liftmesh.{module}", name)
+def _code(module: str, name: str) -> LazyFunction:
+    return LazyFunction(f"liftmesh.{module}", name)
 
 
 _GLTF: dict[str, Any] = {
@@ -107,7 +107,7 @@ FORMATS = (
     Format(
         name="glb",
         suffixes=(".glb",),
-        read=_code("io.formats.gltf.formats", "read_glb"),
+        read=_code("io.formats.gltf.reader", "read_glb"),
         write=_code("io.formats.gltf.formats", "write_glb"),
         description="binary glTF: single precision, colours",
         **_GLTF,
@@ -115,7 +115,7 @@ FORMATS = (
     Format(
         name="gltf",
         suffixes=(".gltf",),
-        read=_code("io.formats.gltf.formats", "read_gltf"),
+        read=_code("io.formats.gltf.reader", "read_gltf"),
         write=_code("io.formats.gltf.formats", "write_gltf"),
         description="glTF: single precision, colours",
         **_GLTF,

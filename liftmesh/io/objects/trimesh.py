@@ -19,7 +19,7 @@ from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, with_alpha
 from liftmesh.base.interruption import kept
 from liftmesh.io.faces import narrowed
-from liftmesh.io.metadata import NOTE, Unread, said
+from liftmesh.io.metadata import NOTE, Unread, user_entries
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def to_cloud(source: Any) -> Cloud:
     named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
     described = of_metadata(source.metadata)
     if unread := _unread(source):
-        own = ("metadata skipped",) if "skipped" in said(described["metadata"]) else ()
+        own = ("metadata skipped",) if "skipped" in user_entries(described["metadata"]) else ()
         described["metadata"]["skipped"] = Unread((*unread, *own))
     return Cloud(
         points=arrays.as_rows3(np.asarray(source.vertices)),

@@ -16,8 +16,8 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.metadata import Unread, not_read, said
-from liftmesh.io.objects.trimesh import of_metadata, to_cloud as of_geometry, transformed
+from liftmesh.io.metadata import Unread, not_read, user_entries
+from liftmesh.io.objects.trimesh import of_metadata, to_cloud, transformed
 
 if TYPE_CHECKING:
     import trimesh
@@ -25,23 +25,23 @@ if TYPE_CHECKING:
 _NAME = "the scene"  # in messages
 
 
-def to_cloud(scene: trimesh.Scene) -> Cloud:
+def scene_to_cloud(scene: trimesh.Scene) -> Cloud:
     """Combine all meshes and point clouds of a scene into one cloud."""
     placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
     held = [(each, matrix) for each, matrix in placed if _holds_points(each)]
-    parts = [transformed(of_geometry(each), matrix) for each, matrix in held]
+    parts = [transformed(to_cloud(each), matrix) for each, matrix in held]
     named = _joined_values([part.attributes for part in parts])
     colors, normals = ([getattr(part, key) for part in parts] for key in ("colors", "normals"))
     described = of_metadata(scene.metadata)
     stated = {part.crs for part in parts}
     if described["crs"] is None and len(stated) == 1:
         described["crs"] = stated.pop()
-    common = _common([said(part.metadata) for part in parts])
+    common = _common([user_entries(part.metadata) for part in parts])
     described["metadata"] = {**common, **described["metadata"]}
     lines = len(placed) - len(parts)
     skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
     if skipped:
-        own = ("metadata skipped",) if "skipped" in said(described["metadata"]) else ()
+        own = ("metadata skipped",) if "skipped" in user_entries(described["metadata"]) else ()
         described["metadata"]["skipped"] = Unread((*skipped, *own))
     return Cloud(
         np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
@@ -120,7 +120,7 @@ def _lost(
             lost["crs"] += 1
         lost.update(
             f"metadata {key}"
-            for key, value in said(part.metadata).items()
+            for key, value in user_entries(part.metadata).items()
             if not _is_same(described["metadata"].get(key), value)
         )
     for name in ("colors", "normals"):

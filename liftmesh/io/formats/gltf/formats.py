@@ -15,8 +15,8 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
-from liftmesh.io.formats.gltf import names as value_names
 from liftmesh.io.formats.gltf.file import File
+from liftmesh.io.formats.gltf.names import lost_values, names_note, value_columns, value_keys
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.io.origin import TOLERANCE, needed_origin, without_origin
@@ -24,16 +24,6 @@ from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.io.format import Origin
-
-
-def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read a GLB file: the points and triangles of all meshes of its scene, each in its place."""
-    return _read(stream, name, "glb", max_bytes)
-
-
-def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
-    return _read(stream, name, "gltf", max_bytes)
 
 
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
@@ -50,12 +40,6 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     return origin
 
 
-def _read(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
-    from liftmesh.io.formats.gltf.reader import read_scene  # noqa: PLC0415 - many modules, rarely needed
-
-    return read_scene(stream, name, kind, max_bytes)
-
-
 def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
     origin = needed_origin(cloud.points, kind)
     shown = Cloud(
@@ -69,11 +53,11 @@ def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
     file = File.of(load("trimesh").Scene(geometry).export(file_type="glb"))
     if origin is not None:
         file.place(origin)
-    values = value_names.columns(cloud.attributes)
-    names = value_names.keys(values)
+    values = value_columns(cloud.attributes)
+    names = value_keys(values)
     for name, key in names.items():
         file.add(key, values[name])
-    if extras := _extras(cloud, origin, value_names.note(values, names)):
+    if extras := _extras(cloud, origin, names_note(values, names)):
         file.tree["scenes"][0]["extras"] = extras
     return file, origin
 
@@ -88,7 +72,7 @@ def _extras(cloud: Cloud, origin: Origin | None, names: dict[str, list[str]]) ->
 
 def renamed(cloud: Cloud) -> dict[str, str]:
     """The attributes whose names are not just written with an underscore and in capitals."""
-    names = value_names.keys(value_names.columns(cloud.attributes))
+    names = value_keys(value_columns(cloud.attributes))
     return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
 
 
@@ -98,12 +82,12 @@ def _has_faces(cloud: Cloud) -> bool:
 
 def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Points are written without normals; those of meshes get the length 1, but for zeros."""
-    names = value_names.lost(cloud.attributes)
+    names = lost_values(cloud.attributes)
     if cloud.normals is None:
         return tuple(names)
     if not _has_faces(cloud) or not _are_unit(cloud.normals):
         return (*names, "normals")
-    return (*names, *value_names.lost({"normals": cloud.normals}))
+    return (*names, *lost_values({"normals": cloud.normals}))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -124,4 +108,4 @@ def _are_unit(normals: Array) -> bool:
 def check(cloud: Cloud) -> None:
     """Raise for coordinates that single precision cannot hold, and for names that are one."""
     needed_origin(cloud.points, "glTF")
-    value_names.columns(cloud.attributes)
+    value_columns(cloud.attributes)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -21,11 +20,11 @@ _OTHER = re.compile(r"[^A-Z0-9_]+")
 _WIDEST = 4
 
 
-def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
+def value_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     """Return what glTF can hold of attributes: vectors of more than four values are split."""
     found: dict[str, Array] = {}
     for name, values in attributes.items():
-        if reason(values):
+        if _reason(values):
             continue
         if values.ndim == 1 or (values.ndim == 2 and 2 <= values.shape[1] <= _WIDEST):
             found[name] = values
@@ -39,7 +38,7 @@ def columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     return found
 
 
-def reason(values: Array) -> str:
+def _reason(values: Array) -> str:
     """Say why glTF cannot hold an attribute; an empty text if it can."""
     if values.dtype.kind not in "biuf":
         return "not numbers"
@@ -48,18 +47,18 @@ def reason(values: Array) -> str:
     return "" if np.isfinite(_single(values)).all() else "not finite"
 
 
-def lost(attributes: Mapping[str, Array]) -> list[str]:
+def lost_values(attributes: Mapping[str, Array]) -> list[str]:
     """Name the attributes that a file does not hold, or not in full."""
     found: list[str] = []
     for name, values in sorted(attributes.items()):
-        if why := reason(values):
+        if why := _reason(values):
             found.append(f"{name} ({why})")
         elif not _is_exact(values):
             found.append(f"double precision of {name}")
     return found
 
 
-def keys(names: Mapping[str, Array]) -> dict[str, str]:
+def value_keys(names: Mapping[str, Array]) -> dict[str, str]:
     """Choose the name of each attribute in the file."""
     found: dict[str, str] = {}
     numbers: Counter[str] = Counter()
@@ -74,39 +73,9 @@ def keys(names: Mapping[str, Array]) -> dict[str, str]:
     return found
 
 
-def note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dict[str, list[str]]:
+def names_note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dict[str, list[str]]:
     """State the old name and type of each attribute."""
     return {key: [name, attributes[name].dtype.name] for name, key in names.items()}
-
-
-def restored(attributes: Mapping[str, Array], stated: object) -> dict[str, Array]:
-    """Give attributes their old names and types; what was stated wrongly has no effect."""
-    noted = stated if isinstance(stated, dict) else {}
-    found: dict[str, Array] = {}
-    wanted = {key: _stated(noted.get(key), key) for key in attributes}
-    are_distinct = len({name for name, _ in wanted.values()}) == len(wanted)
-    for key, values in attributes.items():
-        name, dtype = wanted[key]
-        if not are_distinct and (name in found or (name != key and name in attributes)):
-            name = key
-        found[name] = values if dtype is None else _converted(values, dtype)
-    return found
-
-
-def _stated(entry: Any, key: str) -> tuple[str, np.dtype | None]:
-    plain = key[1:] or key
-    if not isinstance(entry, list) or len(entry) != 2 or not isinstance(entry[0], str):
-        return plain, None
-    kinds = {np.dtype(code).name: np.dtype(code) for code in "?bBhHiIlLqQefd"}
-    return entry[0], kinds.get(entry[1]) if isinstance(entry[1], str) else None
-
-
-def _converted(values: Array, dtype: np.dtype) -> Array:
-    """Convert values to a type that holds them all, else keep them."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        converted = values.astype(dtype)
-        is_exact = np.array_equal(converted.astype(values.dtype), values)
-    return converted if is_exact else values
 
 
 def _is_exact(values: Array) -> bool:

@@ -12,15 +12,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, Record, Stated
+from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, LasHeader, Record
 
 ENTRY = "las_records"
 EXTRA_BYTES = (b"LASF_Spec", 4)
 _PARTS = ("header", "records", "extended", "gap")
-_LEAST, _MOST = 227, 1 << 16  # bytes of a header
+_LEAST, _MOST = 227, 1 << 16  # bytes of a header; fewer than the latter also of a record
 
 
-def entry(stated: Stated) -> dict[str, bytes]:
+def entry(stated: LasHeader) -> dict[str, bytes]:
     """Return the entry of metadata."""
     kept = [each for each in stated.records if _is_kept(each)]
     return {
@@ -36,7 +36,7 @@ def _is_kept(record: Record) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Carried:
+class Vlrs:
     """The header and the records that a cloud brings along; empty if it brings none."""
 
     header: bytes = b""
@@ -53,18 +53,18 @@ class Carried:
         return [each for each in self.records if (each.user, each.number) == (user, number)]
 
 
-def carried(metadata: Mapping[str, Any]) -> Carried:
+def carried(metadata: Mapping[str, Any]) -> Vlrs:
     """Take the entry out of the metadata of a cloud; anything else of that name is nothing."""
     found = metadata.get(ENTRY)
     values = [found.get(key) for key in _PARTS] if isinstance(found, Mapping) else []
     parts = [each for each in values if isinstance(each, bytes)]
     if len(parts) < len(_PARTS):
-        return Carried()
+        return Vlrs()
     header, records, extended, gap = parts
     if not _LEAST <= len(header) < _MOST or not header.startswith(b"LASF"):
-        return Carried()
+        return Vlrs()
     both = (*_walked(records, RECORD), *_walked(extended, LONG_RECORD))
-    return Carried(header, both, gap)
+    return Vlrs(header, both, gap)
 
 
 def _walked(data: bytes, form: Any) -> Iterator[Record]:

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 from liftmesh.base.options import shown
 from liftmesh.crs.description import as_wkt
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.formats.las.carried import EXTRA_BYTES, Carried, carried, made, replaced
+from liftmesh.io.formats.las.carried import EXTRA_BYTES, Vlrs, carried, made, replaced
 from liftmesh.io.formats.las.crs import LIBLAS, PROJECTION, WKT, crs_of
 from liftmesh.io.formats.las.extra_bytes import Extra, described
 from liftmesh.io.formats.las.fields import Fields, depth_to_state, fields_of, with_colors
 from liftmesh.io.formats.las.header import POINT_SIZES, SIZES, Record
-from liftmesh.io.formats.las.own import LAYOUT, OWN, Said, is_layout, record_of
-from liftmesh.io.formats.las.steps import Steps, steps_of
+from liftmesh.io.formats.las.own import LAYOUT, LIFTMESH_VLR, LiftmeshVlr, is_layout, record_of
+from liftmesh.io.formats.las.steps import _MOST, ScaleOffset, steps_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 _NEWEST = (1, 4)
 _POINT_FORMAT = 6  # of clouds that come from elsewhere
 _FIRST_OF_WKT = 6  # the first point format that has its coordinate system as WKT
-_MOST = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +36,7 @@ class Layout:
 
     version: tuple[int, int]
     point_format: int
-    steps: tuple[Steps, ...]
+    steps: tuple[ScaleOffset, ...]
     fields: Fields
     header: bytes
     gap: bytes
@@ -92,7 +91,7 @@ def _version(said: object, point_format: int) -> tuple[int, int]:
     return 1, max(minor, least)
 
 
-def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[Steps, ...]:
+def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[ScaleOffset, ...]:
     pairs = _known_steps(said)
     columns = cloud.points.astype("f8", copy=False).T
     if scale is None:
@@ -109,7 +108,9 @@ def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[
     return tuple(found)
 
 
-def _steps_at(values: Any, known: tuple[float, float] | None, coarsest: float | None) -> Steps:
+def _steps_at(
+    values: Any, known: tuple[float, float] | None, coarsest: float | None
+) -> ScaleOffset:
     """Choose steps; coordinates that have other digits are rounded to the coarsest, if there is."""
     if coarsest is None:
         return steps_of(values, known)
@@ -128,10 +129,12 @@ def _coarsest(said: Mapping[str, Any]) -> list[float | None]:
     return [each if isinstance(each, float) and 0 < each < math.inf else None for each in found]
 
 
-def _rounding(values: Any, scale: float) -> Steps:
+def _rounding(values: Any, scale: float) -> ScaleOffset:
     low, high = float(values.min()), float(values.max())
     near = max(-low, high) <= scale * _MOST
-    steps = Steps(scale, 0.0 if near else float(round(low / 2 + high / 2)), exact=False, near=False)
+    steps = ScaleOffset(
+        scale, 0.0 if near else float(round(low / 2 + high / 2)), exact=False, near=False
+    )
     if not (abs(steps.numbers(values)) <= _MOST).all():
         raise FormatError(
             f"coordinates from {low:.10g} to {high:.10g} have more than 32 bits in steps of "
@@ -149,7 +152,7 @@ def _known_steps(said: Mapping[str, Any]) -> list[tuple[float, float] | None]:
     return pairs if is_good and all(scale for scale, _ in pairs) else [None] * 3
 
 
-def _known_extras(kept: Carried) -> list[Extra]:
+def _known_extras(kept: Vlrs) -> list[Extra]:
     if not kept.header:
         return []
     number, size = kept.header[104] & 0x3F, int.from_bytes(kept.header[105:107], "little")
@@ -159,7 +162,7 @@ def _known_extras(kept: Carried) -> list[Extra]:
 
 
 def _records(
-    cloud: Cloud, kept: Carried, fields: Fields, point_format: int
+    cloud: Cloud, kept: Vlrs, fields: Fields, point_format: int
 ) -> tuple[list[Record], bool]:
     """Return the records of the file: those that are kept, and those that are made anew."""
     records = [*kept.records]
@@ -171,11 +174,13 @@ def _records(
     needs = point_format >= _FIRST_OF_WKT
     is_new = needs and (not kept.header or kept.header[104] & 0x3F < _FIRST_OF_WKT)
     is_wkt, said = kept.is_wkt or is_new, crs_of(kept.records, is_wkt=kept.is_wkt)
-    if (is_new and cloud.crs is not None) or Said(records).crs(said) != cloud.crs:
+    if (is_new and cloud.crs is not None) or LiftmeshVlr(records).crs(said) != cloud.crs:
         records, has_text = _with_crs(records, cloud.crs)
         is_wkt = has_text or needs
         said = crs_of(records, is_wkt=is_wkt)
-    return replaced(records, record_of(cloud, said, depth_to_state(cloud)), *kept.of(*OWN)), is_wkt
+    return replaced(
+        records, record_of(cloud, said, depth_to_state(cloud)), *kept.of(*LIFTMESH_VLR)
+    ), is_wkt
 
 
 def _with_crs(records: list[Record], crs: str | None) -> tuple[list[Record], bool]:

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from liftmesh.errors import FormatError
 from liftmesh.io.formats.las.header import PACKING
-from liftmesh.io.formats.las.remembering import Remembering
+from liftmesh.io.formats.las.remembering import ErrorRecordingStream
 from liftmesh.io.streams import read_exactly
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.formats.las.header import Stated
+    from liftmesh.io.formats.las.header import LasHeader
 
 LARGEST_CHUNK = 1 << 20  # points that a thread decodes at once
 
@@ -47,7 +47,7 @@ class Chunks:
     surplus: str = ""
 
 
-def chunks_of(stream: BinaryIO, stated: Stated, name: str) -> Chunks:
+def chunks_of(stream: BinaryIO, stated: LasHeader, name: str) -> Chunks:
     """Check what a file states of its chunks; the stream goes back to where it was."""
     begin = stream.tell()
     try:
@@ -59,7 +59,7 @@ def chunks_of(stream: BinaryIO, stated: Stated, name: str) -> Chunks:
 class _Reading:
     """Reads the record of LAZ, the table of chunks, and the beginning of each chunk."""
 
-    def __init__(self, stream: BinaryIO, begin: int, stated: Stated, name: str) -> None:
+    def __init__(self, stream: BinaryIO, begin: int, stated: LasHeader, name: str) -> None:
         self._stream = stream
         self._begin = begin
         self._stated = stated
@@ -132,7 +132,7 @@ class _Reading:
         """Read the points and bytes of each chunk, and check their sums."""
         lazrs = load("lazrs", extra="las")
         self._stream.seek(self._begin + self._stated.start)
-        source = Remembering(self._stream)
+        source = ErrorRecordingStream(self._stream)
         try:
             vlr = lazrs.LazVlr(record)
             pairs = lazrs.read_chunk_table(source, vlr)

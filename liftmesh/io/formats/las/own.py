@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.formats.las.header import Record
 
-OWN = (b"liftmesh", 1)
+LIFTMESH_VLR = (b"liftmesh", 1)
 LAYOUT = "las"  # the entry of metadata that says how a file holds its points
 DEPTH = "color_depth"  # of that entry: 8 where all colours of the file are no larger than 255
 _DESCRIPTION = b"metadata"
-_MOST = 1 << 19  # characters
+_MOST_JSON = 1 << 19  # characters
 
 
 def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
@@ -36,7 +36,7 @@ def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None
         found["crs"] = [cloud.crs, _checksum(crs)]
     found |= {} if depth is None else {DEPTH: depth}
     data = json.dumps(found, sort_keys=True).encode() if found else b""
-    return made(*OWN, data, _DESCRIPTION) if data else None
+    return made(*LIFTMESH_VLR, data, _DESCRIPTION) if data else None
 
 
 def is_layout(key: str, value: object) -> bool:
@@ -45,11 +45,11 @@ def is_layout(key: str, value: object) -> bool:
     return key == ENTRY or (is_known and {"version", "point_format"} <= {*value})  # type: ignore[misc]
 
 
-class Said:
+class LiftmeshVlr:
     """What the record of a file says; nothing if there is none, or it is not understood."""
 
     def __init__(self, records: Iterable[Record]) -> None:
-        mine = (each.data for each in records if (each.user, each.number) == OWN)
+        mine = (each.data for each in records if (each.user, each.number) == LIFTMESH_VLR)
         found = _parsed(next(mine, b""))
         self.metadata: dict[str, Any] = _entries(found.get("metadata"))
         depth = found.get(DEPTH)
@@ -75,7 +75,7 @@ def _entries(value: object) -> dict[str, Any]:
 
 def _parsed(data: bytes) -> dict[str, Any]:
     try:
-        found = json.loads(data.decode()) if len(data) <= _MOST else None
+        found = json.loads(data.decode()) if len(data) <= _MOST_JSON else None
     except (ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}

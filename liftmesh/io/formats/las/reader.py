@@ -19,10 +19,10 @@ from liftmesh.io.formats.las.carried import ENTRY, entry
 from liftmesh.io.formats.las.copc import DamagedIndexError
 from liftmesh.io.formats.las.crs import crs_of, refused
 from liftmesh.io.formats.las.header import stated
-from liftmesh.io.formats.las.own import DEPTH, Said
+from liftmesh.io.formats.las.own import DEPTH, LiftmeshVlr
 from liftmesh.io.formats.las.points import WAVE_PACKETS, Block, types_of
 from liftmesh.io.formats.las.records import BLOCK, Points
-from liftmesh.io.formats.las.shifted import Shifted
+from liftmesh.io.formats.las.shifted import OffsetStream
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 
@@ -108,7 +108,7 @@ class _File:
 
     def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
         if begin := stream.tell():
-            stream = cast("BinaryIO", Shifted(stream, begin))
+            stream = cast("BinaryIO", OffsetStream(stream, begin))
         self._stated = stated(stream, name)
         self.points = self._stated.points
         source = Points(stream, self._stated, name)
@@ -157,7 +157,7 @@ class _File:
                 "spacing": self.index.spacing,
                 "levels": int(levels.max()) + 1 if len(levels) else 0,
             }
-        said = Said(found.records)
+        said = LiftmeshVlr(found.records)
         entries: dict[str, Any] = {**said.metadata, "las": layout, ENTRY: entry(found), **notes}
         if skipped := self._skipped():
             entries["skipped"] = skipped

@@ -24,12 +24,12 @@ from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.formats.las.copc import Index, index_of
 from liftmesh.io.formats.las.header import PACKING
 from liftmesh.io.formats.las.laz import LARGEST_CHUNK, Chunks, chunks_of
-from liftmesh.io.formats.las.remembering import Remembering
+from liftmesh.io.formats.las.remembering import ErrorRecordingStream
 from liftmesh.io.streams import read_exactly
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.formats.las.header import Stated
+    from liftmesh.io.formats.las.header import LasHeader
 
 BLOCK = 1 << 18  # points decoded at a time
 
@@ -40,7 +40,7 @@ os.register_at_fork(after_in_child=lambda: _forked.append(True))
 class Points:
     """The points of an open file."""
 
-    def __init__(self, stream: BinaryIO, stated: Stated, name: str) -> None:
+    def __init__(self, stream: BinaryIO, stated: LasHeader, name: str) -> None:
         self._name = name
         self._stated = stated
         chunks = chunks_of(stream, stated, name) if stated.compressed and stated.points else None
@@ -54,7 +54,7 @@ class Points:
             self.index = index_of(stream, stated, chunks, name) if chunks and is_indexed else None
         except FormatError as error:
             self.damage = error
-        self._source = Remembering(stream)
+        self._source = ErrorRecordingStream(stream)
         laspy = load("laspy", extra="las")
         with self._decoding("the header"):
             self._reader = laspy.LasReader(

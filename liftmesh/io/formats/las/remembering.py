@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any, BinaryIO
 
 
-class Remembering:
+class ErrorRecordingStream:
     """A stream that is read, and the first error of reading it."""
 
     def __init__(self, stream: BinaryIO) -> None:

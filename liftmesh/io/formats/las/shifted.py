@@ -6,7 +6,7 @@ import io
 from typing import BinaryIO
 
 
-class Shifted:
+class OffsetStream:
     """A stream whose places count from another one's ``begin``."""
 
     def __init__(self, stream: BinaryIO, begin: int) -> None:

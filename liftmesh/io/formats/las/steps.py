@@ -24,7 +24,7 @@ _ULPS = 8  # by which a decimal and number * scale may differ
 
 
 @dataclass(frozen=True, slots=True)
-class Steps:
+class ScaleOffset:
     """Scale and offset of a coordinate, and whether they give back every bit of it."""
 
     scale: float
@@ -44,24 +44,24 @@ class Steps:
             return found
 
 
-def steps_of(values: Floats, known: tuple[float, float] | None) -> Steps:
+def steps_of(values: Floats, known: tuple[float, float] | None) -> ScaleOffset:
     """Choose scale and offset of a coordinate."""
-    if known is not None and (found := _tried(values, Steps(*known))):
+    if known is not None and (found := _tried(values, ScaleOffset(*known))):
         return found
     if not len(values):
-        return Steps(0.01, 0.0)
+        return ScaleOffset(0.01, 0.0)
     low, high = float(values.min()), float(values.max())
     middle = low if low == high else low / 2 + high / 2
     for decimals in range(0, _FINEST - 1, -1):
         scale = float(f"1e{decimals}")
         offset = 0.0 if max(-low, high) <= scale * _MOST else float(np.rint(middle))
-        if found := _tried(values, Steps(scale, offset)):
+        if found := _tried(values, ScaleOffset(scale, offset)):
             return found
     half = 0.0 if low == high else max(high / 2 - low / 2, _SMALLEST)
     return _finest(values, middle, half)
 
 
-def _tried(values: Floats, steps: Steps) -> Steps | None:
+def _tried(values: Floats, steps: ScaleOffset) -> ScaleOffset | None:
     """Return the steps if they lose no decimal, or nothing."""
     exact = True
     size = float(values.max() / 2 - values.min() / 2) if len(values) else 0.0
@@ -75,10 +75,10 @@ def _tried(values: Floats, steps: Steps) -> Steps | None:
         exact = False
         if not _near(again, part, steps, size):
             return None
-    return Steps(steps.scale, steps.offset, exact)
+    return ScaleOffset(steps.scale, steps.offset, exact)
 
 
-def _near(again: Floats, values: Floats, steps: Steps, size: float) -> bool:
+def _near(again: Floats, values: Floats, steps: ScaleOffset, size: float) -> bool:
     """Whether two decimals are the same but for the rounding of binary numbers."""
     with np.errstate(over="ignore", invalid="ignore"):
         ulps = _ULPS * np.spacing(np.abs(values) + abs(steps.offset))
@@ -93,21 +93,21 @@ def _parts(values: Floats) -> Iterator[Floats]:
         yield np.ascontiguousarray(values[start : start + _ROWS])
 
 
-def _finest(values: Floats, middle: float, half: float) -> Steps:
+def _finest(values: Floats, middle: float, half: float) -> ScaleOffset:
     """Return the finest power of ten that reaches from the middle to both ends."""
     if half == 0.0:
-        is_exact = _is_exact(values, Steps(0.01, middle))
-        return Steps(0.01, middle, is_exact, is_exact)
+        is_exact = _is_exact(values, ScaleOffset(0.01, middle))
+        return ScaleOffset(0.01, middle, is_exact, is_exact)
     exponent = math.ceil(math.log10(half) - math.log10(_MOST))
     for power in (exponent, exponent + 1):  # the offset is rounded
-        steps = Steps(max(float(f"1e{power}"), _SMALLEST), middle)
+        steps = ScaleOffset(max(float(f"1e{power}"), _SMALLEST), middle)
         if all((np.abs(steps.numbers(part)) <= _MOST).all() for part in _parts(values)):
             break
     exact = _is_exact(values, steps)
-    return Steps(steps.scale, steps.offset, exact, exact)
+    return ScaleOffset(steps.scale, steps.offset, exact, exact)
 
 
-def _is_exact(values: Floats, steps: Steps) -> bool:
+def _is_exact(values: Floats, steps: ScaleOffset) -> bool:
     return all(
         (steps.coordinates(steps.numbers(part)).view(np.int64) == part.view(np.int64)).all()
         for part in _parts(values)

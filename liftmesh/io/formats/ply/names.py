@@ -17,7 +17,7 @@ from collections.abc import Collection, Iterable, Mapping
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.json_text import ascii_string
 
-_STATED = re.compile(r'property (\S+) (".*")')
+_OLD_NAME = re.compile(r'property (\S+) (".*")')
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
 _LONGEST = 1000
 _KEPT = 60  # characters of a longer name
@@ -37,7 +37,7 @@ def property_names(attributes: Collection[str], columns: Collection[str]) -> dic
     return found
 
 
-def statements(properties: Mapping[str, str]) -> list[str]:
+def name_statements(properties: Mapping[str, str]) -> list[str]:
     """Comments that state the old names of properties, where they differ."""
     changed = ((name, new) for name, new in properties.items() if name != new)
     return [f"property {new} {ascii_string(name)}" for name, new in changed]
@@ -52,7 +52,7 @@ def old_names(
     others: list[str] = []
     known = set(properties)
     for comment in comments:
-        found = _STATED.fullmatch(comment)
+        found = _OLD_NAME.fullmatch(comment)
         name = _parsed(found[2]) if found and found[1] in known and found[1] not in names else None
         if found is None or name is None or name in used:
             others.append(comment)
