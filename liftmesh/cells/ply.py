@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.options import counted
+from liftmesh.io.faces import places
 from liftmesh.io.format import OWN, crs_comment
-from liftmesh.io.formats.ply.names import name_statements, property_names
+from liftmesh.io.formats.ply.header import name_statements, property_names
 from liftmesh.io.formats.ply.writer import PORTABLE, portable
-from liftmesh.io.ragged import places
 from liftmesh.io.text_tables import write_rows
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d

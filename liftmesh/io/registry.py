@@ -24,12 +24,10 @@ from liftmesh.base.frozen import freeze
 from liftmesh.base.interruption import deferred, kept
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, UnsupportedTypeError
-from liftmesh.io.format import Format
+from liftmesh.io.format import Format, LazyFunction
 from liftmesh.io.formats import FORMATS
 from liftmesh.io.objects import plain
-from liftmesh.io.objects.kinds import is_of, is_other_table, is_table
-from liftmesh.io.objects.plain import qualified_name
-from liftmesh.io.on_call import LazyFunction
+from liftmesh.io.objects.plain import is_of, is_other_table, is_table, qualified_name
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint

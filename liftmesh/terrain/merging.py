@@ -22,8 +22,8 @@ from liftmesh.crs.description import described
 from liftmesh.crs.transformation import common, told_of
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import DataWarning, InputError
-from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, unread, user_entries
+from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.terrain.overlap import distances_of, overlap_of

@@ -22,7 +22,7 @@ from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch
 from liftmesh.base.threads import as_threads
 from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
-from liftmesh.io.places import check_suffix
+from liftmesh.io.streams import check_suffix
 from liftmesh.raster import writer
 from liftmesh.terrain.pixels import Layout, Transform, centres_of, layout_of
 from liftmesh.terrain.raster_values import Wanted

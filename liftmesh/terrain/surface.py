@@ -17,8 +17,8 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import counted
-from liftmesh.io import writing
-from liftmesh.io.objects import matplotlib, open3d, trimesh
+from liftmesh.io import write
+from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes
 from liftmesh.terrain.contours import Contouring
 from liftmesh.terrain.earthwork import Comparing
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     import open3d as o3d
     import trimesh as trimesh_package
 
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.report import Report
@@ -337,7 +337,7 @@ class Surface(
         array([0., 1., 0.])
         """
         x, y = self.triangulation.points.T
-        return matplotlib.to_triangulation(x, y, self.faces)
+        return triangulations.to_triangulation(x, y, self.faces)
 
     def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> Written:
         """Write the surface to a file.
@@ -370,4 +370,4 @@ class Surface(
         >>> file.getvalue()[:3]
         b'ply'
         """
-        return writing.write(path, self, **options)
+        return write.write(path, self, **options)

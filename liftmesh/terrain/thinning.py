@@ -19,7 +19,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import CellRow, as_count, check_option, shown
 from liftmesh.errors import InputError
-from liftmesh.io.files import read_cloud
+from liftmesh.io.read import read_cloud
 from liftmesh.terrain.adaptive_thinning import most_significant
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT
 from liftmesh.io.metadata import user_entries
-from liftmesh.io.origin import TOLERANCE
+from liftmesh.io.precision import TOLERANCE
 
 if TYPE_CHECKING:
     from liftmesh import Cloud

@@ -237,7 +237,7 @@ def test_an_error_after_the_bytes_are_written_leaves_the_old_file(
     def fail(*_: object) -> tuple[str, ...]:
         raise MemoryError
 
-    monkeypatch.setattr("liftmesh.io.writing.dropped", fail)
+    monkeypatch.setattr("liftmesh.io.write.dropped", fail)
     target = tmp_path / f"mesh.{kind}"
     target.write_bytes(b"old")
     with pytest.raises(MemoryError):

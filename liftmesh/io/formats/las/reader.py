@@ -15,14 +15,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
-from liftmesh.io.formats.las.carried import ENTRY, entry
 from liftmesh.io.formats.las.copc import DamagedIndexError
-from liftmesh.io.formats.las.crs import crs_of, refused
 from liftmesh.io.formats.las.header import stated
-from liftmesh.io.formats.las.own import DEPTH, LiftmeshVlr
-from liftmesh.io.formats.las.points import WAVE_PACKETS, Block, types_of
-from liftmesh.io.formats.las.records import BLOCK, Points
-from liftmesh.io.formats.las.shifted import OffsetStream
+from liftmesh.io.formats.las.laz import OffsetStream
+from liftmesh.io.formats.las.points import BLOCK, WAVE_PACKETS, Block, Points, types_of
+from liftmesh.io.formats.las.vlrs import DEPTH, ENTRY, LiftmeshVlr, crs_of, entry, refused
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 

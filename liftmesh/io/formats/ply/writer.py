@@ -21,9 +21,12 @@ from liftmesh.base.options import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import OWN, crs_comment
-from liftmesh.io.formats.ply.depth import depth_statement
-from liftmesh.io.formats.ply.header import LONGEST_LINE
-from liftmesh.io.formats.ply.names import name_statements, property_names
+from liftmesh.io.formats.ply.header import (
+    LONGEST_LINE,
+    depth_statement,
+    name_statements,
+    property_names,
+)
 from liftmesh.io.metadata import plain_lines, statements, storable
 from liftmesh.io.text_tables import shortened, write_rows
 

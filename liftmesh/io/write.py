@@ -15,7 +15,8 @@ from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
-from liftmesh.io.places import (
+from liftmesh.io.registry import as_cloud, find_written
+from liftmesh.io.streams import (
     PathOrStream,
     at_home,
     check_stream,
@@ -23,9 +24,8 @@ from liftmesh.io.places import (
     name_of,
     suffix_of,
     watched,
+    written_whole,
 )
-from liftmesh.io.registry import as_cloud, find_written
-from liftmesh.io.streams import written_whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
