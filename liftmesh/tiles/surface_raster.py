@@ -20,9 +20,8 @@ from numpy.typing import DTypeLike
 from liftmesh._typing import Array, Floats, Progress
 from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
 from liftmesh.raster import writer
-from liftmesh.terrain.pixels import Layout, centres_of, layout_of
-from liftmesh.terrain.raster import Raster, check_name, unit_of, written_system
-from liftmesh.terrain.raster_values import Wanted
+from liftmesh.raster.pixels import Layout, centres_of, layout_of
+from liftmesh.terrain.raster import Raster, Wanted, check_name, unit_of, written_system
 from liftmesh.tiles.circles import Circles
 from liftmesh.tiles.windows import part_of, touching
 

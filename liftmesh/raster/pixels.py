@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_reals
-from liftmesh.base.options import shown
+from liftmesh.base.arrays import as_decimal, as_reals
+from liftmesh.base.options import as_thousands, shown
 from liftmesh.errors import InputError
-from liftmesh.terrain.decimals import as_decimal, as_thousands
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
