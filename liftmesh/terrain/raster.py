@@ -160,6 +160,13 @@ class Raster:
         return found
 
 
+def _extent(surface: Surface) -> list[float]:
+    """Return xmin, ymin, xmax and ymax of the faces."""
+    solved = surface.triangulation
+    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
+    return [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
+
+
 def written_system(crs: str | None, quantity: str) -> str | None:
     """Return the coordinate system of a file: GDAL takes a unit of heights for that of values."""
     return crs if quantity == "height" else plane_of(crs)
@@ -325,7 +332,7 @@ class Rasterizing:
         >>> surface.raster((4, 2), quantity="aspect").values.ravel()
         array([270., 270.])
         """
-        layout = layout_of(self, resolution, bounds, transform, shape)
+        layout = layout_of(resolution, bounds, transform, shape, lambda: _extent(self))
         return rasterized(
             self,
             layout,
