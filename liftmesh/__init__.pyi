@@ -47,10 +47,9 @@ from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
-from .terrain.earthwork import Earthwork as Earthwork
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
-from .terrain.measures import Volume as Volume
+from .terrain.measures import Earthwork as Earthwork, Volume as Volume
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile

@@ -181,7 +181,7 @@ def _verify(
     lifting: dict[str, Any],
 ) -> Certificate:
     from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.plane import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
 
     if cloud.faces is None or not len(cloud.faces):
         raise _no_triangles(source)

@@ -25,7 +25,7 @@ from liftmesh.io.surface_rows import classes_of
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 from liftmesh.planar.weights import named_values
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 

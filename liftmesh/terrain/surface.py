@@ -20,10 +20,9 @@ from liftmesh.base.options import counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes
+from liftmesh.terrain.changes import as_parts
 from liftmesh.terrain.contours import Contouring
-from liftmesh.terrain.earthwork import Comparing
-from liftmesh.terrain.measures import Measuring
-from liftmesh.terrain.parts import as_parts
+from liftmesh.terrain.measures import Comparing, Measuring
 from liftmesh.terrain.profile import Profiling
 from liftmesh.terrain.raster import Rasterizing
 from liftmesh.terrain.sampling import Sampling
