@@ -4,13 +4,8 @@ A format declares what a cloud must have to be written (`Format.needs`) and whic
 the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the
 needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
 
-PLY and OBJ have no place for a coordinate system but comments: there it is ``crs`` and a JSON
-string. Metadata stand there too (`io.metadata`).
-
-Functions that are imported when they are first called.
-
-What is known of a format or of a type of object stands in a table, and its code in a module of its
-own: a command that reads a PLY file loads no other reader.
+What is known of a format stands in a table, and its code in a module of its own, which is imported
+at the first call (`LazyFunction`): a command that reads a PLY file loads no other reader.
 """
 
 from __future__ import annotations
@@ -60,6 +55,8 @@ CONTENT = {
     "metadata": "metadata",
     "float64": "double precision",
 }
+
+OWN = "liftmesh"  # the comment that begins every header
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +163,44 @@ class Format:
                 )
 
 
+class LazyFunction:
+    """A function of a module, which is imported at the first call."""
+
+    def __init__(self, module: str, name: str) -> None:
+        self.module = module
+        self.name = self.__name__ = name
+        self._function: Callable[..., Any] | None = None
+
+    def __call__(self, *values: Any, **options: Any) -> Any:
+        """Call the function."""
+        return self._imported()(*values, **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.module, self.name)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other one stands for the same function."""
+        return isinstance(other, LazyFunction) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+    def __repr__(self) -> str:
+        """Name the function in full."""
+        return f"{self.module}.{self.name}"
+
+    @property
+    def __wrapped__(self) -> Callable[..., Any]:
+        """The function itself: what `inspect.signature` and `inspect.unwrap` look at."""
+        return self._imported()
+
+    def _imported(self) -> Callable[..., Any]:
+        if self._function is None:
+            with deferred():
+                self._function = getattr(import_module(self.module), self.name)
+        return self._function
+
+
 def configured(
     reader: Callable[..., Read], found: Format, name: str, options: Mapping[str, Any]
 ) -> Callable[..., Read]:
@@ -209,6 +244,19 @@ def check_before(found: Format, cloud: Cloud) -> None:
         found.check(cloud)
 
 
+def _check_finite(found: Format, cloud: Cloud) -> None:
+    held = _held(found, cloud)
+    bad = ~np.isfinite(held).all(axis=1)
+    if bad.any():
+        row = int(np.argmax(bad))
+        if cloud.faces is not None and len(held) < len(cloud):
+            row = int(used_rows(len(cloud), cloud.faces)[row])
+        raise FormatError(
+            f"vertex {row} is {cloud.points[row].tolist()}: {found.name} holds finite coordinates "
+            "only: remove such rows, or write PLY or OBJ"
+        )
+
+
 def dropped(
     found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
@@ -230,25 +278,6 @@ def dropped(
     return (*names, *named, *metadata.not_read(cloud.metadata))
 
 
-def lost_values(name: str) -> str:
-    """Name values that a format does not keep, for `Format.loses`."""
-    return f"{name} (values)" if name in CONTENT else name
-
-
-def _names(cloud: Cloud, word: str) -> list[str]:
-    """Name a part of a cloud: attributes and metadata one by one."""
-    if word == "attributes":
-        return sorted(cloud.attributes)
-    if word == "metadata":
-        return metadata.named(metadata.user_entries(cloud.metadata))
-    return [CONTENT[word]]
-
-
-def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
-    """List the attributes that a file holds under other names, with these."""
-    return () if found.renames is None else tuple(found.renames(cloud).items())
-
-
 def _has(cloud: Cloud, word: str) -> bool:
     """Whether a cloud has a part that could be lost."""
     colors = cloud.colors
@@ -266,15 +295,34 @@ def _has(cloud: Cloud, word: str) -> bool:
     return part is not None and len(part) > 0
 
 
+def _has_unused_rows(cloud: Cloud) -> bool:
+    return cloud.faces is None or len(used_rows(len(cloud), cloud.faces)) < len(cloud)
+
+
+def _names(cloud: Cloud, word: str) -> list[str]:
+    """Name a part of a cloud: attributes and metadata one by one."""
+    if word == "attributes":
+        return sorted(cloud.attributes)
+    if word == "metadata":
+        return metadata.named(metadata.user_entries(cloud.metadata))
+    return [CONTENT[word]]
+
+
+def lost_values(name: str) -> str:
+    """Name values that a format does not keep, for `Format.loses`."""
+    return f"{name} (values)" if name in CONTENT else name
+
+
+def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
+    """List the attributes that a file holds under other names, with these."""
+    return () if found.renames is None else tuple(found.renames(cloud).items())
+
+
 def _held(found: Format, cloud: Cloud) -> Floats:
     """The points that a file holds: all, or those of the faces."""
     if "points" in found.keeps or cloud.faces is None:
         return cloud.points
     return cloud.points.take(used_rows(len(cloud), cloud.faces), axis=0)
-
-
-def _has_unused_rows(cloud: Cloud) -> bool:
-    return cloud.faces is None or len(used_rows(len(cloud), cloud.faces)) < len(cloud)
 
 
 def _fits_single(points: Floats, origin: Origin | None) -> bool:
@@ -283,19 +331,6 @@ def _fits_single(points: Floats, origin: Origin | None) -> bool:
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         again = (points - shift).astype(np.float32).astype(np.float64) + shift
     return np.array_equal(again, points, equal_nan=True)
-
-
-def _check_finite(found: Format, cloud: Cloud) -> None:
-    held = _held(found, cloud)
-    bad = ~np.isfinite(held).all(axis=1)
-    if bad.any():
-        row = int(np.argmax(bad))
-        if cloud.faces is not None and len(held) < len(cloud):
-            row = int(used_rows(len(cloud), cloud.faces)[row])
-        raise FormatError(
-            f"vertex {row} is {cloud.points[row].tolist()}: {found.name} holds finite coordinates "
-            "only: remove such rows, or write PLY or OBJ"
-        )
 
 
 def crs_comment(crs: str | None) -> list[str]:
@@ -307,9 +342,6 @@ def stated_crs(comments: Iterable[str]) -> str | None:
     """The coordinate system that comments state; None for comments that only look alike."""
     found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
     return next((crs for crs in found if crs is not None), None)
-
-
-OWN = "liftmesh"  # the comment that begins every header
 
 
 def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
@@ -327,41 +359,3 @@ def _crs(comment: str) -> str | None:
     except (ValueError, RecursionError):
         return None
     return crs if is_crs(crs) else None
-
-
-class LazyFunction:
-    """A function of a module, which is imported at the first call."""
-
-    def __init__(self, module: str, name: str) -> None:
-        self.module = module
-        self.name = self.__name__ = name
-        self._function: Callable[..., Any] | None = None
-
-    def __call__(self, *values: Any, **options: Any) -> Any:
-        """Call the function."""
-        return self._imported()(*values, **options)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.module, self.name)
-
-    def __eq__(self, other: object) -> bool:
-        """Whether the other one stands for the same function."""
-        return isinstance(other, LazyFunction) and repr(self) == repr(other)
-
-    def __hash__(self) -> int:
-        return hash(repr(self))
-
-    def __repr__(self) -> str:
-        """Name the function in full."""
-        return f"{self.module}.{self.name}"
-
-    @property
-    def __wrapped__(self) -> Callable[..., Any]:
-        """The function itself: what `inspect.signature` and `inspect.unwrap` look at."""
-        return self._imported()
-
-    def _imported(self) -> Callable[..., Any]:
-        if self._function is None:
-            with deferred():
-                self._function = getattr(import_module(self.module), self.name)
-        return self._function

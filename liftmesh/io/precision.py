@@ -1,4 +1,4 @@
-"""The origin of files in single precision.
+"""What floating-point numbers hold: the origin of files in single precision, and whole numbers.
 
 A float has 24 bits: at 5,200,000 m its steps are half a metre. If rounding the coordinates along an
 axis would move a vertex by more than a millionth of the model's size, an origin near the smallest
@@ -7,10 +7,9 @@ models smaller than one unit. x and y get it together: both are of one map, wher
 next to a large northing would else be rounded far more than the northing. The file records the
 origin, and its reader adds it again.
 
-Whether floating-point numbers hold whole ones exactly, decided in whole numbers.
-
-Converting there and back does not tell: 2**63 - 1 becomes the double 2**63, which is beyond the
-type, and what that becomes depends on the machine.
+Whether doubles hold whole numbers exactly is decided in whole numbers: converting there and back
+does not tell, since 2**63 - 1 becomes the double 2**63, which is beyond the type, and what that
+becomes depends on the machine.
 """
 
 from __future__ import annotations

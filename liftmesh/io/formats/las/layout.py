@@ -1,13 +1,13 @@
-"""Which file of LAS a cloud becomes: version, point format, steps, fields and records.
+"""Which file of LAS a cloud becomes: version, point format, scales and offsets, fields and records.
 
-A cloud that was read from LAS brings its header and records along (`io.las.carried`), and becomes
-such a file again: only what the points themselves decide is set anew. Others become LAS 1.4.
+A cloud that was read from LAS brings its header and records along (`io.formats.las.vlrs`), and
+becomes such a file again: only what the points themselves decide is set anew. Others become LAS
+1.4.
 
-Scales and offsets: how coordinates in double precision become the whole numbers of LAS.
-
-A file of LAS holds a coordinate as ``number * scale + offset`` with a number of 32 bits. Those of
-the file that was read come first: they give its numbers back. Else the scale is the coarsest power
-of ten that loses no decimal of any coordinate, or, if none does, the finest that 32 bits allow.
+A file of LAS holds a coordinate as ``number * scale + offset`` with a number of 32 bits. Scales and
+offsets of the file that was read come first: they give its numbers back. Else the scale is the
+coarsest power of ten that loses no decimal of any coordinate, or, if none does, the finest that 32
+bits allow.
 """
 
 from __future__ import annotations

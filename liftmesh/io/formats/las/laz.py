@@ -5,11 +5,10 @@ points in a chunk and the items of a point; a table at the end gives the chunks,
 stands before the first of them. In formats 6 to 10 each chunk begins with its first point as it is
 and the sizes of its layers. All of these are compared with the bytes that are there.
 
+lazrs tells errors of a stream as damage of its own, and states places from the beginning of a file:
+so it reads from an `ErrorRecordingStream`, and from an `OffsetStream` if that begins later.
+
 Source: M. Isenburg, LASzip: lossless compression of lidar data, 2013, and its source code.
-
-A stream that remembers why it failed: lazrs tells errors of a stream as damage of its own.
-
-A part of a stream as if it began there: lazrs states places from the beginning of a file.
 """
 
 from __future__ import annotations

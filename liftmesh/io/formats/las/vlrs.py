@@ -1,21 +1,19 @@
-"""What a LAS file says besides its points, kept as it is so that it can be written again.
+"""The variable length records (VLR) of a LAS file: those that are kept, and our own.
 
 ``metadata["las_records"]`` of a cloud that was read holds the bytes of the header and of the
-records, before the points and behind them. What would be wrong in a new file is left out of it:
-what COPC and waveforms state of their own bytes. It is a note of the reader, which no other format
-writes.
+records, before the points and behind them, so that they can be written again. What would be wrong
+in a new file is left out of it: what COPC and waveforms state of their own bytes. It is a note of
+the reader, which no other format writes.
 
-The coordinate system that a LAS file states: WKT, or the GeoKeys of GeoTIFF.
+The coordinate system is WKT, or the GeoKeys of GeoTIFF. The header says which of the two counts;
+the other one is taken where there is none.
 
-The header says which of the two counts; the other one is taken where there is none.
-
-Source: ASPRS, LAS Specification 1.4-R15, section 3.
-
-What LAS has no place for, in a record of liftmesh's own: metadata, and how the rest is meant.
-
+What LAS has no place for stands in a record of liftmesh's own: metadata, and how the rest is meant.
 The coordinate system stands as WKT, or as the numbers of EPSG where the file that was read had
 them. What the cloud itself said, such as ``EPSG:25832``, is noted with a checksum of the WKT, and
 holds as long as that is the same: other programs may have changed it.
+
+Source: ASPRS, LAS Specification 1.4-R15, section 3.
 """
 
 from __future__ import annotations

@@ -1,20 +1,15 @@
-"""The header of a PLY file: its encoding, elements and properties.
+"""The header of a PLY file: its encoding, elements and properties, and what its comments state.
 
 The format is Greg Turk's "The PLY Polygon File Format" (1994): a text header lists elements
 (vertex, face, and any other), each with a count and named properties; a property is a scalar, or a
 list whose length precedes it in every row. Both families of type names are in use, Turk's own
 (uchar, float) and the explicit ones (uint8, float32).
 
-Names of PLY properties: valid ones for all attributes, and the way back to the old names.
-
 A property is one word of ASCII. An attribute of another name is written under a valid one, and so
 is one that would be read as something else: a second x, or red, green and blue beside each other.
 A comment ``property scalar_field_1 "scalar field #1"`` states the old name as a JSON string, and
-reading gives it back.
-
-The depth of colours in a PLY header: a comment, where their values would tell another.
-
-Colours of 16 bits that are all dark would be read as colours of 8 bits.
+reading gives it back. Another comment states the depth of colours, where their values would tell
+another: those of 16 bits that are all dark would be read as colours of 8 bits.
 """
 
 from __future__ import annotations
