@@ -273,7 +273,7 @@ def dropped(
         lost.append("float64")
     names = [name for word in lost for name in _names(cloud, word)]
     if "metadata" in kept:
-        names += metadata.lost(cloud.metadata)
+        names += metadata.dropped_entries(cloud.metadata)
     named = (each for each in losses if each not in CONTENT)
     return (*names, *named, *metadata.not_read(cloud.metadata))
 
@@ -308,7 +308,7 @@ def _names(cloud: Cloud, word: str) -> list[str]:
     return [CONTENT[word]]
 
 
-def lost_values(name: str) -> str:
+def dropped_values(name: str) -> str:
     """Name values that a format does not keep, for `Format.loses`."""
     return f"{name} (values)" if name in CONTENT else name
 

@@ -131,7 +131,7 @@ def _has_short_lines(key: str, value: Any, text: str) -> bool:
     return all(len(str(_text(key, [each]))) <= LONGEST for each in value)
 
 
-def lost(metadata: Mapping[str, Any]) -> list[str]:
+def dropped_entries(metadata: Mapping[str, Any]) -> list[str]:
     """Name the entries that files cannot store, as `Written.dropped` does."""
     stored = storable(metadata)
     return named(key for key in user_entries(metadata) if key not in stored)

@@ -28,7 +28,7 @@ from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import TRANSFORMATION, Label
 from liftmesh.io.registry import as_cloud, find_format
-from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def read(  # noqa: PLR0913 - options are keywords
     """
     check_depth(color_depth)
     limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
-    chosen = checked(
+    chosen = validate_selection(
         classes=classes,
         returns=returns,
         bbox=bbox,
@@ -248,7 +248,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     rows = as_count("rows", rows, 1)
     check_depth(color_depth)
     limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
-    chosen = checked(
+    chosen = validate_selection(
         classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
     )
     if chosen is not None and chosen.classes == "ground":

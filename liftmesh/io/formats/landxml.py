@@ -69,7 +69,7 @@ def write_landxml(stream: BinaryIO, cloud: Cloud, *, name: str = "surface") -> N
     stream.write(b"</Faces>\n</Definition>\n</Surface>\n</Surfaces>\n</LandXML>\n")
 
 
-def lost(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
+def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
     """Return what is lost of this cloud: a coordinate system that XML cannot hold."""
     return ("crs",) if cloud.crs is not None and not is_possible(cloud.crs) else ()
 

@@ -277,7 +277,7 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
     write_rows(stream, columns, prefix="f ", between=between, plus=1)
 
 
-def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Colours within printed precision of 8-bit ones are read as these."""
     if options.get("colors", "values") != "values":
         return ("deep_colors", *(["colors"] if options["colors"] == "none" else []))

@@ -22,10 +22,10 @@ from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import kept
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.formats.text.column_ambiguity import Doubts
+from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import with_point
-from liftmesh.io.formats.text.options import TableOptions, checked
+from liftmesh.io.formats.text.options import TableOptions, validate_table_options
 from liftmesh.io.metadata import NotedColumns, Unread
 from liftmesh.io.objects.plain import (
     AS_TABLE,
@@ -77,7 +77,7 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
             f"{qualified_name(source)} has no columns"
         )
     with kept():
-        return to_cloud(source, checked(**given))
+        return to_cloud(source, validate_table_options(**given))
 
 
 def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
@@ -205,7 +205,7 @@ def _points(found: dict[str, Array], columns: Columns, options: TableOptions, ro
         points[:, POSITION.index(part)] = _without_nodata(_exact(found.pop(part), name), options)
     if columns.negated is not None:
         points[:, 2] = 0.0 - points[:, 2]
-    doubts = Doubts(_WHERE, Columns(tuple(parts), tuple(parts)), options)
+    doubts = ColumnAmbiguity(_WHERE, Columns(tuple(parts), tuple(parts)), options)
     doubts.examine(points[:, : len(parts)])
     doubts.check()
     return points

@@ -72,14 +72,14 @@ def renamed(cloud: Cloud) -> dict[str, str]:
     return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
 
 
-def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Points are written without normals; those of meshes get the length 1, but for zeros."""
-    names = lost_values(cloud.attributes)
+    names = dropped_attributes(cloud.attributes)
     if cloud.normals is None:
         return tuple(names)
     if not _has_faces(cloud) or not _are_unit(cloud.normals):
         return (*names, "normals")
-    return (*names, *lost_values({"normals": cloud.normals}))
+    return (*names, *dropped_attributes({"normals": cloud.normals}))
 
 
 def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
@@ -169,7 +169,7 @@ def names_note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dic
     return {key: [name, attributes[name].dtype.name] for name, key in names.items()}
 
 
-def lost_values(attributes: Mapping[str, Array]) -> list[str]:
+def dropped_attributes(attributes: Mapping[str, Array]) -> list[str]:
     """Name the attributes that a file does not hold, or not in full."""
     found: list[str] = []
     for name, values in sorted(attributes.items()):

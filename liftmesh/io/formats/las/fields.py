@@ -23,7 +23,7 @@ from liftmesh.base.colors import as_float, check_colors, stated_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
-from liftmesh.io.format import lost_values
+from liftmesh.io.format import dropped_values
 from liftmesh.io.formats.las.vlrs import DEPTH, LAYOUT
 from liftmesh.optional import load
 
@@ -87,7 +87,7 @@ def fields_of(cloud: Cloud, point_format: int, known: list[Extra]) -> Fields:
     for name, before in _ordered(values, known):
         extra, numbers = _extra(name, values[name], before)
         if extra is None or extra.kind.itemsize > left:
-            lost.append("normals" if name in NORMAL else lost_values(name))
+            lost.append("normals" if name in NORMAL else dropped_values(name))
             continue
         left -= extra.kind.itemsize
         column = f"extra {len(extras)}"
@@ -131,7 +131,7 @@ def levels(colors: Array, depth: int | None) -> Array:
 
 def _named(cloud: Cloud) -> tuple[dict[str, Array], list[str]]:
     """Return the values of a cloud by name, and the names that the file has for others."""
-    lost = [lost_values(name) for name in cloud.attributes if name in _RESERVED]
+    lost = [dropped_values(name) for name in cloud.attributes if name in _RESERVED]
     values = {name: each for name, each in cloud.attributes.items() if name not in _RESERVED}
     if cloud.normals is not None:
         values |= dict(zip(NORMAL, cloud.normals.T, strict=True))
@@ -170,7 +170,7 @@ def _extra(name: str, values: Array, known: Extra | None) -> tuple[Extra | None,
     numbers = None if known is None else known.numbers(values)
     if known is not None and numbers is not None:
         return known, numbers
-    return new(name, values), values
+    return new_extra(name, values), values
 
 
 def _of_colors(cloud: Cloud) -> Iterator[Field]:
@@ -288,7 +288,7 @@ class Extra:
         return _stored(values, base, np.array(self.scale), np.array(self.offset))
 
 
-def described(data: bytes, rest: int) -> list[Extra]:
+def described_extras(data: bytes, rest: int) -> list[Extra]:
     """Return the extra bytes that a record describes, as laspy takes them."""
     parts = [data[place : place + _SIZE] for place in range(0, len(data) - _SIZE + 1, _SIZE)]
     found = [each for part in parts if (each := _described(part)) is not None]
@@ -299,7 +299,7 @@ def described(data: bytes, rest: int) -> list[Extra]:
     return [*found, *([Extra(UNDESCRIBED, unknown, b"")] if left else [])]
 
 
-def new(name: str, values: Array) -> Extra | None:
+def new_extra(name: str, values: Array) -> Extra | None:
     """Describe values by a type that holds them; None if there is none."""
     kind: np.dtype = values.dtype.newbyteorder("=")
     if kind.kind == "b" or kind.str[1:] == "f2":

@@ -47,10 +47,10 @@ os.register_at_fork(after_in_child=lambda: _forked.append(True))
 class Points:
     """The points of an open file."""
 
-    def __init__(self, stream: BinaryIO, stated: LasHeader, name: str) -> None:
+    def __init__(self, stream: BinaryIO, header: LasHeader, name: str) -> None:
         self._name = name
-        self._stated = stated
-        chunks = chunks_of(stream, stated, name) if stated.compressed and stated.points else None
+        self._header = header
+        chunks = chunks_of(stream, header, name) if header.compressed and header.points else None
         self._stream, self._begin, self._chunks = stream, stream.tell(), chunks
         self.surplus = "" if chunks is None else chunks.surplus
         # Nodes are decoded on the threads of lazrs, which do not survive a fork.
@@ -58,7 +58,7 @@ class Points:
         self.index: Index | None = None
         self.damage: FormatError | None = None  # of the index, which points do not need
         try:
-            self.index = index_of(stream, stated, chunks, name) if chunks and is_indexed else None
+            self.index = index_of(stream, header, chunks, name) if chunks and is_indexed else None
         except FormatError as error:
             self.damage = error
         self._source = ErrorRecordingStream(stream)
@@ -74,14 +74,14 @@ class Points:
     def blocks(self, size: int = BLOCK) -> Iterator[Any]:
         """Decode the points: records of laspy, of at most ``size`` points each."""
         done = 0
-        while done < self._stated.points:
-            wanted = min(size, self._stated.points - done)
+        while done < self._header.points:
+            wanted = min(size, self._header.points - done)
             with self._decoding(f"points from {done:,} on"):
                 found = self._reader.read_points(wanted)
             if len(found) != wanted:
                 raise FormatError(
                     f"{self._name}: the file ends after {done + len(found):,} of "
-                    f"{self._stated.points:,} points: it is truncated"
+                    f"{self._header.points:,} points: it is truncated"
                 )
             done += wanted
             yield found
@@ -111,8 +111,8 @@ class Points:
     def _decoded(self, data: bytes, table: list[tuple[int, int]]) -> Any:
         laspy, lazrs = load("laspy", extra="las"), load("lazrs", extra="las")
         header = self._reader.header
-        found = bytearray(sum(points for points, _ in table) * self._stated.point_size)
-        lazrs.decompress_points_with_chunk_table(data, self._stated.record(*PACKING), found, table)
+        found = bytearray(sum(points for points, _ in table) * self._header.point_size)
+        lazrs.decompress_points_with_chunk_table(data, self._header.record(*PACKING), found, table)
         array = np.frombuffer(found, header.point_format.dtype())
         return laspy.ScaleAwarePointRecord(
             array, header.point_format, header.scales, header.offsets

@@ -39,14 +39,14 @@ _PARTS = ("header", "records", "extended", "gap")
 _LEAST, _MOST = 227, 1 << 16  # bytes of a header; fewer than the latter also of a record
 
 
-def entry(stated: LasHeader) -> dict[str, bytes]:
+def entry_of(header: LasHeader) -> dict[str, bytes]:
     """Return the entry of metadata."""
-    kept = [each for each in stated.records if _is_kept(each)]
+    kept = [each for each in header.records if _is_kept(each)]
     return {
-        "header": stated.header,
+        "header": header.header,
         "records": b"".join(each.head + each.data for each in kept if not each.extended),
         "extended": b"".join(each.head + each.data for each in kept if each.extended),
-        "gap": stated.gap,
+        "gap": header.gap,
     }
 
 
@@ -72,7 +72,7 @@ class Vlrs:
         return [each for each in self.records if (each.user, each.number) == (user, number)]
 
 
-def carried(metadata: Mapping[str, Any]) -> Vlrs:
+def kept_vlrs(metadata: Mapping[str, Any]) -> Vlrs:
     """Take the entry out of the metadata of a cloud; anything else of that name is nothing."""
     found = metadata.get(ENTRY)
     values = [found.get(key) for key in _PARTS] if isinstance(found, Mapping) else []
@@ -96,13 +96,13 @@ def _walked(data: bytes, form: Any) -> Iterator[Record]:
         place += form.size + size
 
 
-def made(user: bytes, number: int, data: bytes, description: bytes) -> Record:
+def make_record(user: bytes, number: int, data: bytes, description: bytes) -> Record:
     """Make a record: an extended one if it is too long for others."""
     form = RECORD if len(data) < _MOST else LONG_RECORD
     return Record(user, number, data, form.pack(0, user, number, len(data), description))
 
 
-def replaced(records: Iterable[Record], new: Record | None, *olds: Record) -> list[Record]:
+def replace_records(records: Iterable[Record], new: Record | None, *olds: Record) -> list[Record]:
     """Put a record in the place of the first of some others, or at the end; they are left out."""
     found: list[Record] = []
     for each in records:
@@ -165,7 +165,7 @@ _DESCRIPTION = b"metadata"
 _MOST_JSON = 1 << 19  # characters
 
 
-def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
+def liftmesh_record(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
     """Make the record; None if there is nothing to say."""
     found: dict[str, Any] = {}
     entries = {k: v for k, v in metadata.storable(cloud.metadata).items() if not is_layout(k, v)}
@@ -174,7 +174,7 @@ def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None
         found["crs"] = [cloud.crs, _checksum(crs)]
     found |= {} if depth is None else {DEPTH: depth}
     data = json.dumps(found, sort_keys=True).encode() if found else b""
-    return made(*LIFTMESH_VLR, data, _DESCRIPTION) if data else None
+    return make_record(*LIFTMESH_VLR, data, _DESCRIPTION) if data else None
 
 
 def is_layout(key: str, value: object) -> bool:

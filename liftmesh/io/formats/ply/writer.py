@@ -237,7 +237,7 @@ def _names(attributes: Mapping[str, Array]) -> list[str]:
     return [*names]
 
 
-def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Attributes that are not numbers; colours beyond 8 bits unless they are written exactly."""
     names = (f"{name} (not numbers)" for name in not_numeric(cloud.attributes))
     return (*names, *(() if options.get("colors") == "exact" else ("deep_colors",)))

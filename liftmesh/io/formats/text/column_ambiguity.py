@@ -31,7 +31,7 @@ _LEAST_ROWS = 3  # fewer make no triangle, and no series
 _MOST_SEEN = 1 << 14  # rows that are compared with each other
 
 
-class Doubts:
+class ColumnAmbiguity:
     """Examines the rows of a table, block by block, for what they may be besides points."""
 
     def __init__(self, name: str, columns: Columns, options: TableOptions) -> None:

@@ -19,7 +19,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import ColorScale, kept_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
-from liftmesh.io.formats.text.column_ambiguity import Doubts, check_count
+from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity, check_count
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import (
     Layout,
@@ -176,7 +176,7 @@ class _Meaning:
         others = [k for k, name in enumerate(self._columns.names) if name not in PARTS]
         self._others = np.array(others, dtype=np.intp)
         self._large = np.zeros(len(others), dtype=np.bool_)
-        self._doubts = Doubts(table.name, self._columns, table.options)
+        self._doubts = ColumnAmbiguity(table.name, self._columns, table.options)
 
     def examine_all(self) -> None:
         """Examine all rows of the file, one block in memory at a time."""
