@@ -10,12 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.errors import FormatError
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
 
 _ROWS = 1 << 18  # rows copied at a time: Ctrl-C takes effect in between
 _RUN = 1 << 16  # rows, and values, of a run
@@ -65,6 +69,11 @@ def face_counts(faces: Ragged) -> dict[str, int]:
         "degenerate_faces": int((faces.sizes < 3).sum()),
     }
     return {key: count for key, count in counts.items() if count}
+
+
+def faces_of(cloud: Cloud) -> Rows:
+    """Return the faces of a cloud: an empty array if it has none."""
+    return np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
 
 
 def narrowed(faces: Array) -> Array:

@@ -11,8 +11,7 @@ at the first call (`LazyFunction`): a command that reads a PLY file loads no oth
 from __future__ import annotations
 
 import inspect
-import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
@@ -22,23 +21,20 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import used_rows
-from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
 from liftmesh.base.interruption import deferred
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.markup import ascii_string
+from liftmesh.io.precision import Origin, fits_single
 
-Origin: TypeAlias = tuple[float, float, float]
 Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
 ChunkReader: TypeAlias = Callable[..., Iterator[Cloud]]  # (stream, name, rows), and the same
 Writer: TypeAlias = Callable[..., Origin | None]
 Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
 
 Read = TypeVar("Read")
-
-_CRS = "crs "  # begins the comment that states a coordinate system
 
 NEEDS = ("points", "faces", "finite")
 
@@ -55,8 +51,6 @@ CONTENT = {
     "metadata": "metadata",
     "float64": "double precision",
 }
-
-OWN = "liftmesh"  # the comment that begins every header
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,7 +263,7 @@ def dropped(
     if {"alpha", "deep_colors"} <= {*lost} and fits_eight_bits(cloud.colors[:, :3]):  # type: ignore[index]
         lost.remove("deep_colors")  # only alpha has more than eight bits
     is_said = "float64" in losses
-    if "float64" not in kept and (is_said or not _fits_single(_held(found, cloud), origin)):
+    if "float64" not in kept and (is_said or not fits_single(_held(found, cloud), origin)):
         lost.append("float64")
     names = [name for word in lost for name in _names(cloud, word)]
     if "metadata" in kept:
@@ -323,39 +317,3 @@ def _held(found: Format, cloud: Cloud) -> Floats:
     if "points" in found.keeps or cloud.faces is None:
         return cloud.points
     return cloud.points.take(used_rows(len(cloud), cloud.faces), axis=0)
-
-
-def _fits_single(points: Floats, origin: Origin | None) -> bool:
-    """Whether all coordinates, relative to an origin, round-trip through single precision."""
-    shift = np.zeros(3) if origin is None else np.array(origin)
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        again = (points - shift).astype(np.float32).astype(np.float64) + shift
-    return np.array_equal(again, points, equal_nan=True)
-
-
-def crs_comment(crs: str | None) -> list[str]:
-    """Comments that state a coordinate system: one, in ASCII whatever the text holds, or none."""
-    return [] if crs is None else [_CRS + ascii_string(crs)]
-
-
-def stated_crs(comments: Iterable[str]) -> str | None:
-    """The coordinate system that comments state; None for comments that only look alike."""
-    found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
-    return next((crs for crs in found if crs is not None), None)
-
-
-def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
-    """Return the comments that are not liftmesh's own: its name, and the coordinate system."""
-    return tuple(
-        comment
-        for comment in comments
-        if comment != OWN and (crs is None or stated_crs([comment]) != crs)
-    )
-
-
-def _crs(comment: str) -> str | None:
-    try:
-        crs = json.loads(comment.removeprefix(_CRS))
-    except (ValueError, RecursionError):
-        return None
-    return crs if is_crs(crs) else None

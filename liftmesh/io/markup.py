@@ -36,6 +36,14 @@ def parsed(text: bytes | str) -> object:
             gc.enable()
 
 
+def parsed_or_none(text: str | bytes) -> object:
+    """Parse a short text in UTF-8; None if it is not JSON."""
+    try:
+        return json.loads(text if isinstance(text, str) else text.decode())
+    except (ValueError, RecursionError):
+        return None
+
+
 def without_buffers(text: bytes) -> bytes:
     """Leave out embedded buffers: long strings that take little memory, and no time."""
     parts, done = [], 0

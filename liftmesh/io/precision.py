@@ -15,7 +15,7 @@ becomes depends on the machine.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -25,10 +25,11 @@ from liftmesh.io.markup import finite_numbers, shown
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Origin
 
 
-TOLERANCE = 1e-6
+Origin: TypeAlias = tuple[float, float, float]
+
+TOLERANCE = 1e-6  # of the size of a model, by which rounding may move a vertex
 
 
 def needed_origin(points: Floats, what: str) -> Origin | None:
@@ -80,6 +81,14 @@ def with_origin(cloud: Cloud, origin: Origin | None) -> Cloud:
         points=cloud.points + np.array(origin),
         metadata={**cloud.metadata, "origin": origin},
     )
+
+
+def fits_single(points: Floats, origin: Origin | None) -> bool:
+    """Whether all coordinates, relative to an origin, round-trip through single precision."""
+    shift = np.zeros(3) if origin is None else np.array(origin)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        again = (points - shift).astype(np.float32).astype(np.float64) + shift
+    return np.array_equal(again, points, equal_nan=True)
 
 
 def checked_origin(values: object, name: str) -> Origin:

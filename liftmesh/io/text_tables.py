@@ -187,7 +187,12 @@ def _line_errors(
 
 def _values(text: str, delimiter: str | None) -> Iterable[str]:
     """The values of a line; those between white space one by one, as there may be many."""
-    return fields(text, delimiter) if delimiter else map(re.Match.group, _WORD.finditer(text))
+    return fields(text, delimiter) if delimiter else words_of(text)
+
+
+def words_of(text: str) -> Iterator[str]:
+    """The words of a text, one by one: a line may have very many."""
+    return map(re.Match.group, _WORD.finditer(text))
 
 
 def fields(text: str, delimiter: str | None) -> list[str]:
@@ -211,7 +216,12 @@ def values_at_most(text: str, delimiter: str | None = None) -> int:
 
 
 def _count_words(text: str) -> int:
-    return sum(1 for _ in _WORD.finditer(text))
+    return sum(1 for _ in words_of(text))
+
+
+def is_count(text: str, digits: int = 18) -> bool:
+    """Whether a text is a whole number from 0, of so many digits at most, as headers state them."""
+    return text.isascii() and text.isdigit() and len(text) <= digits
 
 
 def shortened(text: str, most: int = 40) -> str:

@@ -22,11 +22,11 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import NORMAL, POSITION, type_in_text
+from liftmesh.io.columns import NORMAL, POSITION, taken_points, taken_together, type_in_text
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
-from liftmesh.io.lines import HASH, Lines, promised
+from liftmesh.io.lines import HASH, Lines, check_end, promised
 from liftmesh.io.streams import read_exactly, remaining
-from liftmesh.io.text_tables import exact_values, is_number, number_table, quoted
+from liftmesh.io.text_tables import exact_values, is_count, is_number, number_table, quoted
 
 _SIZES = struct.Struct("<II")
 _NORMALS = ("normal_x", "normal_y", "normal_z")
@@ -156,7 +156,7 @@ def _fields(found: dict[str, list[str]], names: list[str], name: str) -> tuple[F
 def _field(name: str, size: str, kind: str, count: str, file: str) -> Field:
     kind = kind.upper()
     is_known = size.isdigit() and kind in _BYTES and size in map(str, _BYTES[kind])
-    if not is_known or not (count.isascii() and count.isdigit() and 0 < len(count) < 10):
+    if not is_known or not is_count(count, 9):
         raise FormatError(
             f"{file}: the field {quoted(name)} has the type {quoted(kind)}, the size "
             f"{quoted(size)} and the count {quoted(count)}: known are F of 4 or 8 bytes, I and U "
@@ -170,7 +170,7 @@ def _field(name: str, size: str, kind: str, count: str, file: str) -> Field:
 def _count(found: dict[str, list[str]], key: str, name: str, usual: int) -> int:
     values = found.get(key, [str(usual)])
     text = values[0] if len(values) == 1 else ""
-    if not (text.isascii() and text.isdigit() and len(text) < 19):
+    if not is_count(text):
         raise FormatError(f"{name}: {key} is {quoted(' '.join(values))}: expected a count")
     return int(text)
 
@@ -189,18 +189,10 @@ def _text(stream: BinaryIO, header: Header, name: str) -> dict[str, Array]:
     for block in promised(lines, header.points, "points", name):
         table = number_table(block, name, width=width)
         parts.append(_columns_of(table, header, name, block.numbers))
-    _check_end(lines, name)
+    check_end(lines, name)
     if not parts:
         return _empty(header)
     return {key: np.concatenate([each[key] for each in parts]) for key in parts[0]}
-
-
-def _check_end(lines: Lines, name: str) -> None:
-    if len(lines.take(1)):
-        raise FormatError(
-            f"{name}: line {lines.number}: more rows follow than the header promises: "
-            "correct its counts"
-        )
 
 
 def _columns_of(table: Floats, header: Header, name: str, lines: Array) -> dict[str, Array]:
@@ -326,10 +318,7 @@ def _cloud(columns: dict[str, Array], header: Header, name: str) -> Cloud:
     shaped = (columns[each].ndim for each in POSITION if each in columns)
     if not {"x", "y"} <= columns.keys() or any(dimensions > 1 for dimensions in shaped):
         raise FormatError(f"{name}: the header has no fields x and y of one value")
-    points = np.zeros((header.points, 3))
-    for position, each in enumerate(POSITION):
-        if each in columns:
-            points[:, position] = columns.pop(each)
+    points = taken_points(columns, header.points)
     colors = _colors(columns)
     return Cloud(
         points,
@@ -342,8 +331,8 @@ def _cloud(columns: dict[str, Array], header: Header, name: str) -> Cloud:
 
 def _normals(columns: dict[str, Array]) -> Array | None:
     for names in (_NORMALS, NORMAL):
-        if all(each in columns and columns[each].ndim == 1 for each in names):
-            return _native(np.stack([columns.pop(each) for each in names], axis=1))
+        if (normals := taken_together(columns, names)) is not None:
+            return _native(normals)
     return None
 
 

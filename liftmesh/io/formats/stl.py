@@ -45,13 +45,14 @@ from liftmesh._typing import Array, Floats, Integers, Mask
 from liftmesh.base.arrays import used_rows, widened
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
+from liftmesh.io.faces import faces_of
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax
 from liftmesh.io.precision import checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.streams import read_exactly, remaining
 from liftmesh.io.text_tables import number_table, quoted
 
 if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
 
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -89,7 +90,7 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
 
 def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     """Write triangles as binary STL."""
-    faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+    faces = faces_of(cloud)
     origin = needed_origin(cloud.points[used_rows(len(cloud), faces)], "stl")
     title = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(title) > _TITLE_SIZE:

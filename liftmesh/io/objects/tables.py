@@ -21,7 +21,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import kept
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import with_point
@@ -144,7 +144,7 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     return Cloud(
         points,
         colors=_colors(found),
-        normals=_stacked(found, NORMAL),
+        normals=taken_together(found, NORMAL),
         attributes={k: _without_nodata(each, options) for k, each in found.items()},
         metadata={name: part for name, part in parts.items() if part},
         crs=described.get("crs"),
@@ -287,7 +287,7 @@ def _colors(found: dict[str, Array]) -> Array | None:
     """Remove and return the colours; columns that cannot be colours stay attributes."""
     names = (*COLOR, ALPHA) if ALPHA in found else COLOR
     rest = dict(found)
-    values = _stacked(rest, names)
+    values = taken_together(rest, names)
     if values is not None and values.dtype.kind != "u" and not _are_shades(values):
         values = recognized(values.astype(np.float64))
     if values is not None:
@@ -300,10 +300,3 @@ def _are_shades(values: Array) -> bool:
     """Whether floats are colours, but none of 8 bits: they are not rounded to these."""
     is_share = values.dtype.kind == "f" and bool(((values >= 0) & (values <= 1)).all())
     return is_share and not fits_eight_bits(values)
-
-
-def _stacked(found: dict[str, Array], names: tuple[str, ...]) -> Array | None:
-    """Remove and return columns that belong together, if all are there."""
-    if not all(name in found and found[name].ndim == 1 for name in names):
-        return None
-    return np.stack([found.pop(name) for name in names], axis=1)

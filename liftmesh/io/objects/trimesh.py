@@ -25,7 +25,7 @@ from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, with_alpha
 from liftmesh.base.interruption import kept
-from liftmesh.io.faces import checked_faces, narrowed
+from liftmesh.io.faces import checked_faces, faces_of, narrowed
 from liftmesh.io.metadata import NOTE, Unread, not_read, user_entries
 from liftmesh.optional import load
 
@@ -97,7 +97,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     with kept():
         mesh: trimesh.Trimesh = library.Trimesh(
             vertices=cloud.points.copy(),
-            faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
+            faces=faces_of(cloud),
             vertex_colors=colors,
             vertex_normals=_copied(cloud.normals),
             vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},

@@ -33,7 +33,7 @@ from liftmesh.io.precision import SINGLE, TOLERANCE, fit, needed_origin, without
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
 
 
 _OTHER = re.compile(r"[^A-Z0-9_]+")

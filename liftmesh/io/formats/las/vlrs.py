@@ -28,6 +28,7 @@ from liftmesh.base.cloud import is_crs
 from liftmesh.crs.geokeys import has_parameters, system_of, wkt_of
 from liftmesh.io import metadata
 from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, LasHeader, Record
+from liftmesh.io.markup import parsed_or_none
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -212,8 +213,5 @@ def _entries(value: object) -> dict[str, Any]:
 
 
 def _parsed(data: bytes) -> dict[str, Any]:
-    try:
-        found = json.loads(data.decode()) if len(data) <= _MOST_JSON else None
-    except (ValueError, RecursionError):
-        return {}
+    found = parsed_or_none(data) if len(data) <= _MOST_JSON else None
     return found if isinstance(found, dict) else {}

@@ -14,7 +14,6 @@ another: those of 16 bits that are all dark would be read as colours of 8 bits.
 
 from __future__ import annotations
 
-import json
 import re
 import unicodedata
 from collections import Counter
@@ -29,8 +28,8 @@ from liftmesh.base.colors import stated_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.limits import check_columns, most_columns
-from liftmesh.io.markup import ascii_string
-from liftmesh.io.text_tables import quoted
+from liftmesh.io.markup import ascii_string, parsed_or_none
+from liftmesh.io.text_tables import is_count, quoted
 
 # The last three rows are not part of the format, but other programs write them.
 TYPES = {
@@ -148,7 +147,7 @@ class _HeaderReader:
         if not self._encoding:
             raise self._error("an element precedes the format line")
         count = words[-1] if len(words) == 2 else ""
-        if not (count.isascii() and count.isdigit() and len(count) < 19):
+        if not is_count(count):
             raise self._error("an element line needs a name and a count")
         self._columns += 1
         if self._columns > self._most:
@@ -201,6 +200,7 @@ _OLD_NAME = re.compile(r'property (\S+) (".*")')
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
 _LONGEST = 1000
 _KEPT = 60  # characters of a longer name
+_STATED_DEPTHS = {f"color_depth {depth}": depth for depth in (16, 32, 64)}
 
 
 def property_names(attributes: Collection[str], columns: Collection[str]) -> dict[str, str]:
@@ -233,8 +233,12 @@ def old_names(
     known = set(properties)
     for comment in comments:
         found = _OLD_NAME.fullmatch(comment)
-        name = _parsed(found[2]) if found and found[1] in known and found[1] not in names else None
-        if found is None or name is None or name in used:
+        name = (
+            parsed_or_none(found[2])
+            if found and found[1] in known and found[1] not in names
+            else None
+        )
+        if found is None or not isinstance(name, str) or name in used:
             others.append(comment)
         else:
             names[found[1]] = name
@@ -266,17 +270,6 @@ def _free(name: str, taken: Collection[str], numbers: Counter[str]) -> str:
         numbers[name] += 1
         found = f"{name}_{numbers[name]}"
     return found
-
-
-def _parsed(text: str) -> str | None:
-    try:
-        name = json.loads(text)
-    except ValueError:
-        return None
-    return name if isinstance(name, str) else None
-
-
-_STATED_DEPTHS = {f"color_depth {depth}": depth for depth in (16, 32, 64)}
 
 
 def depth_statement(colors: Array | None) -> list[str]:
