@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
     from liftmesh.tiles.windows import Bounds
 
-_BLOCK = 1 << 15  # faces that have one box around their circles
+_CIRCLES = 1 << 15  # faces that have one box around their circles
 
 
 class Circles:
@@ -40,7 +40,7 @@ class Circles:
             if not len(blocks):
                 continue
             vertices, points, faces = self._read(shard)
-            held = [_reaching(points, faces[i * _BLOCK : (i + 1) * _BLOCK], window) for i in blocks]
+            held = [_reaching(points, faces[i * _CIRCLES : (i + 1) * _CIRCLES], window) for i in blocks]
             found = np.concatenate(held)
             if len(found):
                 yield apart(vertices, found)
@@ -52,8 +52,8 @@ class Circles:
 
 
 def _boxes(points: Floats, faces: Rows) -> Floats:
-    begins = range(0, len(faces), _BLOCK)
-    return np.concatenate([_kernel.reach_of(points, faces[i : i + _BLOCK]) for i in begins])
+    begins = range(0, len(faces), _CIRCLES)
+    return np.concatenate([_kernel.reach_of(points, faces[i : i + _CIRCLES]) for i in begins])
 
 
 def _reaching(points: Floats, faces: Rows, window: Floats) -> Rows:

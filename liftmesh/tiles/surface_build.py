@@ -13,11 +13,10 @@ from liftmesh.tiles.clouds import valued_parts
 from liftmesh.tiles.run import Options, triangulated
 from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.surfacing import Surfacing
+from liftmesh.tiles.build import _MANY
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_surface import TiledSurface
-
-_MANY = 1 << 30  # rows: enough for any number of threads
 
 
 def tile_surface(  # noqa: PLR0913 - options are keywords
