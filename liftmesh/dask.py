@@ -27,8 +27,8 @@ import numpy as np
 
 from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
+from liftmesh.io.atomic import working_folder
 from liftmesh.io.registry import as_cloud
-from liftmesh.io.working_folder import working_folder
 from liftmesh.optional import load
 from liftmesh.tiles.clouds import (
     alike,

@@ -13,7 +13,7 @@ from surface_oracle import exact_point
 from test_sampling import LATTICE, exactly, family_surface, with_heights
 
 import liftmesh
-from liftmesh.terrain.pixels import Layout, layout_of
+from liftmesh.raster.pixels import Layout, layout_of
 from liftmesh.terrain.raster import owners
 
 STEPS = st.sampled_from([-1.0, -0.5, 0.0, 0.25, 0.5, 1.0, 2.0])

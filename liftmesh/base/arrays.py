@@ -15,6 +15,7 @@ import math
 import numbers
 import sys
 from collections.abc import Callable, Iterator, Mapping, Set
+from fractions import Fraction
 from functools import wraps
 from os import PathLike
 from typing import Any, ParamSpec, TypeGuard, TypeVar
@@ -81,6 +82,14 @@ def as_reals(values: ArrayLike) -> Floats:
     if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
         raise TypeError("no real numbers")
     return np.asarray(array, dtype=np.float64)
+
+
+def as_decimal(value: ArrayLike) -> Fraction:
+    """Convert a number to the decimal that it is printed as: then 0.6 is three times 0.2."""
+    number = float(as_reals(value))
+    if not math.isfinite(number):
+        raise ValueError("no finite number")
+    return Fraction(repr(number))
 
 
 def read_only(array: Array) -> Array:

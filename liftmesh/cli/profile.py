@@ -27,7 +27,7 @@ from liftmesh.cli.reading import with_options as with_reading
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.draping import Draped
+    from liftmesh.terrain.profile import Draped
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Write the heights of a mesh or cloud along lines."
@@ -127,7 +127,7 @@ def _check_shapes(target: Path) -> None:
 
 def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.draping import system_of_plane  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.profile import system_of_plane  # noqa: PLC0415 - help and --version do without
     from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
     if not shapes.is_cloud(path):
@@ -146,7 +146,7 @@ def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any
 
 
 def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
-    from liftmesh.terrain.draping import drape  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.profile import drape  # noqa: PLC0415 - help and --version do without
 
     try:
         return drape(surface, lines)

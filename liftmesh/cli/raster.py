@@ -129,8 +129,8 @@ def _check(
 ) -> None:
     """Raise before the work starts if the options make no raster."""
     from liftmesh.raster import writer  # noqa: PLC0415 - as above
-    from liftmesh.terrain.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
-    from liftmesh.terrain.raster_values import check_method  # noqa: PLC0415 - as above
+    from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
+    from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
 
     with checked():
         steps_of(steps if len(steps) > 1 else steps[0])

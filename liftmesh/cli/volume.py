@@ -11,8 +11,7 @@ from liftmesh.cli import lidar, options, standard_streams, surfaces, terminal
 from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.earthwork import Earthwork
-    from liftmesh.terrain.measures import Volume
+    from liftmesh.terrain.measures import Earthwork, Volume
 
 SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
 HELP = (

@@ -5,6 +5,8 @@ heights are scaled, it keeps its triangulation too. If they change, the triangle
 `delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
 triangulation of the copy has the new coordinates. The same holds with weights or in a metric, which
 stay as they are, so points that are scaled seldom keep their triangles; those that are shifted may.
+
+Colours, normals and named values that a caller gives apart from the points.
 """
 
 from __future__ import annotations
@@ -20,12 +22,12 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import judged, with_depth
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.planar.regular_triangulation import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
-from liftmesh.terrain.parts import as_parts
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -146,3 +148,56 @@ def _from_least(hull: Rows, planar: Floats) -> Rows:
     """Let the rows of a hull begin at the lexicographically least point."""
     x, y = planar[hull].T
     return np.roll(hull, -int(np.lexsort((y, x))[0]))
+
+
+_WIDTHS = {"colors": (3, 4), "normals": (3,)}
+
+
+def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
+    """Make a copy of a cloud with what a caller gave besides it."""
+    parts = as_parts({name: value for name, value in given.items() if value is not None})
+    if "colors" in parts:
+        parts["color_depth"] = None  # these are decided anew
+    if "attributes" in parts:
+        parts["attributes"] = {**cloud.attributes, **parts["attributes"]}
+    return replace(cloud, **parts) if parts else cloud
+
+
+def as_parts(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert colours, normals and named values to arrays; `Cloud` checks their rows."""
+    parts = dict(given)
+    for name, widths in _WIDTHS.items():
+        if parts.get(name) is not None:
+            parts[name] = _rows(name, parts[name], widths)
+    if parts.get("attributes") is not None:
+        parts["attributes"] = _arrays(parts["attributes"])
+    return parts
+
+
+def _rows(name: str, values: Any, widths: tuple[int, ...]) -> Array:
+    """Convert colours or normals: numbers in as many columns as they have."""
+    array = _array(name, values)
+    if array.ndim != 2 or array.shape[1] not in widths or array.dtype.kind not in "uif":
+        wanted = " or ".join(f"(n, {width})" for width in widths)
+        raise InputError(
+            f"{name} need the shape {wanted} and numbers, not {array.shape} of {array.dtype}"
+        )
+    return array
+
+
+def _arrays(attributes: object) -> dict[str, Array]:
+    if not isinstance(attributes, Mapping):
+        raise InputError(
+            f"attributes are a {type(attributes).__name__}: give a dict of names and arrays"
+        )
+    return {name: _array(f"attribute {name!r}", each) for name, each in attributes.items()}
+
+
+def _array(name: str, values: Any) -> Array:
+    try:
+        array: Array = np.asanyarray(values)
+    except ValueError as error:
+        raise InputError(f"{name} cannot be converted to an array: {error}") from error
+    if array.ndim == 0:
+        raise InputError(f"{name} is {shown(values)}: give an array with one row per point")
+    return array

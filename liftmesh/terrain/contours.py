@@ -19,15 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_reals
+from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import constructed_from, freeze
-from liftmesh.base.options import as_count, shown
+from liftmesh.base.options import as_count, as_thousands, shown
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.places import check_suffix
+from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
-from liftmesh.terrain.decimals import as_decimal, as_thousands
 from liftmesh.terrain.sampling import relief_of
 from liftmesh.vector import geojson, geopackage
 
@@ -388,5 +387,5 @@ def _decimal(name: str, value: Any) -> Fraction:
     """Convert a height to the decimal that it is printed as."""
     try:
         return as_decimal(value)
-    except ValueError as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} is {shown(value)}: give a finite height") from error

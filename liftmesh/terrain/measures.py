@@ -3,27 +3,47 @@
 Each face is measured from its corners in lexicographic order, and the faces are summed exactly,
 rounded once: so no bit depends on the order of the rows. A prism between a face and a level that it
 crosses is cut along the line where they meet.
+
+Polygons as triangles: what is measured inside of them is cut exactly at their borders.
+
+The triangles of a polygon, which shapely makes of its own corners, are laid over two surfaces as
+these are over each other (`_core/surface/overlay.hpp`), so each common part of three triangles is
+counted once. A level is a surface of two triangles.
+
+Cut and fill: the volumes between two surfaces, where both have faces.
+
+The kernel lays the triangulations over each other (`_core/surface/overlay.hpp`); it begins with a
+face of each that touch, which are found here.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Floats
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_reals
 from liftmesh.base.options import as_switch, shown
+from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError
+from liftmesh.optional import load
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.predicates import orient2d
 from liftmesh.terrain.corners import ranks
+from liftmesh.terrain.sampling import relief_of
 from liftmesh.terrain.units import metres_of, rise_of
-from liftmesh.terrain.within import check_measured, in_all, in_each, level_within
+from liftmesh.vector.polygons import polygons_in, regions_in
 
 if TYPE_CHECKING:
+    from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.surface import Surface
+    from liftmesh.vector.polygons import Polygon
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,3 +276,333 @@ def cubic_metres_of(surface: Surface) -> float | None:
     """Return how many cubic metres a unit of volume has."""
     metres = metres_of(surface)
     return None if metres is None else math.prod(metres)
+
+
+_MOST_EXPONENT = 64
+_LARGEST = np.finfo(np.float64).max
+Measured: TypeAlias = tuple[float, float, float]
+
+
+def in_all(
+    surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
+) -> Measured:
+    """Measure what polygons cover together."""
+    found = measure(polygons_in(_system(surface), polygon))
+    if not found[2] > 0:
+        raise InputError("the polygon has no area in common with the faces")
+    return found
+
+
+def in_each(
+    surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
+) -> Iterator[tuple[str | int, Measured]]:
+    """Measure each region by itself."""
+    seen = set()
+    for region in regions_in(_system(surface), polygon):
+        if region.name in seen:
+            raise InputError(f"two polygons have the name {region.name!r}: give each its own")
+        seen.add(region.name)
+        try:
+            yield region.name, measure(region.polygons)
+        except InputError as error:
+            raise InputError(f"polygon {region.name!r}: {error}") from error
+
+
+def check_measured(*totals: tuple[str, float]) -> None:
+    """Raise for what was measured and is no double."""
+    for name, total in totals:
+        if not math.isfinite(total):
+            raise InputError(f"the {name} is beyond the largest double: scale the coordinates")
+
+
+def level_within(surface: Surface, level: float, polygons: list[Polygon]) -> Measured:
+    """Measure the volumes between a level and a surface in polygons."""
+    solved = surface.triangulation
+    low, high = solved.min_bound, solved.max_bound
+    with np.errstate(over="ignore"):
+        room = (high - low).max()
+        (left, bottom), (right, top) = np.clip([low - room, high + room], -_LARGEST, _LARGEST)
+    square = delaunay([[left, bottom], [right, bottom], [left, top], [right, top]])
+    flat = _kernel.Relief(
+        square.points, square.simplices, square.neighbors, np.full(4, float(level)), None
+    )
+    below, above, area = _measured(
+        (relief_of(surface), solved), (flat, square), _triangles(surface, polygons)
+    )
+    return above, below, area
+
+
+def between_within(surface: Surface, other: Surface, polygons: list[Polygon]) -> Measured:
+    """Measure the volumes between two surfaces in polygons."""
+    first = relief_of(surface), surface.triangulation
+    second = relief_of(other), other.triangulation
+    parts = _triangles(surface, polygons, other.triangulation)
+    if first[1].nsimplex >= second[1].nsimplex:
+        return _measured(first, second, parts)
+    below, above, area = _measured(second, first, parts)
+    return above, below, area
+
+
+def _measured(
+    first: tuple[Any, Triangulation], second: tuple[Any, Triangulation], parts: Floats
+) -> Measured:
+    """Measure in triangles, the finer surface first."""
+    middles = parts.mean(axis=1)
+    faces, others = (_faces_at(solved, middles) for _, solved in (first, second))
+    inside = (faces >= 0) & (others >= 0)
+    chosen = (np.ascontiguousarray(each[inside]) for each in (parts, faces, others))
+    above, below, area = first[0].between_within(second[0], *chosen)
+    check_measured(("volume", above), ("volume", below), ("area", area))
+    return above, below, area
+
+
+def _faces_at(solved: Triangulation, points: Floats) -> Rows:
+    return np.asarray(solved.find_simplex(points), dtype=np.int32)
+
+
+def _system(surface: Surface) -> str | None:
+    """Return the system of the plane of a surface, if any is known."""
+    return surface.crs if surface.frame.name == "xy" else None
+
+
+def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation) -> Floats:
+    """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
+    shapely = load("shapely", extra="shapes")
+    used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
+    scale = _scale_of(used[0])
+    shapes = [
+        shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
+    ]
+    for number, shape in enumerate(shapes):
+        if not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            raise InputError(f"polygon {number} is not valid: {reason}")
+    area = shapely.union_all(shapes)
+    for points in _scaled(used, scale):
+        area = area.intersection(shapely.MultiPoint(points).convex_hull)
+    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygonal(shapely, area)))
+    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
+    (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
+    turns = bx * cy - by * cx
+    with np.errstate(over="ignore"):
+        check_measured(("area", float(np.ldexp(np.abs(turns).sum() / 2, 2 * scale))))
+    corners[turns < 0] = corners[turns < 0, ::-1]
+    return np.ascontiguousarray(np.ldexp(corners, scale))
+
+
+def _scale_of(points: Floats) -> int:
+    """Return the power of two of coordinates whose products shapely may lose, and 0 of others."""
+    exponent = int(np.frexp(np.abs(points).max(initial=0))[1])
+    return exponent if abs(exponent) > _MOST_EXPONENT else 0
+
+
+def _scaled(parts: list[Any], scale: int) -> list[Any]:
+    """Divide coordinates by a power of two."""
+    return parts if not scale else [np.ldexp(each, -scale) for each in parts]
+
+
+def _polygonal(shapely: Any, area: Any) -> Any:
+    """Leave out points and lines, in which areas may touch."""
+    parts = shapely.get_parts(area)
+    parts = shapely.get_parts(parts)  # of collections, too
+    return shapely.MultiPolygon([each for each in parts if each.geom_type == "Polygon"])
+
+
+@dataclass(frozen=True, slots=True)
+class Earthwork:
+    """The volumes between two surfaces, as `Surface.cut_and_fill` returns them.
+
+    Attributes
+    ----------
+    cut : float
+        Where the second surface is below the first.
+    fill : float
+        Where it is above.
+    area : float
+        The area in the plane on which both have faces.
+    cubic_metres : float or None
+        As in `Volume`.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> level = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+    >>> slope = liftmesh.triangulate([[0, 0, -1], [4, 0, 3], [0, 4, -1], [4, 4, 3]])
+    >>> found = level.cut_and_fill(slope)
+    >>> found.cut, found.fill, found.net
+    (2.0, 18.0, 16.0)
+    """
+
+    cut: float
+    fill: float
+    area: float
+    cubic_metres: float | None = None
+
+    @property
+    def net(self) -> float:
+        """The fill less the cut."""
+        return self.fill - self.cut
+
+
+class Comparing:
+    """The method of a `Surface` that measures the way to another one."""
+
+    __slots__ = ()
+
+    def cut_and_fill(self: Any, other: Surface, *, polygon: object = None) -> Earthwork:
+        """Compute the volumes between this surface and another one.
+
+        Parameters
+        ----------
+        other : Surface
+            What this one becomes, over the same plane. The surfaces need not have the same points,
+            nor cover the same area.
+        polygon : object, optional
+            Measure inside of it alone, cut at its border: as for `trim`, and valid. Of several,
+            what they cover together; it needs ``pip install 'liftmesh[shapes]'``.
+
+        Returns
+        -------
+        Earthwork
+            What is to be cut, and to be filled; only where both have faces.
+
+        Raises
+        ------
+        InputError
+            The surfaces are over different planes or in different coordinate systems, or have no
+            area in common; the polygon is invalid; or a volume is beyond the largest double.
+        FormatError
+            A file of a polygon is invalid.
+        MissingDependencyError
+            shapely is not installed.
+        OSError
+            A file of a polygon cannot be opened.
+
+        Notes
+        -----
+        Which faces overlap, and how, is decided exactly. Volumes have an error of at most 1e-12 of
+        the area times the largest distance of the surfaces; only where all that they have in common
+        is below 1e-16 of the squares of the sides of its faces may it be larger.
+        Where both surfaces are exchanged, so are cut and fill, to the bit; neither the order of the
+        points changes a bit, nor a shift or a power of two that rounds no coordinate.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> flat = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+        >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 6]])
+        >>> round(flat.cut_and_fill(hill).fill, 9), round(hill.cut_and_fill(flat).cut, 9)
+        (32.0, 32.0)
+        """
+        _check(self, other)
+        if polygon is not None:
+            fill, cut, area = in_all(self, polygon, partial(between_within, self, other))
+            return Earthwork(cut, fill, area, cubic_metres_of(self))
+        pair = _touching(self.triangulation, other.triangulation)
+        fill, cut, area = 0.0, 0.0, 0.0
+        if pair is not None:
+            fill, cut, area = relief_of(self).between(relief_of(other), *pair)
+            check_measured(("volume", fill), ("volume", cut), ("area", area))
+        if not area > 0:
+            for each in (self, other):
+                each.area(planar=True)  # raises where areas are no doubles
+            raise InputError("the surfaces have no area in common")
+        return Earthwork(cut, fill, area, cubic_metres_of(self))
+
+    def cut_and_fill_by_polygon(
+        self: Any, other: Surface, polygon: object
+    ) -> dict[str | int, Earthwork]:
+        """Compute the volumes between this surface and another one in each of several polygons.
+
+        Parameters
+        ----------
+        other : Surface
+            As for `cut_and_fill`.
+        polygon : object
+            As for `cut_and_fill`. Each feature of GeoJSON and each row of a table is measured by
+            itself, whatever others cover.
+
+        Returns
+        -------
+        dict of str or int to Earthwork
+            By the property or column ``name`` where it is a text, else by the number, from 0; zeros
+            for a polygon that has no area in common with the faces.
+
+        Raises
+        ------
+        InputError
+            The surfaces are over different planes or in different coordinate systems, a polygon is
+            invalid, two have one name, or a volume is beyond the largest double.
+        FormatError, MissingDependencyError, OSError
+            As for `cut_and_fill`.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> flat = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4]])
+        >>> lot = {"type": "Polygon", "coordinates": [[[0, 0], [2, 0], [2, 2], [0, 2]]]}
+        >>> lots = [{"type": "Feature", "properties": {"name": "A 7"}, "geometry": lot}]
+        >>> found = flat.cut_and_fill_by_polygon(
+        ...     slope, {"type": "FeatureCollection", "features": lots}
+        ... )
+        >>> round(found["A 7"].fill, 9)
+        4.0
+        """
+        _check(self, other)
+        unit = cubic_metres_of(self)
+        found = in_each(self, polygon, partial(between_within, self, other))
+        return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in found}
+
+
+def _check(surface: Surface, other: Surface) -> None:
+    if not hasattr(other, "triangulation") or not hasattr(other, "frame"):
+        raise InputError(f"a {type(other).__name__} is no surface: triangulate it, or as_surface")
+    one, two = surface.frame, other.frame
+    if not (np.array_equal(one.axes, two.axes) and np.array_equal(one.origin, two.origin)):
+        raise InputError("the surfaces are over different planes: give both the same")
+    if are_different(surface.crs, other.crs):
+        raise InputError(
+            "the surfaces have different coordinate systems: read one with to_crs= that of the "
+            "other, or replace(crs=None) if they are the same"
+        )
+
+
+def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Return a face of each triangulation that touch; None if none do."""
+    if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
+        return None
+    found = _of_a_vertex(one, two)
+    if found is None:
+        turned = _of_a_vertex(two, one)
+        found = None if turned is None else (turned[1], turned[0])
+    return found or _of_crossing_sides(one, two)
+
+
+def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find a vertex of one in the other: a face at it, and the face that contains it."""
+    rows = np.flatnonzero(one.vertex_to_simplex >= 0)
+    place = two.find_simplex(one.points[rows])
+    inside = np.flatnonzero(place >= 0)
+    if not len(inside):
+        return None
+    return int(one.vertex_to_simplex[rows[inside[0]]]), int(place[inside[0]])
+
+
+def _of_crossing_sides(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find sides of the hulls that cross, where no vertex of one is in the other."""
+    others, starts, ends = _hull(two)
+    for face, tail, head in zip(*_hull(one), strict=True):
+        apart = orient2d(tail, head, starts) * orient2d(tail, head, ends) > 0
+        apart |= orient2d(starts, ends, tail) * orient2d(starts, ends, head) > 0
+        if not apart.all():
+            return int(face), int(others[np.argmin(apart)])
+    return None
+
+
+def _hull(tri: Triangulation) -> tuple[Array, Array, Array]:
+    """Return the faces at the sides of the hull, and the ends of these sides."""
+    faces, corner = np.nonzero(tri.neighbors < 0)
+    ends = (tri.simplices[faces, (corner + step) % 3] for step in (1, 2))
+    tails, heads = (tri.points[rows] for rows in ends)
+    return faces, tails, heads

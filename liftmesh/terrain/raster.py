@@ -4,11 +4,14 @@ The centre of a pixel is the point that the transform gives for it, in doubles (
 its value is that of the surface there: the kernel scans the faces, row by row, and gives every
 centre to one of them (`_core/surface/scan.hpp`). So the heights are bit for bit those of
 `Surface.sample`.
+
+What the pixels of a raster hold: heights, or what follows from the gradients of faces.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,21 +21,22 @@ from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.frozen import constructed_from, freeze
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch
+from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_option, shown
 from liftmesh.base.threads import as_threads
 from liftmesh.crs.comparison import plane_of
+from liftmesh.errors import InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.places import check_suffix
+from liftmesh.io.streams import check_suffix
 from liftmesh.raster import writer
-from liftmesh.terrain.pixels import Layout, Transform, centres_of, layout_of
-from liftmesh.terrain.raster_values import Wanted
-from liftmesh.terrain.sampling import relief_of
-from liftmesh.terrain.units import names_of
+from liftmesh.raster.pixels import Layout, Transform, centres_of, layout_of
+from liftmesh.terrain.sampling import aspect_of, relief_of, slope_of
+from liftmesh.terrain.units import names_of, rise_of
 
 if TYPE_CHECKING:
     import os
 
     from liftmesh.terrain.surface import Surface
+
 
 _UNITS = {"slope": "degree", "aspect": "degree"}
 _TOGETHER = 1 << 22  # pixels whose gradients are held at a time
@@ -154,6 +158,13 @@ class Raster:
         with replacing(found) as stream:
             writer.write(stream, self.values, self.transform, crs, **packed)
         return found
+
+
+def _extent(surface: Surface) -> list[float]:
+    """Return xmin, ymin, xmax and ymax of the faces."""
+    solved = surface.triangulation
+    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
+    return [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
 
 
 def written_system(crs: str | None, quantity: str) -> str | None:
@@ -321,7 +332,7 @@ class Rasterizing:
         >>> surface.raster((4, 2), quantity="aspect").values.ravel()
         array([270., 270.])
         """
-        layout = layout_of(self, resolution, bounds, transform, shape)
+        layout = layout_of(resolution, bounds, transform, shape, lambda: _extent(self))
         return rasterized(
             self,
             layout,
@@ -332,3 +343,99 @@ class Rasterizing:
             z_factor=z_factor,
             threads=threads,
         )
+
+
+_TYPES = (np.dtype(np.float64), np.dtype(np.float32))
+_STEEP, _SCALE = 2.0**500, 2.0**-600
+
+
+def shade_of(gradients: Floats, light: Floats) -> Floats:
+    """Compute how bright faces are under a distant light."""
+    steep = np.abs(gradients).max(axis=-1, initial=0) > _STEEP
+    scale = np.where(steep, _SCALE, 1.0)  # of the normal, so that its square is a double
+    x, y = gradients[..., 0] * scale, gradients[..., 1] * scale
+    facing = light[2] * scale - light[0] * x - light[1] * y
+    shades: Floats = 255 * np.maximum(facing, 0) / np.sqrt(scale * scale + x * x + y * y)
+    return shades
+
+
+_OF_GRADIENTS: dict[str, Callable[[Floats, Floats], Floats]] = {
+    "slope": lambda gradients, _: slope_of(gradients),
+    "aspect": lambda gradients, _: aspect_of(gradients),
+    "hillshade": shade_of,
+}
+
+
+def check_method(quantity: RasterQuantity, method: SampleMethod) -> None:
+    """Raise unless a quantity has a method of interpolation."""
+    if quantity != "height" and method != "linear":
+        raise InputError(f"{quantity} is that of faces: leave out method={method!r}")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which values a raster is asked to hold, checked."""
+
+    quantity: str
+    kind: np.dtype[Any]
+    light: Floats
+    rise: tuple[float, float]
+
+    @classmethod
+    def checked(
+        cls,
+        surface: Any,
+        quantity: RasterQuantity,
+        method: SampleMethod,
+        dtype: DTypeLike,
+        light: tuple[float, float],
+        z_factor: float | None,
+    ) -> Wanted:
+        """Check the options."""
+        check_option("quantity", quantity, RasterQuantity)
+        check_option("method", method, SampleMethod)
+        check_method(quantity, method)
+        return cls(quantity, _checked_type(dtype), _light_of(light), rise_of(surface, z_factor))
+
+    def check_range(self, heights: Floats) -> None:
+        """Raise if a height is finite, but beyond the type."""
+        farthest = float(heights.ravel()[np.argmax(np.abs(heights))])
+        with np.errstate(over="ignore"):
+            is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
+        if is_beyond:
+            raise InputError(
+                f"the height {farthest} is beyond {self.kind.name}: give dtype='float64'"
+            )
+
+    def of_gradients(self, gradients: Floats) -> Floats:
+        """Compute slopes, aspects or shades."""
+        return _OF_GRADIENTS[self.quantity](gradients * self.rise, self.light)
+
+    def finish(self, values: Array) -> None:
+        """Change in place what is another value once it is rounded to the type."""
+        if self.quantity == "aspect":
+            values[values == 360] = 0  # which is north, too
+
+
+def _light_of(light: tuple[float, float]) -> Floats:
+    """Convert azimuth and altitude to the direction towards the light."""
+    try:
+        azimuth, altitude = (math.radians(float(each)) for each in light)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"light is {shown(light)}: give azimuth and altitude, in degrees"
+        ) from error
+    if not (math.isfinite(azimuth) and 0 <= altitude <= math.pi / 2):
+        raise InputError(f"light is {shown(light)}: give an altitude from 0 to 90 degrees")
+    level = math.cos(altitude)
+    return np.array([math.sin(azimuth) * level, math.cos(azimuth) * level, math.sin(altitude)])
+
+
+def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
+    try:
+        kind = np.dtype(dtype)
+    except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
+        kind = np.dtype(np.void)
+    if kind not in _TYPES:
+        raise InputError(f"dtype is {shown(dtype)}: give 'float64' or 'float32'")
+    return kind

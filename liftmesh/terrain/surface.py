@@ -17,13 +17,12 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import counted
-from liftmesh.io import writing
-from liftmesh.io.objects import matplotlib, open3d, trimesh
+from liftmesh.io import write
+from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes
+from liftmesh.terrain.changes import as_parts
 from liftmesh.terrain.contours import Contouring
-from liftmesh.terrain.earthwork import Comparing
-from liftmesh.terrain.measures import Measuring
-from liftmesh.terrain.parts import as_parts
+from liftmesh.terrain.measures import Comparing, Measuring
 from liftmesh.terrain.profile import Profiling
 from liftmesh.terrain.raster import Rasterizing
 from liftmesh.terrain.sampling import Sampling
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
     import open3d as o3d
     import trimesh as trimesh_package
 
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.report import Report
@@ -337,7 +336,7 @@ class Surface(
         array([0., 1., 0.])
         """
         x, y = self.triangulation.points.T
-        return matplotlib.to_triangulation(x, y, self.faces)
+        return triangulations.to_triangulation(x, y, self.faces)
 
     def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> Written:
         """Write the surface to a file.
@@ -370,4 +369,4 @@ class Surface(
         >>> file.getvalue()[:3]
         b'ply'
         """
-        return writing.write(path, self, **options)
+        return write.write(path, self, **options)

@@ -18,7 +18,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -29,10 +29,9 @@ from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check
 from liftmesh.errors import FormatError, InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
-from liftmesh.terrain.pixels import Layout, centres_of, layout_of
-from liftmesh.terrain.plane import resolve_plane
-from liftmesh.terrain.raster import Raster, check_name, unit_of, written_system
-from liftmesh.terrain.raster_values import Wanted
+from liftmesh.raster.pixels import Layout, centres_of, layout_of
+from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.raster import Raster, Wanted, check_name, unit_of, written_system
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 
@@ -264,10 +263,8 @@ class Rasterizing:
 def _layout(
     tiled: TiledSurface, resolution: Any, bounds: Any, transform: Any, shape: Any
 ) -> Layout:
-    if bounds is None and transform is None:
-        west, south, _, east, north, _ = tiled.extent
-        bounds = (west, south, east, north)
-    return layout_of(cast("Any", tiled), resolution, bounds, transform, shape)
+    west, south, _, east, north, _ = tiled.extent
+    return layout_of(resolution, bounds, transform, shape, lambda: (west, south, east, north))
 
 
 def _windows(

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_reals
-from liftmesh.base.options import shown
+from liftmesh.base.arrays import as_decimal, as_reals
+from liftmesh.base.options import as_thousands, shown
 from liftmesh.errors import InputError
-from liftmesh.terrain.decimals import as_decimal, as_thousands
-
-if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
 
 Transform: TypeAlias = tuple[float, float, float, float, float, float]
 
@@ -35,11 +31,11 @@ class Layout:
 
 
 def layout_of(
-    surface: Surface,
     resolution: float | Sequence[float] | None,
     bounds: Sequence[float] | None,
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
+    extent: Callable[[], Sequence[float]],  # the bounds if none are given
 ) -> Layout:
     """Decide where the pixels of a raster are."""
     if (resolution is None) == (transform is None) or (transform is None) != (shape is None):
@@ -51,11 +47,7 @@ def layout_of(
     if resolution is None:
         return _checked(_numbers("transform", _without_last_row(transform), 6), *_whole(shape))
     steps = steps_of(resolution)
-    if bounds is None:
-        solved = surface.triangulation
-        corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
-        bounds = [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
-    return _aligned(*bounds_of(bounds), steps)
+    return _aligned(*bounds_of(extent() if bounds is None else bounds), steps)
 
 
 def steps_of(resolution: object) -> tuple[float, ...]:
