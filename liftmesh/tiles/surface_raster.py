@@ -21,7 +21,8 @@ from liftmesh._typing import Array, Floats, Progress
 from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
-from liftmesh.terrain.raster import Raster, Wanted, check_name, unit_of, written_system
+from liftmesh.raster.raster import Raster, check_name, written_system
+from liftmesh.terrain.raster import Wanted, unit_of
 from liftmesh.tiles.circles import Circles
 from liftmesh.tiles.windows import part_of, touching
 
