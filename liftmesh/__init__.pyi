@@ -27,10 +27,10 @@ from .errors import (
     NonFiniteError as NonFiniteError,
     UnsupportedTypeError as UnsupportedTypeError,
 )
-from .io.files import read as read, read_chunks as read_chunks
 from .io.format import Format as Format
+from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
-from .io.writing import Written as Written, write as write
+from .io.write import Written as Written, write as write
 from .planar.anisotropic import anisotropic_stars as anisotropic_stars
 from .planar.anisotropic_stars import AnisotropicStars as AnisotropicStars
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender

@@ -126,7 +126,7 @@ def test_no_signal_is_lost_amid_the_imports_of_trimesh(
 # Where a signal comes and is caught: the command goes on, and has nothing to show for it.
 SWALLOWED = {
     "in a writer": """
-from liftmesh.io import writing
+from liftmesh.io import write
 real = writing._write
 writing._write = lambda *a: (swallowed(), real(*a))[1]
 """,
@@ -141,13 +141,13 @@ real = atomic._give_name
 atomic._give_name = lambda *a: (real(*a), swallowed())[0]
 """,
     "in a report": """
-import liftmesh.io.files
+import liftmesh.io.read
 from liftmesh.cli import files
-real = liftmesh.io.files.read
-liftmesh.io.files.read = lambda *a, **k: (swallowed(), real(*a, **k))[1]
+real = liftmesh.io.read.read
+liftmesh.io.read.read = lambda *a, **k: (swallowed(), real(*a, **k))[1]
 """,
     "where nobody can catch it": """
-from liftmesh.io import writing
+from liftmesh.io import write
 real = writing._write
 
 class Dying:
@@ -177,8 +177,8 @@ def test_nothing_goes_to_stdout_after_a_signal_that_was_caught(folder: Path) -> 
 
 
 DEAF = """
-import liftmesh.io.files
-liftmesh.io.files.read = deaf
+import liftmesh.io.read
+liftmesh.io.read.read = deaf
 """
 
 
@@ -217,8 +217,8 @@ def slow(line):
     real(line)
 
 signals._write_now = slow
-import liftmesh.io.files
-liftmesh.io.files.read = lambda *_, **__: send(signal.SIGINT)
+import liftmesh.io.read
+liftmesh.io.read.read = lambda *_, **__: send(signal.SIGINT)
 """
     child = started(change, "info", "mesh.ply", cwd=folder)
     assert ended(child) == (ENDS[signal.SIGINT][0], "", ENDS[signal.SIGINT][1])
@@ -226,7 +226,7 @@ liftmesh.io.files.read = lambda *_, **__: send(signal.SIGINT)
 
 def test_line_and_exit_code_agree_where_two_signals_come_together(folder: Path) -> None:
     change = """
-import liftmesh.io.files
+import liftmesh.io.read
 
 def both(*_, **__):
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
@@ -234,7 +234,7 @@ def both(*_, **__):
     send(signal.SIGTERM)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
 
-liftmesh.io.files.read = both
+liftmesh.io.read.read = both
 """
     for _ in range(5):
         code, out, err = ended(started(change, "info", "mesh.ply", cwd=folder))

@@ -11,7 +11,7 @@ from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import as_switch
 from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
-from liftmesh.io.places import check_suffix
+from liftmesh.io.streams import check_suffix
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Transform, centres_of
 

@@ -25,7 +25,7 @@ from liftmesh.base.options import as_count, as_thousands, shown
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.places import check_suffix
+from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.vector import geojson, geopackage

@@ -17,8 +17,8 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.base.options import Pinched, RasterQuantity, SampleMethod, counted
-from liftmesh.io import writing
-from liftmesh.io.objects import matplotlib, open3d, trimesh
+from liftmesh.io import write
+from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes, contours, measures, profile, raster, sampling, solid, trimming
 from liftmesh.terrain.changes import as_parts
 from liftmesh.terrain.surface_data import SurfaceData
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import open3d as o3d
     import trimesh as trimesh_package
 
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import Earthwork, Volume
@@ -942,7 +942,7 @@ class Surface(SurfaceData):
         array([0., 1., 0.])
         """
         x, y = self.triangulation.points.T
-        return matplotlib.to_triangulation(x, y, self.faces)
+        return triangulations.to_triangulation(x, y, self.faces)
 
     def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> Written:
         """Write the surface to a file.
@@ -975,4 +975,4 @@ class Surface(SurfaceData):
         >>> file.getvalue()[:3]
         b'ply'
         """
-        return writing.write(path, self, **options)
+        return write.write(path, self, **options)

@@ -15,9 +15,17 @@ from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
-from liftmesh.io.places import PathOrStream, at_home, check_stream, format_of, name_of, watched
-from liftmesh.io.registry import as_cloud, find_written, suffix_of
-from liftmesh.io.streams import written_whole
+from liftmesh.io.registry import as_cloud, find_written
+from liftmesh.io.streams import (
+    PathOrStream,
+    at_home,
+    check_stream,
+    format_of,
+    name_of,
+    suffix_of,
+    watched,
+    written_whole,
+)
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

@@ -1,4 +1,7 @@
-"""read(), read_chunks() and read_cloud(): from files, streams and objects to clouds."""
+"""read(), read_chunks() and read_cloud(): from files, streams and objects to clouds.
+
+Readers of chunks: of formats that are read whole, and of colours whose depth all rows decide.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
+import numpy as np
+
 from liftmesh._typing import Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import kept
@@ -18,17 +23,17 @@ from liftmesh.crs.description import check_system, described
 from liftmesh.crs.transformation import Operation, transformed, with_heights
 from liftmesh.crs.units import height_factors, steps_in
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.chunks import of_one_depth, split
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import TRANSFORMATION, Label
-from liftmesh.io.places import PathOrStream, at_home, format_of, name_of, opened
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Format, Reader
+    from liftmesh.io.format import ChunkReader, Format, Reader
+
 
 CHUNK_ROWS = 1_000_000
 _NO_MORE: Any = object()
@@ -172,7 +177,7 @@ def read(  # noqa: PLR0913 - options are keywords
     name = name_of(source)
     found = format_of(source, format, name, find_format)
     read_whole = _selecting(_reader(found, name, limit, options), found, chosen)
-    with opened(source, found, name, limit) as stream, kept():
+    with opened(source, name, limit, may_be_compressed=found.gzip) as stream, kept():
         cloud = _labelled(read_whole(stream, name), found, name)
     return _changed(cloud, color_depth, crs, to_crs, name)
 
@@ -259,7 +264,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     else:
         chunks = _limited(configured(found.read_chunks, found, name, options), found, limit)
         chunks = of_one_depth(chunks, color_depth)
-    place = opened(source, found, name, limit)
+    place = opened(source, name, limit, may_be_compressed=found.gzip)
     pieces = _chunks(place, found, partial(chunks, name=name, rows=rows), name)
     if chosen is not None:
         pieces = _selected_chunks(pieces, Selector(chosen, name))
@@ -379,3 +384,41 @@ def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]
 def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> Callable[..., Read]:
     """Set the limit of a reader, if its format expands; others take none."""
     return partial(reader, max_bytes=limit) if found.expands else reader
+
+
+def split(reader: Reader) -> ChunkReader:
+    """Make a chunk reader from a reader of whole files."""
+
+    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        cloud = reader(stream, name)
+        for start in range(0, len(cloud), rows):
+            yield cloud.select(slice(start, start + rows))
+
+    return chunks
+
+
+def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
+    """Make a chunk reader that decides the depth of colours once, from all chunks of a file."""
+
+    def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        begin = stream.tell()
+        pieces = chunks(stream, name, rows)
+        first = next(pieces, None)
+        if first is None:
+            return
+        if known is not None or first.color_depth is None:
+            yield first
+            yield from pieces
+            return
+        depths = [first.color_depth, *map(_depth, pieces)]
+        depth = None if None in depths else max(filter(None, depths))
+        stream.seek(begin)
+        for piece in chunks(stream, name, rows):
+            yield piece if depth is None else piece.with_color_depth(depth)
+
+    return uniform
+
+
+def _depth(piece: Cloud) -> int | None:
+    is_narrow = piece.colors is not None and piece.colors.dtype == np.uint8
+    return 8 if is_narrow else piece.color_depth

@@ -1,4 +1,7 @@
-"""SciPy: conversion of a triangulation to ``scipy.spatial.Delaunay`` without running Qhull."""
+"""matplotlib: conversion of planar triangles to ``matplotlib.tri.Triangulation``.
+
+SciPy: conversion of a triangulation to ``scipy.spatial.Delaunay`` without running Qhull.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,15 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
+    import matplotlib.tri
     import scipy.spatial
+
+
+def to_triangulation(x: Floats, y: Floats, triangles: Rows) -> matplotlib.tri.Triangulation:
+    """Convert planar triangles to a ``Triangulation`` for matplotlib's plots and interpolators."""
+    tri = load("matplotlib.tri", extra="plot")
+    triangulation: matplotlib.tri.Triangulation = tri.Triangulation(x, y, triangles)
+    return triangulation
 
 
 _SHARED = (

@@ -6,6 +6,11 @@ coordinate is subtracted first: a round number, a multiple of one unit, or of a 
 models smaller than one unit. x and y get it together: both are of one map, where a small easting
 next to a large northing would else be rounded far more than the northing. The file records the
 origin, and its reader adds it again.
+
+Whether floating-point numbers hold whole ones exactly, decided in whole numbers.
+
+Converting there and back does not tell: 2**63 - 1 becomes the double 2**63, which is beyond the
+type, and what that becomes depends on the machine.
 """
 
 from __future__ import annotations
@@ -15,13 +20,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Floats
+from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.json_numbers import finite_numbers, shown
+from liftmesh.io.markup import finite_numbers, shown
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.format import Origin
+
 
 TOLERANCE = 1e-6
 
@@ -83,3 +89,16 @@ def checked_origin(values: object, name: str) -> Origin:
     if found is None:
         raise FormatError(f"{name}: the origin is {shown(values)}: expected three finite numbers")
     return (found[0], found[1], found[2])
+
+
+SINGLE, DOUBLE = 24, 53  # bits of a significand
+
+
+def fit(values: Array, bits: int) -> bool:
+    """Whether significands of so many bits hold all values of an array of integers."""
+    if not values.size or max(-int(values.min()), int(values.max())) <= 1 << bits:
+        return True
+    sizes = np.abs(values.astype(np.int64)) if values.dtype.kind == "i" else values
+    sizes = sizes.astype(np.uint64)  # -2**63 has no opposite, but the right bits
+    lowest = sizes & (~sizes + np.uint64(1))
+    return bool((sizes // np.maximum(lowest, 1) < np.uint64(1 << bits)).all())
