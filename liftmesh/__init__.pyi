@@ -45,6 +45,7 @@ from .planar.scipy_voronoi import Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
+from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
@@ -53,7 +54,6 @@ from .terrain.measures import Earthwork as Earthwork, Volume as Volume
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile
-from .terrain.raster import Raster as Raster
 from .terrain.report import Report as Report
 from .terrain.simplification import simplify as simplify
 from .terrain.surface import Surface as Surface

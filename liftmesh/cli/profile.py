@@ -127,15 +127,15 @@ def _check_shapes(target: Path) -> None:
 
 def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.profile import system_of_plane  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
     if not shapes.is_cloud(path):
-        return list(lines_of(path, system_of_plane(surface)))
+        return list(lines_of(path, plane_system(surface)))
     from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
 
     cloud = files.read(path, None, reading.max_bytes, tables.flat_of(path))
-    crs = system_of_plane(surface)
+    crs = plane_system(surface)
     if are_different(crs, cloud.crs):
         raise InputError(
             f"{path} is in {shown(cloud.crs)}, {source} in {shown(crs)}: transform the points first"
@@ -157,9 +157,9 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
 
 def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_json: bool) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import names_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
 
-    plane, upright = names_of(surface)
+    plane, upright = unit_names(surface)
     length, heights = float(found.lengths.sum()), found.points[:, 2]
     if as_json:
         terminal.as_json(

@@ -30,8 +30,9 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
+from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
-from liftmesh.terrain.raster import Raster, Wanted, check_name, unit_of, written_system
+from liftmesh.terrain.raster import Wanted, unit_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 
