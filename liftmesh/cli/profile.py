@@ -17,10 +17,10 @@ from liftmesh.cli import (
     options,
     outputs,
     overwriting,
+    second_tables,
     shapes,
     standard_streams,
     surfaces,
-    tables,
     terminal,
 )
 from liftmesh.cli.reading import with_options as with_reading
@@ -44,6 +44,7 @@ EXAMPLES = [
 
 
 @overwriting.guards("target")
+@second_tables.with_options("along", "corners_table")
 @with_reading
 def run(
     source: surfaces.Source,
@@ -61,6 +62,7 @@ def run(
             "after the other.",
         ),
     ],
+    corners_table: Any = None,
     target_format: Annotated[
         str | None,
         typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
@@ -76,6 +78,8 @@ def run(
         IN and OUT.
     along : list of str
         A file, or the corners of one line.
+    corners_table : SecondTable
+        How a table of corners is read.
     target_format : str, optional
         Format, instead of the suffix.
     reading : Reading
@@ -93,7 +97,7 @@ def run(
     else:
         files.check_target(target, target_format)
     surface = reading.surface(source)
-    lines = [corners] if path is None else _lines(path, source, surface, reading)
+    lines = [corners] if path is None else _lines(path, corners_table, source, surface, reading)
     with terminal.stage(f"draping {len(lines):,} line{'' if len(lines) == 1 else 's'}"):
         found = _draped(surface, lines, along)
     if is_shapes:
@@ -139,16 +143,16 @@ def _check_shapes(target: Path) -> None:
     files.check_place(target)
 
 
-def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
+def _lines(path: Path, table: Any, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.draping import system_of_plane  # noqa: PLC0415 - help and --version do without
     from liftmesh.terrain.line_files import lines_of  # noqa: PLC0415 - help and --version do without
 
-    if not shapes.is_cloud(path):
+    if table.file_format is None and not shapes.is_cloud(path):
         return list(lines_of(path, system_of_plane(surface)))
     from liftmesh.same_crs import are_different  # noqa: PLC0415 - as above
 
-    cloud = files.read(path, None, reading.max_bytes, tables.flat_of(path))
+    cloud = table.read(path, reading.max_bytes)
     crs = system_of_plane(surface)
     if are_different(crs, cloud.crs):
         raise InputError(
