@@ -14,7 +14,9 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import settings
 from process_state import descendants, hear_ctrl_c
@@ -29,6 +31,7 @@ settings.load_profile("liftmesh")
 LIMIT = 1500.0  # seconds of a test, after which the programs it started are killed
 
 _ends: list[float] = []  # of the test that runs
+_states: dict[np.random.Generator, Any] = {}  # of the generators of modules, as they were imported
 
 
 @pytest.hookimpl(wrapper=True)
@@ -62,6 +65,21 @@ threading.Thread(target=_watch, daemon=True).start()
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put long tests first: one that began last would run alone, while other processors wait."""
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
+    for generator in (each for item in items for each in generators(item)):
+        _states.setdefault(generator, generator.bit_generator.state)
+
+
+def generators(item: pytest.Item) -> list[np.random.Generator]:
+    """List the generators of random numbers that the tests of a module share."""
+    values = vars(getattr(item, "module", object)).values()
+    return [each for each in values if isinstance(each, np.random.Generator)]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Let a test draw the same numbers whichever tests ran before it in its process."""
+    for generator in generators(item):
+        generator.bit_generator.state = _states.setdefault(generator, generator.bit_generator.state)
 
 
 LEFT_OUT = ("skipped", "xfailed", "deselected")
