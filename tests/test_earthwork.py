@@ -128,6 +128,15 @@ def test_bits_follow_from_the_surfaces(one, two, of_plane: int, of_height: int, 
     assert np.array_equal(scaled, np.ldexp(found, exponents))
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_a_polygon_beyond_both_hulls_is_cut_alike_whichever_comes_first(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    one, two = map(liftmesh.triangulate, rng.integers(0, 2**20, (2, 12, 3)) / 2**10)
+    skew = [[11, -70], [901, 203], [701, 1103], [-90, 511]]
+    found, turned = one.cut_and_fill(two, polygon=skew), two.cut_and_fill(one, polygon=skew)
+    assert (turned.cut, turned.fill, turned.area) == (found.fill, found.cut, found.area)
+
+
 def test_the_order_of_the_rows_does_not_matter() -> None:
     rng = np.random.default_rng(4)
     one, two = rng.random((300, 3)), rng.random((200, 3)) + np.array([0.3, 0.2, 0])

@@ -103,6 +103,10 @@ class Comparing:
         Where both surfaces are exchanged, so are cut and fill, to the bit; neither the order of the
         points changes a bit, nor a shift or a power of two that rounds no coordinate.
 
+        A polygon that reaches beyond the hull of either surface is cut there, and its new corners
+        are rounded to doubles. That error comes on top, and a shift changes bits: at an offset of
+        4.5e5 it is about 1e-10 of an area of some units. Subtract the offset where this matters.
+
         Examples
         --------
         >>> import liftmesh

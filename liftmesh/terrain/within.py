@@ -212,7 +212,7 @@ def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation
     """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
     shapely = load("shapely", extra="shapes")
     used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
-    scale = _scale_of(used[0])
+    scale = _scale_of(*used)
     shapes = [
         shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
     ]
@@ -221,8 +221,9 @@ def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation
             reason = shapely.is_valid_reason(shape)
             raise InputError(f"polygon {number} is not valid: {reason}")
     area = shapely.union_all(shapes)
-    for points in _scaled(used, scale):
-        area = area.intersection(shapely.MultiPoint(points).convex_hull)
+    hulls = [shapely.MultiPoint(each).convex_hull for each in _scaled(used, scale)]
+    for hull in sorted(hulls, key=lambda each: shapely.get_coordinates(each).tolist()):
+        area = area.intersection(hull)  # in an order of their own: corners are rounded here
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygonal(shapely, area)))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
@@ -233,9 +234,9 @@ def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation
     return np.ascontiguousarray(np.ldexp(corners, scale))
 
 
-def _scale_of(points: Floats) -> int:
+def _scale_of(*points: Floats) -> int:
     """Return the power of two of coordinates whose products shapely may lose, and 0 of others."""
-    exponent = int(np.frexp(np.abs(points).max(initial=0))[1])
+    exponent = int(np.frexp(max(np.abs(each).max(initial=0) for each in points))[1])
     return exponent if abs(exponent) > _MOST_EXPONENT else 0
 
 
