@@ -74,7 +74,7 @@ def descendants(process: int | str = "self") -> Iterator[int]:
 
 @contextmanager
 def halted(child: subprocess.Popen[Any]) -> Iterator[None]:
-    """Stop a child: what is seen of it is still so when it hears a signal that is sent meanwhile."""
+    """Stop a child: what is seen of it is still so when it hears a signal sent meanwhile."""
     child.send_signal(signal.SIGSTOP)
     status = Path(f"/proc/{child.pid}/status")
     while child.poll() is None and not re.search(
