@@ -132,7 +132,7 @@ def _sides(points: Array, faces: Array) -> Array:
 
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
-    """Say on stderr that heights are taken to be in the unit of x and y where nothing says so.
+    """Say on stderr that heights are taken to be in the unit of x and y, but refuse degrees.
 
     Parameters
     ----------
@@ -143,8 +143,9 @@ def note_units(source: Path, surface: Surface | TiledSurface, factor: float | No
     factor : float, optional
         What the caller says that heights are to be multiplied by.
     """
-    from liftmesh.terrain.units import metres_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.units import metres_of, steepness_of  # noqa: PLC0415 - help does without
 
+    steepness_of(surface, factor)  # type: ignore[arg-type]
     if factor is None and metres_of(surface) is None:  # type: ignore[arg-type]
         terminal.note(
             f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "

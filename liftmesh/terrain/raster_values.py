@@ -14,7 +14,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.choices import RasterQuantity, SampleMethod, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.terrain.sampling import aspect_of, slope_of
-from liftmesh.terrain.units import rise_of
+from liftmesh.terrain.units import rise_of, steepness_of
 
 _TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 _STEEP, _SCALE = 2.0**500, 2.0**-600
@@ -125,7 +125,8 @@ class Wanted:
         check_option("quantity", quantity, RasterQuantity)
         check_option("method", method, SampleMethod)
         check_method(quantity, method)
-        return cls(quantity, _checked_type(dtype), _light_of(light), rise_of(surface, z_factor))
+        found = rise_of if quantity == "height" else steepness_of
+        return cls(quantity, _checked_type(dtype), _light_of(light), found(surface, z_factor))
 
     def check_range(self, heights: Floats) -> None:
         """Raise if a height is finite, but beyond the type.

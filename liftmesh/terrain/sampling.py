@@ -17,7 +17,7 @@ from liftmesh._typing import Floats
 from liftmesh.arrays import as_pairs
 from liftmesh.choices import SampleMethod, check_option
 from liftmesh.errors import InputError
-from liftmesh.terrain.units import rise_of
+from liftmesh.terrain.units import steepness_of
 from liftmesh.threads import as_threads
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ class Sampling:
         Raises
         ------
         InputError
-            As for `sample`, or the factor is not positive.
+            As for `sample`, the factor is not positive, or x and y are degrees and it is not given.
 
         Examples
         --------
@@ -190,7 +190,7 @@ class Sampling:
         >>> surface.slope([1, 1]).round(9)
         np.float64(45.0)
         """
-        return slope_of(self.gradient(points, threads=threads) * rise_of(self, z_factor))
+        return slope_of(self.gradient(points, threads=threads) * steepness_of(self, z_factor))
 
     def aspect(self: Any, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute which way the face descends at points of the plane.
@@ -211,7 +211,7 @@ class Sampling:
         Raises
         ------
         InputError
-            As for `sample`.
+            As for `sample`, or x and y are degrees.
 
         Examples
         --------
@@ -220,7 +220,7 @@ class Sampling:
         >>> surface.aspect([1, 1])  # down to the west
         np.float64(270.0)
         """
-        return aspect_of(self.gradient(points, threads=threads) * rise_of(self, None))
+        return aspect_of(self.gradient(points, threads=threads) * steepness_of(self, None))
 
 
 def slope_of(gradients: Floats) -> Floats:

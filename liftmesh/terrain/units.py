@@ -118,6 +118,43 @@ def rise_of(surface: Surface, z_factor: float | None) -> tuple[float, float]:
     return z / x, z / y
 
 
+def steepness_of(surface: Surface, z_factor: float | None) -> tuple[float, float]:
+    """Return what `rise_of` does, for slopes and their directions, which degrees do not have.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface.
+    z_factor : float, optional
+        As in `Surface.slope`.
+
+    Returns
+    -------
+    (float, float)
+        For dz/dx and for dz/dy.
+
+    Raises
+    ------
+    InputError
+        The factor is not positive, or none is given and the plane has angles.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> steepness_of(liftmesh.triangulate([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), None)
+    (1.0, 1.0)
+    """
+    system = system_of(surface)
+    axes = _AXES.get(surface.frame.name, (0, 1))[:2]
+    units = [] if system is None else [system.units[axis] for axis in axes]
+    if z_factor is None and any(each is not None and each.metres is None for each in units):
+        raise InputError(
+            "x and y are degrees, which are no lengths, so slopes and aspects are wrong: read the "
+            "points with to_crs= a projected system, or give z_factor="
+        )
+    return rise_of(surface, z_factor)
+
+
 def _positive(value: Any) -> float:
     try:
         factor = float(as_reals(value))
