@@ -43,6 +43,9 @@ EXAMPLES = [
 ]
 
 
+_ROUNDING = 1e-9  # of the length
+
+
 @overwriting.guards("target")
 @second_tables.with_options("along", "corners_table")
 @with_reading
@@ -109,7 +112,7 @@ def run(
     is_stdout = files.is_stream(target)
     place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
     with place, standard_streams.after_writing(written):
-        _say(written, found, len(lines), surface, as_json=json)
+        _say(written, found, lines, surface, as_json=json)
 
 
 def _corners(along: list[str]) -> list[list[float]] | None:
@@ -173,12 +176,21 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
         raise
 
 
-def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_json: bool) -> None:
+def _length(lines: list[Any]) -> float:
+    """Return how long lines are in the plane, where they lie on faces or not."""
+    corners = ([each[:2] for each in line] for line in lines)
+    return sum(math.fsum(map(math.dist, each, each[1:])) for each in corners)
+
+
+def _say(
+    path: Path | None, found: Draped, given: list[Any], surface: Surface, *, as_json: bool
+) -> None:
     """Print how long the lines are and which heights they have, with the units."""
     from liftmesh.terrain.units import names_of  # noqa: PLC0415 - help and --version do without
 
     plane, upright = names_of(surface)
     length, heights = float(found.lengths.sum()), found.points[:, 2]
+    lines, whole = len(given), _length(given)
     if as_json:
         terminal.as_json(
             {
@@ -187,6 +199,7 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
                 "parts": len(found.lines),
                 "points": len(heights),
                 "length": length,
+                "length_of_lines": whole,
                 "lowest": float(heights.min()),
                 "highest": float(heights.max()),
                 "unit": plane,
@@ -195,6 +208,8 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
             }
         )
         return
+    if whole - length > _ROUNDING * whole:
+        terminal.note(f"{whole - length:.6g} of {whole:.6g} that the lines are long lie on no face")
     terminal.sentence(
         f"{path or 'stdout'}: {len(heights):,} points in {len(found.lines):,} part"
         f"{'' if len(found.lines) == 1 else 's'} of {lines:,} line{'' if lines == 1 else 's'}, "
