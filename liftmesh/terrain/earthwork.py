@@ -6,8 +6,10 @@ face of each that touch, which are found here.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -125,8 +127,6 @@ class Comparing:
             fill, cut, area = relief_of(self).between(relief_of(other), *pair)
             check_measured(("volume", fill), ("volume", cut), ("area", area))
         if not area > 0:
-            for each in (self, other):
-                each.area(planar=True)  # raises where areas are no doubles
             raise InputError("the surfaces have no area in common")
         return Earthwork(cut, fill, area, cubic_metres_of(self))
 
@@ -212,18 +212,45 @@ def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | No
 
 def _of_crossing_sides(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Find sides of the hulls that cross, where no vertex of one is in the other."""
-    others, starts, ends = _hull(two)
-    for face, tail, head in zip(*_hull(one), strict=True):
-        apart = orient2d(tail, head, starts) * orient2d(tail, head, ends) > 0
-        apart |= orient2d(starts, ends, tail) * orient2d(starts, ends, head) > 0
+    for (faces, tails, heads), (others, starts, ends) in product(_chains(one), _chains(two)):
+        near, far = _overlapping(tails, heads, starts, ends)
+        (tail, head), (start, end) = (
+            [each.view(np.float64).reshape(-1, 2)[chosen] for each in sides]
+            for sides, chosen in (((tails, heads), near), ((starts, ends), far))
+        )
+        apart = orient2d(tail, head, start) * orient2d(tail, head, end) > 0
+        apart |= orient2d(start, end, tail) * orient2d(start, end, head) > 0
         if not apart.all():
-            return int(face), int(others[np.argmin(apart)])
+            pair = int(np.argmin(apart))
+            return int(faces[near[pair]]), int(others[far[pair]])
     return None
 
 
-def _hull(tri: Triangulation) -> tuple[Array, Array, Array]:
-    """Return the faces at the sides of the hull, and the ends of these sides."""
+def _overlapping(tails: Array, heads: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
+    """Pair the sides of two chains that overlap in lexicographic order, as those do that touch.
+
+    Sides of a chain follow each other, so there are little more pairs than sides.
+    """
+    first = np.searchsorted(ends, tails)
+    counts = np.searchsorted(starts, heads, side="right") - first
+    before = np.cumsum(counts) - counts
+    sides = np.repeat(np.arange(len(tails)), counts)
+    return sides, np.arange(len(sides)) + np.repeat(first - before, counts)
+
+
+def _chains(tri: Triangulation) -> Iterator[tuple[Array, Array, Array]]:
+    """Yield the lower and the upper hull: faces at their sides, and lesser and greater ends.
+
+    Ends are complex numbers, which have a lexicographic order, and the sides are in this order.
+    """
     faces, corner = np.nonzero(tri.neighbors < 0)
-    ends = (tri.simplices[faces, (corner + step) % 3] for step in (1, 2))
-    tails, heads = (tri.points[rows] for rows in ends)
-    return faces, tails, heads
+    tails, heads = (
+        np.ascontiguousarray(tri.points[tri.simplices[faces, (corner + step) % 3]])
+        .view(np.complex128)
+        .ravel()
+        for step in (1, 2)
+    )
+    for low, high in ((tails, heads), (heads, tails)):
+        chosen = np.flatnonzero(low < high)
+        chosen = chosen[np.argsort(low[chosen])]
+        yield faces[chosen], low[chosen], high[chosen]
