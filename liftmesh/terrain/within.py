@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 
 _MOST_EXPONENT = 64
+_FARTHEST = 2.0**64  # shapely crosses lines to 2**-104 of their length
 _LARGEST = np.finfo(np.float64).max
 Measured: TypeAlias = tuple[float, float, float]
 
@@ -212,6 +213,7 @@ def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation
     """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
     shapely = load("shapely", extra="shapes")
     used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
+    _check_reach(polygons, used)
     scale = _scale_of(*used)
     shapes = [
         shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
@@ -232,6 +234,18 @@ def _triangles(surface: Surface, polygons: list[Polygon], *others: Triangulation
         check_measured(("area", float(np.ldexp(np.abs(turns).sum() / 2, 2 * scale))))
     corners[turns < 0] = corners[turns < 0, ::-1]
     return np.ascontiguousarray(np.ldexp(corners, scale))
+
+
+def _check_reach(polygons: list[Polygon], used: list[Floats]) -> None:
+    """Raise for a polygon so far beyond the faces that shapely has no digits left for them."""
+    near = max(np.abs(each).max(initial=0) for each in used)
+    for number, rings in enumerate(polygons):
+        far = float(max(np.abs(each).max(initial=0) for each in rings))
+        if far / _FARTHEST > near:
+            raise InputError(
+                f"polygon {number} reaches as far as {far:g}, and the faces only {near:g}: cut it "
+                "nearer to them"
+            )
 
 
 def _scale_of(*points: Floats) -> int:
