@@ -1,4 +1,4 @@
-"""Batches of a `DynamicTriangulation` change all or nothing, whichever allocation fails."""
+"""Whichever allocation fails: batches change all or nothing, and maps of files are given back."""
 
 from __future__ import annotations
 
@@ -58,6 +58,33 @@ def test_a_batch_that_memory_fails_changes_nothing(case: str, tmp_path: Path) ->
     start, change = CASES[case]
     program = f"print(failures({start}, lambda tri: tri.{change}))"
     assert int(output(program, tmp_path)) > 10
+
+
+def test_maps_of_files_are_given_back(tmp_path: Path) -> None:
+    program = """
+points = np.random.default_rng(0).random((300_000, 2))
+
+def maps():
+    with open("/proc/self/maps") as lines:
+        return lines.read().count("(deleted)")
+
+liftmesh.delaunay(points, scratch=FOLDER)  # which imports the kernel
+before, most, number, is_done = maps(), 0, 0, False
+while not is_done:
+    number += 1
+    memory.fail_at(number)
+    try:
+        found = liftmesh.delaunay(points, scratch=FOLDER, threads=1)
+        most = maps()
+        del found
+    except MemoryError:
+        pass
+    is_done = memory.allocations_left() > 0
+    memory.fail_at(0)
+    assert maps() == before, number
+print(number if most > before else 0)
+"""
+    assert int(output(program.replace("FOLDER", repr(str(tmp_path))), tmp_path)) > 10
 
 
 def output(program: str, folder: Path) -> str:
