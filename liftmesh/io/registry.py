@@ -227,7 +227,7 @@ def _unsupported(source: object) -> UnsupportedTypeError:
         f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
         "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
-    if type(source).__module__ == "liftmesh.terrain.raster":
+    if type(source).__module__ == "liftmesh.raster.raster":
         message = "a Raster is not a point cloud: give the name of the GeoTIFF that its save writes"
     if isinstance(source, Iterator):
         message += "; what has no length becomes a list first: list(rows)"
