@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import as_reals
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_count, shown
 from liftmesh.disks.sides import pieces_in, traced
 from liftmesh.errors import InputError
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ApolloniusGraph:
+class ApolloniusGraph(FrozenResult):
     """The Delaunay graph of disks, as returned by `apollonius`.
 
     Every index is a row of the caller's arrays. It is no triangulation of the centres: triangles
@@ -79,12 +79,6 @@ class ApolloniusGraph:
     hidden: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_count
 from liftmesh.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class AnisotropicStars:
+class AnisotropicStars(FrozenResult):
     """The stars of points, each in the metric of its point, as returned by `anisotropic_stars`.
 
     Every index is a row of the caller's arrays. The arrays are read-only.
@@ -54,12 +53,6 @@ class AnisotropicStars:
     hull: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""

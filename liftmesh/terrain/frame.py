@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, as_reals, read_only
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import DegenerateInputError, InputError
 
@@ -41,7 +41,7 @@ NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class Frame(FrozenResult):
     """A projection plane with its axes, read-only: converts points to coordinates and heights.
 
     Parameters
@@ -65,12 +65,6 @@ class Frame:
     name: str
     origin: Floats
     axes: Floats
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     @property
     def normal(self) -> Floats:
