@@ -30,11 +30,10 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.io.atomic import replacing
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
-from liftmesh.vector import geojson, geopackage
+from liftmesh.vector.lines import write_lines
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -288,14 +287,7 @@ class Draped:
             "start": self.distances[self.starts[:-1]],
             "length": self.lengths,
         }
-        with replacing(path) as stream:
-            if path.suffix.lower() == ".gpkg":
-                geopackage.write(stream, self.points, self.starts, columns, self.crs, "profiles")
-            else:
-                rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-                told = (dict(zip(columns, row, strict=True)) for row in rows)
-                parts = np.split(self.points, self.starts[1:-1])
-                geojson.write(stream, zip(told, parts, strict=True), self.crs)
+        write_lines(path, self.points, self.starts, columns, self.crs, "profiles")
         return path
 
 
