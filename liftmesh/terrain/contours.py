@@ -241,12 +241,12 @@ def check_name(path: Path) -> None:
 
 def contour_lines(
     surface: SurfaceData,
-    levels: ArrayLike | None = None,
+    levels: ArrayLike | None,
     *,
-    interval: float | None = None,
-    base: float = 0.0,
-    index_every: int = 5,
-    threads: int | None = None,
+    interval: float | None,
+    base: float,
+    index_every: int,
+    threads: int | None,
 ) -> Contours:
     """Compute lines of equal height."""
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
