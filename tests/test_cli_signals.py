@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import COMMAND, PLAIN, liftmesh as command
+from commands import COMMAND, PLAIN, computed, liftmesh as command
 
 import liftmesh
 from liftmesh.cli import exit_codes, watchdog
@@ -73,10 +73,12 @@ def folder(tmp_path: Path) -> Path:
 
 
 def wait_until_deaf(child: subprocess.Popen[str]) -> None:
-    """Wait for the line in front of the call that hears nothing, and until the call has begun."""
+    """Wait for the line in front of the call that hears nothing, and until the call computes."""
     assert child.stdout is not None
     assert child.stdout.readline() == "deaf\n"
-    time.sleep(0.1)
+    end = computed(child) + 0.1  # so many seconds of the processor are not between the two
+    while computed(child) < end:
+        time.sleep(0.005)
 
 
 def wait_until_delivered(child: subprocess.Popen[str]) -> None:
@@ -127,8 +129,8 @@ def test_no_signal_is_lost_amid_the_imports_of_trimesh(
 SWALLOWED = {
     "in a writer": """
 from liftmesh.io import write
-real = writing._write
-writing._write = lambda *a: (swallowed(), real(*a))[1]
+real = write._write
+write._write = lambda *a: (swallowed(), real(*a))[1]
 """,
     "after the writing": """
 from liftmesh.io import atomic
@@ -148,13 +150,13 @@ liftmesh.io.read.read = lambda *a, **k: (swallowed(), real(*a, **k))[1]
 """,
     "where nobody can catch it": """
 from liftmesh.io import write
-real = writing._write
+real = write._write
 
 class Dying:
     def __del__(self):
         send(NUMBER)
 
-writing._write = lambda *a: (Dying(), real(*a))[1]
+write._write = lambda *a: (Dying(), real(*a))[1]
 """,
 }
 
@@ -243,9 +245,9 @@ liftmesh.io.read.read = both
 
 def test_the_watchdog_removes_a_temporary_file_that_has_a_name(folder: Path) -> None:
     change = """
-from liftmesh.io import atomic, writing
+from liftmesh.io import atomic, write
 atomic._NAMELESS = 0
-writing._write = deaf
+write._write = deaf
 """
     child = started(change, "triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
     wait_until_deaf(child)

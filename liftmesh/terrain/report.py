@@ -10,7 +10,7 @@ from liftmesh._typing import Rows
 from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import counted
 from liftmesh.crs.transformation import sentence, told_of
-from liftmesh.io.formats.text.columns import described
+from liftmesh.io.formats.text.columns import coordinates_sentence
 from liftmesh.io.surface_rows import classes_of
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class Report:
         ).removesuffix(" 0.000 s: .")
 
     def _columns(self) -> str:
-        said = described(self.columns)
+        said = coordinates_sentence(self.columns)
         return f"Columns: {said}. " if said else ""
 
     def _classes(self) -> str:
