@@ -61,7 +61,7 @@ def _between(a: Exact, b: Exact, share: Fraction) -> Exact:
 def _first_side(start: Floats, end: Floats, place: Exact, target: Exact) -> tuple[int, int] | None:
     """Return the first segment on a way, and on which of its sides that begins."""
     best: tuple[Fraction, int, int] | None = None
-    for k in _near(start, end, place, target).tolist():
+    for k in _near_way(start, end, place, target).tolist():
         a, b = as_exact(start[k]), as_exact(end[k])
         before, after = turn(a, b, place), turn(a, b, target)
         sides = turn(place, target, a), turn(place, target, b)
@@ -75,7 +75,7 @@ def _first_side(start: Floats, end: Floats, place: Exact, target: Exact) -> tupl
     return None if best is None else best[1:]
 
 
-def _near(start: Floats, end: Floats, place: Exact, target: Exact) -> Indices:
+def _near_way(start: Floats, end: Floats, place: Exact, target: Exact) -> Indices:
     """Return the segments whose boxes meet that of a way."""
     ends = np.array([[float(x) for x in each] for each in (place, target)])
     margin = np.abs(ends).max() * 2.0**-50  # more than the rounding of both

@@ -14,7 +14,7 @@ from liftmesh.base.threads import as_threads
 from liftmesh.planar.delaunay import solution_of
 
 
-def solve(rows: Floats, *, copy: bool = False) -> dict[str, Any]:
+def solve_farthest(rows: Floats, *, copy: bool = False) -> dict[str, Any]:
     """Compute what a farthest-point `Delaunay` is made of."""
     planar = rows.copy() if copy else rows
     outcome, hidden = _kernel.farthest(planar, False, *as_threads(None, len(rows)), None)

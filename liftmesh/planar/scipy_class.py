@@ -106,7 +106,7 @@ class Growing:
 def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
     """Triangulate points, with the errors that SciPy's callers expect."""
     try:
-        return (farthest.solve if furthest_site else solve)(rows, copy=copy)
+        return (farthest.solve_farthest if furthest_site else solve)(rows, copy=copy)
     except DegenerateInputError as error:
         raise DegenerateQhullError(*error.args) from None
     except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
