@@ -23,8 +23,8 @@ from liftmesh.io.metadata import is_read, lifted_by
 from liftmesh.io.registry import known_formats
 from liftmesh.io.surface_rows import classes_of
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.kinds import named_values
 from liftmesh.planar.regular import regular
-from liftmesh.planar.weights import named_values
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
