@@ -29,10 +29,10 @@ from .errors import (
     NonFiniteError as NonFiniteError,
     UnsupportedTypeError as UnsupportedTypeError,
 )
-from .io.files import read as read, read_chunks as read_chunks
 from .io.format import Format as Format
+from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
-from .io.writing import Written as Written, write as write
+from .io.write import Written as Written, write as write
 from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,
@@ -52,6 +52,7 @@ from .planar.scipy_voronoi import Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
+from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
@@ -60,14 +61,12 @@ from .terrain.measures import Earthwork as Earthwork, Volume as Volume
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile
-from .terrain.raster import Raster as Raster
 from .terrain.report import Report as Report
 from .terrain.simplification import simplify as simplify
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
-from .tiles.build import tile as tile
-from .tiles.surface_build import tile_surface as tile_surface
+from .tiles.build import tile as tile, tile_surface as tile_surface
 from .tiles.tiled import Tiled as Tiled, open_tiled as open_tiled
 from .tiles.tiled_surface import TiledSurface as TiledSurface
 

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Reals, Rows
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError, NonFiniteError, UnsupportedTypeError
 
 MOST_ROWS: int = _kernel.MOST_ROWS
@@ -82,6 +83,24 @@ def as_reals(values: ArrayLike) -> Floats:
     if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
         raise TypeError("no real numbers")
     return np.asarray(array, dtype=np.float64)
+
+
+def as_number(
+    name: str, value: Any, wanted: str, is_wanted: Callable[[float], bool] = math.isfinite
+) -> float:
+    """Convert an option that is one number; `wanted` says which are right."""
+    try:
+        number = float(as_reals(value))
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not is_wanted(number):
+        raise InputError(f"{name} is {shown(value)}: give {wanted}")
+    return number
+
+
+def as_positive(name: str, value: Any, wanted: str) -> float:
+    """Convert an option that is a positive, finite number."""
+    return as_number(name, value, wanted, lambda number: 0 < number < math.inf)
 
 
 def as_decimal(value: ArrayLike) -> Fraction:

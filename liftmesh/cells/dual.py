@@ -16,7 +16,7 @@ from liftmesh.base.arrays import as_coordinates, non_finite, widened
 from liftmesh.base.cloud import Cloud
 from liftmesh.crs.comparison import common_system, system_of
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
-from liftmesh.io.objects.kinds import is_table
+from liftmesh.io.objects.plain import is_table
 from liftmesh.io.registry import as_cloud
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.diagram import (

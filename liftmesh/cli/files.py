@@ -54,7 +54,7 @@ def read(
     source = sys.stdin.buffer if is_stream(path) else path
     name = "stdin" if is_stream(path) else path
     tiled_surfaces.check_file(path)
-    from liftmesh.io.places import progress  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.streams import progress  # noqa: PLC0415 - help and --version do without
 
     shown = f"reading {name if is_stream(path) else path.name}"
     place = stage(shown) if is_stream(path) else reading(shown, progress)
@@ -103,7 +103,7 @@ def _read_quietly(source: Any, **choices: Any) -> Cloud:
     """Read without warnings: they are among the notes."""
     from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - as above
     from liftmesh.crs.description import check_system  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io import files as io_files  # noqa: PLC0415 - as above
+    from liftmesh.io import read as io_files  # noqa: PLC0415 - as above
 
     with without_warnings():
         if CRS_OF_OTHERS not in choices:
@@ -201,7 +201,8 @@ def is_stream(path: Path) -> bool:
 
 def check_target(path: Path | None, file_format: str | None = None) -> None:
     """Raise before the work starts if a file cannot be written."""
-    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_written  # noqa: PLC0415 - as above
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     if path is None:
         return

@@ -12,7 +12,7 @@ import typer
 
 from liftmesh.base.options import counted
 from liftmesh.cli import files
-from liftmesh.cli.terminal import note, stage
+from liftmesh.cli.terminal import few_of_a_kind, note, stage
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -56,14 +56,16 @@ def merged(
     if "crs" in selection:
         rest = {key: each for key, each in selection.items() if key != "crs"}
         selection = {**rest, files.CRS_OF_OTHERS: selection["crs"]}
-    clouds = [read(each, selection=selection) for each in sources]
+    with few_of_a_kind():
+        clouds = [read(each, selection=selection) for each in sources]
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
     before = {name for each in clouds for name in files.parts_not_read(each)}
     with stage(f"merging {len(sources)} files"), files.without_warnings():
         cloud = merge(clouds.pop(0) for _ in sources)
     if cloud.crs is not None and lacking:
         note(f"{', '.join(lacking)}: no coordinate system: taken to be that of the others")
-    _say_parts(cloud)
+    with few_of_a_kind():
+        _say_parts(cloud)
     new = [name for name in files.parts_not_read(cloud) if name not in before]
     if new:
         note(f"merged without {files.listed([each.partition(' (')[0] for each in new])}")

@@ -20,7 +20,7 @@ from liftmesh.cli.options import parse_count, parse_length
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -47,8 +47,9 @@ def check_options(target: Path, target_format: str | None, options: Mapping[str,
     """Raise before the work starts if a format has no such options."""
     if not options:
         return
-    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - help does without
-    from liftmesh.io.writing import writer_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_written  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.write import writer_of  # noqa: PLC0415 - as above
 
     found = find_written(target_format or suffix_of(target.name), str(target))
     try:
@@ -63,14 +64,14 @@ def write(
     path: Path, mesh: Any, file_format: str | None = None, options: Mapping[str, Any] = _NONE
 ) -> Written:
     """Write a mesh, or to stdout if the path is ``-``."""
-    from liftmesh.io import places, writing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import streams, write  # noqa: PLC0415 - help and --version do without
 
     if not is_stream(path):
-        with terminal.writing(f"writing {path.name}", places.written):
+        with terminal.writing(f"writing {path.name}", streams.written):
             # The command's guard has looked before the work started.
-            return writing.write(path, mesh, format=file_format, overwrite=True, **options)
+            return write.write(path, mesh, format=file_format, overwrite=True, **options)
     with stdout_of_bytes() as stream:
-        return writing.write(stream, mesh, format=file_format, **options)
+        return write.write(stream, mesh, format=file_format, **options)
 
 
 @contextmanager

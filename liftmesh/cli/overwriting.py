@@ -1,7 +1,8 @@
 """What commands do not replace: their inputs, and without ``--overwrite`` any file with content.
 
 An output that is an input, by whatever name, option or link, is refused always, also where it would
-be read wholly before: the output may hold less. So is a file in a folder that is an input.
+be read wholly before: the output may hold less. So is a file in a folder that is an input, and one
+that is read beside an input.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ _OPTION = inspect.Parameter(
         bool, typer.Option("--overwrite", help="Replace a file that exists; never an input.")
     ],
 )
+_BESIDE = {
+    ".shp": (".dbf", ".prj", ".cpg"), ".ele": (".node",), ".asc": (".prj",),
+    ".tif": (".prj", ".tfw", ".wld"), ".tiff": (".prj", ".tfw", ".wld"),
+}  # fmt: skip
 
 
 def guards(*outputs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -76,6 +81,13 @@ def _inputs(values: Mapping[str, Any], outputs: Sequence[str]) -> Iterator[Path]
         for each in [] if key in outputs else value if isinstance(value, list) else [value]:
             if isinstance(each, Path) or (isinstance(each, str) and _is_name(each)):
                 yield Path(each)
+                yield from _beside(Path(each))
+
+
+def _beside(path: Path) -> Iterator[Path]:
+    """List the files that are read beside one."""
+    named = (path.with_suffix(each) for each in _BESIDE.get(path.suffix.lower(), ()))
+    yield from (each for each in named if each.is_file())
 
 
 def _is_name(text: str) -> bool:

@@ -17,10 +17,10 @@ from liftmesh.cli import (
     options,
     outputs,
     overwriting,
+    second_tables,
     shapes,
     standard_streams,
     surfaces,
-    tables,
     terminal,
 )
 from liftmesh.cli.reading import with_options as with_reading
@@ -43,7 +43,11 @@ EXAMPLES = [
 ]
 
 
+_ROUNDING = 1e-9  # of the length
+
+
 @overwriting.guards("target")
+@second_tables.with_options("along", "corners_table")
 @with_reading
 def run(
     source: surfaces.Source,
@@ -61,6 +65,7 @@ def run(
             "after the other.",
         ),
     ],
+    corners_table: Any = None,
     target_format: Annotated[
         str | None,
         typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
@@ -79,7 +84,7 @@ def run(
     else:
         files.check_target(target, target_format)
     surface = reading.surface(source)
-    lines = [corners] if path is None else _lines(path, source, surface, reading)
+    lines = [corners] if path is None else _lines(path, corners_table, source, surface, reading)
     with terminal.stage(f"draping {len(lines):,} line{'' if len(lines) == 1 else 's'}"):
         found = _draped(surface, lines, along)
     if is_shapes:
@@ -91,7 +96,7 @@ def run(
     is_stdout = files.is_stream(target)
     place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
     with place, standard_streams.after_writing(written):
-        _say(written, found, len(lines), surface, as_json=json)
+        _say(written, found, lines, surface, as_json=json)
 
 
 def _corners(along: list[str]) -> list[list[float]] | None:
@@ -125,17 +130,17 @@ def _check_shapes(target: Path) -> None:
     files.check_place(target)
 
 
-def _lines(path: Path, source: Path, surface: Surface, reading: Any) -> list[Any]:
+def _lines(path: Path, table: Any, source: Path, surface: Surface, reading: Any) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.profile import system_of_plane  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
-    if not shapes.is_cloud(path):
-        return list(lines_of(path, system_of_plane(surface)))
+    if table.file_format is None and not shapes.is_cloud(path):
+        return list(lines_of(path, plane_system(surface)))
     from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
 
-    cloud = files.read(path, None, reading.max_bytes, tables.flat_of(path))
-    crs = system_of_plane(surface)
+    cloud = table.read(path, reading.max_bytes)
+    crs = plane_system(surface)
     if are_different(crs, cloud.crs):
         raise InputError(
             f"{path} is in {shown(cloud.crs)}, {source} in {shown(crs)}: transform the points first"
@@ -155,12 +160,21 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
         raise
 
 
-def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_json: bool) -> None:
-    """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import names_of  # noqa: PLC0415 - help and --version do without
+def _length(lines: list[Any]) -> float:
+    """Return how long lines are in the plane, where they lie on faces or not."""
+    corners = ([each[:2] for each in line] for line in lines)
+    return sum(math.fsum(map(math.dist, each, each[1:])) for each in corners)
 
-    plane, upright = names_of(surface)
+
+def _say(
+    path: Path | None, found: Draped, given: list[Any], surface: Surface, *, as_json: bool
+) -> None:
+    """Print how long the lines are and which heights they have, with the units."""
+    from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
+
+    plane, upright = unit_names(surface)
     length, heights = float(found.lengths.sum()), found.points[:, 2]
+    lines, whole = len(given), _length(given)
     if as_json:
         terminal.as_json(
             {
@@ -169,6 +183,7 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
                 "parts": len(found.lines),
                 "points": len(heights),
                 "length": length,
+                "length_of_lines": whole,
                 "lowest": float(heights.min()),
                 "highest": float(heights.max()),
                 "unit": plane,
@@ -177,6 +192,8 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
             }
         )
         return
+    if whole - length > _ROUNDING * whole:
+        terminal.note(f"{whole - length:.6g} of {whole:.6g} that the lines are long lie on no face")
     terminal.sentence(
         f"{path or 'stdout'}: {len(heights):,} points in {len(found.lines):,} part"
         f"{'' if len(found.lines) == 1 else 's'} of {lines:,} line{'' if lines == 1 else 's'}, "

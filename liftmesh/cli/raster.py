@@ -79,7 +79,7 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    from liftmesh.terrain.raster import check_name  # noqa: PLC0415 - help and --version do without
+    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - help and --version do without
 
     standard_streams.check_stdout()
     check_name(target)

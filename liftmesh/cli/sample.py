@@ -18,6 +18,7 @@ from liftmesh.cli import (
     outputs,
     overwriting,
     rows,
+    second_tables,
     shapes,
     standard_streams,
     surfaces,
@@ -32,7 +33,8 @@ if TYPE_CHECKING:
 
 SHORT_HELP = "Write the heights of a mesh or cloud at points."
 HELP = (
-    "OUT has the points of --at with the heights of the surface as z, and their other values. "
+    "OUT has the points of --at with the heights of the surface as z, their own heights, if they "
+    "have any, as given_z, and their other numbers. "
     "Where no face contains the point, there is no height: an empty field in CSV and TSV, else NaN."
 )
 EXAMPLES = [
@@ -46,6 +48,7 @@ _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 
 
 @overwriting.guards("target")
+@second_tables.with_options("at", "points")
 @tables.with_options
 @rows.with_options
 @with_trimming
@@ -58,6 +61,7 @@ def run(
             metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
         ),
     ],
+    points: Any = None,
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
@@ -88,7 +92,7 @@ def run(
         selection=selection,
     )
     surface = trimmed(surface, trimming)
-    asked = _asked(at, source, surface.crs, limit)
+    asked = _asked(at, points, source, surface.crs, limit)
     with terminal.stage(f"sampling at {len(asked):,} points"):
         found, known = _sampled(surface, asked, method, count)
     path = _write(target, found, target_format)
@@ -102,10 +106,10 @@ def run(
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
 
 
-def _asked(at: Path, source: Path, own: str | None, limit: int | None) -> Cloud:
+def _asked(at: Path, points: Any, source: Path, own: str | None, limit: int | None) -> Cloud:
     """Read the points, which have to be in the system of the surface."""
-    if files.is_stream(at) or shapes.is_cloud(at):
-        asked = files.read(at, None, limit, tables.flat_of(at))
+    if points.file_format is not None or files.is_stream(at) or shapes.is_cloud(at):
+        asked: Cloud = points.read(at, limit, flat=None)
         _check_systems(source, own, at, asked.crs)
         return asked
     from liftmesh.vector.points import points_of  # noqa: PLC0415 - help and --version do without
@@ -137,7 +141,10 @@ def _sampled(
 
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
-    found = replace(asked, points=points, faces=None, crs=asked.crs or surface.crs)
+    own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
+    values = {**own, **asked.attributes}
+    crs = asked.crs or surface.crs
+    found = replace(asked, points=points, attributes=values, faces=None, crs=crs)
     return found, int(np.count_nonzero(np.isfinite(heights)))
 
 
@@ -163,8 +170,8 @@ class _EmptyFields:
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import atomic, writing  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.registry import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io import atomic, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:
@@ -172,8 +179,8 @@ def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
         return None if written is None else Path(written)
     if files.is_stream(target):
         with outputs.stdout_of_bytes() as stream:
-            writing.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
+            write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
         return None
     with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
-        writing.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
+        write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
     return target

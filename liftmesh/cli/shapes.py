@@ -11,7 +11,8 @@ SHAPES = {".geojson", ".json", ".gpkg"}
 
 def is_cloud(path: Path) -> bool:
     """Whether a file is a table or a cloud, by its suffix, and not one of shapes."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
 
     if path.suffix.lower() in SHAPES or not path.suffix:
         return False

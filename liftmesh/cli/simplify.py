@@ -27,7 +27,7 @@ from liftmesh.cli import (
 from liftmesh.cli.triangulate import bar_steps
 
 if TYPE_CHECKING:
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."

@@ -22,7 +22,7 @@ from liftmesh.cli.reading import with_options as with_reading
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."

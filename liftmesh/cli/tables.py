@@ -76,7 +76,8 @@ def parse(
 
 def flat_of(path: Path) -> dict[str, bool]:
     """Return the option that says that heights do not matter, if a file is a table."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
 
     is_table = bool(path.suffix) and find_format(suffix_of(path.name), str(path)).name == "text"
     return {"flat": True} if is_table else {}

@@ -31,7 +31,7 @@ from liftmesh.cli.trimming import trimmed, with_options as with_trimming
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 

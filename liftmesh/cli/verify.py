@@ -156,7 +156,8 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
 
 def _check_format(source: Path, file_format: str | None) -> None:
     """Raise for a file of points before it is read: options of tables would not help."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
 
     if file_format is None and not source.is_file():
         return

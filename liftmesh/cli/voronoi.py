@@ -121,7 +121,8 @@ def _kind(target: Path, name: str | None) -> str:
 
 def _planar(source: Path, source_format: str | None, table: dict[str, Any]) -> dict[str, Any]:
     """Options of a table: cells need x and y only."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = source_format or suffix_of(source.name)
     is_table = bool(kind) and find_format(kind, str(source)).name == "text"

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from liftmesh import _kernel
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
 
 
 def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
@@ -310,7 +310,7 @@ class LowerHull:
         >>> hull.save(io.BytesIO(), format="ply").format
         'ply'
         """
-        from liftmesh.io.writing import write  # noqa: PLC0415
+        from liftmesh.io.write import write  # noqa: PLC0415
 
         return write(path, self.to_cloud(), **options)
 

@@ -30,10 +30,10 @@ from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 
-def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
+def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
     """Make a copy of a surface with other values for some of its parts."""
     depth = given.get("color_depth")
     parts = as_parts({name: value for name, value in given.items() if name != "color_depth"})
@@ -58,7 +58,7 @@ def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
     return replace(changed, triangulation=_moved(surface, changed.vertices))
 
 
-def _check_lifting(surface: Surface, given: Mapping[str, Array]) -> None:
+def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:
     """Raise for other values under the name of those by which the surface was triangulated."""
     for kind, name in lifted_by(surface.metadata).items():
         held = getattr(surface.triangulation, kind, None)
@@ -77,7 +77,7 @@ def _check_lifting(surface: Surface, given: Mapping[str, Array]) -> None:
             )
 
 
-def _check_flags(surface: Surface, given: Mapping[str, Array]) -> None:
+def _check_flags(surface: SurfaceData, given: Mapping[str, Array]) -> None:
     """Raise for other values under the name of those that say which rows are hidden."""
     present = surface.attributes.get(HIDDEN)
     if present is None or HIDDEN not in given or np.array_equal(given[HIDDEN], present):
@@ -95,7 +95,7 @@ def _colors(given: Array, present: Array | None, depth: int | None) -> Array:
     return given if is_decided else judged(given)[0]
 
 
-def _vertices(given: ArrayLike, surface: Surface) -> Floats:
+def _vertices(given: ArrayLike, surface: SurfaceData) -> Floats:
     """Check moved vertices: one for each row, finite unless the row is in no face."""
     rows = as_coordinates(given)
     if rows.shape != surface.vertices.shape:
@@ -108,7 +108,7 @@ def _vertices(given: ArrayLike, surface: Surface) -> Floats:
     return rows.astype(np.float64, copy=False)
 
 
-def _moved(surface: Surface, vertices: Floats) -> Triangulation:
+def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
     """Return the triangulation of moved vertices: the same triangles, if they are right."""
     old = surface.triangulation
     planar = surface.frame.planar(vertices)

@@ -32,8 +32,8 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.options import GroundMethod, as_count, check_option, shown
 from liftmesh.crs.description import described
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
-from liftmesh.io.files import read_cloud
 from liftmesh.io.interpreter import command
+from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,10 +32,9 @@ from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import replacing
 from liftmesh.predicates import orient2d
+from liftmesh.terrain.sampling import heights_at
+from liftmesh.terrain.surface_data import SurfaceData, plane_system
 from liftmesh.vector import geojson, geopackage
-
-if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -76,59 +75,23 @@ class Profile:
         return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"
 
 
-class Profiling:
-    """The method of a `Surface` that drapes lines."""
-
-    __slots__ = ()
-
-    def profile(self: Any, line: ArrayLike) -> Profile:
-        """Drape a line over the faces.
-
-        Parameters
-        ----------
-        line : (k, 2) array_like
-            Its corners in the plane, two at least.
-
-        Returns
-        -------
-        Profile
-            Linear between its points, as the faces are.
-
-        Raises
-        ------
-        InputError
-            There are fewer than two corners, or one is not finite; or the line is longer than the
-            largest double.
-
-        Notes
-        -----
-        The line is halved, again and again, and each half looks only at the faces that are near the
-        one that it is of. So a piece takes time for the faces near it; one piece across the whole
-        surface, for all of them. Corners are draped by `sample`. No bit depends on the order of the
-        rows.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
-        >>> slope.profile([[-1, 1], [2, 1], [2, 9]]).points.tolist()
-        [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
-        """
-        corners = _corners(line)
-        before = _distances(corners)
-        pieces = LineCrossings(self).of(corners)
-        points = np.concatenate(pieces)
-        piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
-        points[:, 3] += before[piece]
-        return _parts(points, _are_joined(self, points, piece))
+def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
+    """Drape a line over the faces."""
+    corners = _corners(line)
+    before = _distances(corners)
+    pieces = LineCrossings(surface).of(corners)
+    points = np.concatenate(pieces)
+    piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
+    points[:, 3] += before[piece]
+    return _parts(points, _are_joined(surface, points, piece))
 
 
-def _are_joined(surface: Surface, points: Floats, piece: Array) -> Mask:
+def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
     """Whether points and those after them are one corner of the line, or have a face between."""
     firsts, steps = points[:-1, :2], np.diff(points[:, :2], axis=0)
     one_piece = piece[1:] == piece[:-1]
     joined: Mask = (steps == 0).all(axis=1)
-    joined[one_piece] = np.isfinite(surface.sample((firsts + steps / 2)[one_piece]))
+    joined[one_piece] = np.isfinite(heights_at(surface, (firsts + steps / 2)[one_piece]))
     return joined
 
 
@@ -171,7 +134,7 @@ Wide: TypeAlias = tuple[
 class LineCrossings:
     """What lines meet of a surface."""
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: SurfaceData) -> None:
         self._surface = surface
         self._points = surface.triangulation.points
         self._heights = surface.frame.heights(surface.vertices)
@@ -181,7 +144,7 @@ class LineCrossings:
 
     def of(self, corners: Floats) -> list[Floats]:
         """List what each piece of a line meets."""
-        ends = np.column_stack([corners, self._surface.sample(corners)])
+        ends = np.column_stack([corners, heights_at(self._surface, corners)])
         pieces = [*pairwise(ends)]
         return [
             _along(self._met(np.stack(pieces[number]), near), *corners[number : number + 2])
@@ -336,9 +299,9 @@ class Draped:
         return path
 
 
-def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
+def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
     """Drape lines over the faces of a surface."""
-    found = [surface.profile(line) for line in lines]
+    found = [profile_along(surface, line) for line in lines]
     counts = [len(each.starts) - 1 for each in found]
     if not any(counts):
         if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
@@ -350,10 +313,5 @@ def drape(surface: Surface, lines: Sequence[Floats]) -> Draped:
         np.concatenate([each.distances for each in found]),
         np.concatenate([[0], np.cumsum(sizes)]),
         np.repeat(np.arange(len(found)), counts),
-        system_of_plane(surface),
+        plane_system(surface),
     )
-
-
-def system_of_plane(surface: Surface) -> str | None:
-    """Return the coordinate system of lines over a surface: none over a plane that is turned."""
-    return surface.crs if surface.frame.name == "xy" else None

@@ -51,9 +51,9 @@ from liftmesh.planar.delaunay import solve
 from liftmesh.planar.points import pieces
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.meshes import as_surface
-from liftmesh.terrain.positions import positions_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
+from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:

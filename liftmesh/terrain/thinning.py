@@ -29,8 +29,8 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import check_finite
 from liftmesh.base.options import CellRow, as_count, check_option, shown
 from liftmesh.errors import InputError
-from liftmesh.io.files import read_cloud
-from liftmesh.terrain.positions import positions_of
+from liftmesh.io.read import read_cloud
+from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:

@@ -134,17 +134,13 @@ class _Package:
         return None
 
     def _columns(self, table: str) -> list[str]:
-        """Return the columns of values: without the number of the row, and none computed."""
-        self._check_table(table)
-        found = self._connection.execute(f"PRAGMA main.{_COLUMNS}({_quoted(table)})").fetchall()
-        if any(each[6] for each in found):
-            raise FormatError(f"{self._path}: layer {shown(table)} has computed columns: refused")
-        return [each[1] for each in found if not each[5]]
+        """Return the columns of values: without the number of the row."""
+        return [each[1] for each in self._described(table) if not each[5]]
 
     def _rows(self, table: str, *columns: str) -> Iterator[tuple[Any, ...]]:
         """Read columns of an ordinary table; what is read may not take more than files can hold."""
         if table != _SCHEMA:
-            self._check_table(table)
+            self._described(table)
         own = _quoted(table)
         names = ", ".join(f"{own}.{_quoted(each)}" for each in columns)
         command = f"SELECT {names} FROM main.{own} NOT INDEXED"  # noqa: S608 - names are quoted
@@ -157,14 +153,21 @@ class _Package:
                 )
             yield row
 
-    def _check_table(self, name: str) -> None:
-        kind, text = self._tables.get(name.lower(), ("nothing", ""))
+    def _described(self, name: object) -> list[tuple[Any, ...]]:
+        """Return what SQLite says of the columns of an ordinary table, none of them computed."""
+        known = name.lower() if isinstance(name, str) else ""
+        kind, text = self._tables.get(known, ("nothing", ""))
         if kind != "table" or not text.startswith("CREATE TABLE "):
             raise FormatError(
                 f"{self._path}: {shown(name)} is no ordinary table but {kind} (views and virtual "
                 "tables are refused): save the layer to a new file"
             )
-        self._allowed.add(name.lower())
+        command = f"PRAGMA main.{_COLUMNS}({_quoted(str(name))})"
+        found = self._connection.execute(command).fetchall()
+        if any(each[6] for each in found):
+            raise FormatError(f"{self._path}: table {shown(name)} has computed columns: refused")
+        self._allowed.add(known)
+        return found
 
     def _judged(self, action: int, table: str | None, *rest: str | None) -> int:
         """Deny all but reading columns of tables that were looked at, and not through a view."""
