@@ -25,11 +25,11 @@ from liftmesh._typing import Array, Floats
 from liftmesh.cells.clipped import free_name
 from liftmesh.cells.domain import shapes_of, united
 from liftmesh.cells.ply import write_ply
-from liftmesh.crs.description import described, looked_up
+from liftmesh.crs.description import looked_up
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.text_tables import write_rows
 from liftmesh.optional import load
-from liftmesh.vector.files import read_features, stated_system
+from liftmesh.vector.files import own_system, read_features
 from liftmesh.vector.geojson import crs_member
 from liftmesh.vector.geopackage import write_shapes
 
@@ -261,8 +261,6 @@ def _outline(ring: Floats) -> str:
 _WRITERS: Mapping[str, Callable[..., tuple[str, ...]]] = {
     "geojson": write_geojson, "gpkg": write_geopackage, "ply": write_ply, "svg": write_svg,
 }  # fmt: skip
-_STANDARD = "EPSG:4326"  # of GeoJSON that names no other
-_DEGREES = np.array([180.0, 90.0])
 
 
 def read_domain(path: Path) -> tuple[Any, str | None]:
@@ -276,16 +274,4 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
         shape = united(shapes)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return shape, _system(tree, shape)
-
-
-def _system(tree: dict[str, Any], shape: Any) -> str | None:
-    crs = stated_system(tree) if "crs" in tree else _STANDARD
-    system = described(crs)
-    if system is None or (system.kind == "geographic" and not _is_degrees(shape.bounds)):
-        return None
-    return crs
-
-
-def _is_degrees(bounds: tuple[float, ...]) -> bool:
-    return bool((np.abs(np.reshape(bounds, (2, 2))) <= 2 * _DEGREES).all())
+    return shape, own_system(tree, shape.bounds)

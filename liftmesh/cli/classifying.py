@@ -74,7 +74,7 @@ def parted(selection: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]
 
 def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, Any]) -> Cloud:
     """Classify a cloud and select the ground; say on stderr what was found."""
-    from liftmesh.io.selection import Selector, checked, selected  # noqa: PLC0415 - help does without
+    from liftmesh.io.selection import Selector, selected, validate_selection  # noqa: PLC0415 - help does without
     from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
 
     with stage(f"finding the ground among {len(cloud):,} rows"):
@@ -97,7 +97,7 @@ def classified(cloud: Cloud, ground: Mapping[str, Any], selection: Mapping[str, 
     if lost := bare_warning(counts):
         remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
         note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
-    chosen = checked(**selection)
+    chosen = validate_selection(**selection)
     found = found if chosen is None else selected(found, Selector(chosen, "the cloud"))
     if not len(found):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")

@@ -80,10 +80,10 @@ def parse(
     system |= {} if band is None else {"band": parse_count("--band", band, 1)}
     if not given:
         return system
-    from liftmesh.io.selection import checked  # noqa: PLC0415 - most runs do without
+    from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
 
     try:
-        checked(**given)
+        validate_selection(**given)
     except InputError as error:
         raise typer.BadParameter(f"--{error}".replace("--z_range", "--z-range")) from error
     return given | system

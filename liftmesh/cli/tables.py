@@ -65,10 +65,10 @@ def parse(
     given |= {"skip_rows": lines} if lines else {}
     if not given:
         return given
-    from liftmesh.io.formats.text.options import checked  # noqa: PLC0415 - most runs do without
+    from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - most runs do without
 
     try:
-        checked(**given)
+        validate_table_options(**given)
     except InputError as error:
         raise typer.BadParameter(f"--{error}") from error
     return given

@@ -1,17 +1,15 @@
-"""Geometries and values of a GeoPackage, which the SQLite of the standard library reads.
+"""GeoPackage: geometries and values, which the SQLite of the standard library reads.
 
 A file of SQLite holds statements as well as rows. So it is opened for reading alone, without any
 file beside it, and nothing but rows of ordinary tables is read: views, virtual tables and computed
 columns are refused, functions denied. What is read is counted, and the steps that SQLite takes for
 it: pages that are used many times, as only damaged files have them, end in an error.
 
-Geometries of well-known binary (WKB), of which x and y are read, as objects of GeoJSON.
+Geometries are well-known binary (WKB), of which x and y are read, as objects of GeoJSON. Counts are
+compared with the bytes that are there, and collections may be nested only so deep.
 
-Counts are compared with the bytes that are there, and collections may be nested only so deep.
-
-GeoPackage of lines and other shapes, which geopandas writes.
-
-The file is made in memory, since the database behind it cannot be written to a stream.
+Lines and other shapes are written by geopandas: in memory, since the database behind it cannot be
+written to a stream.
 """
 
 from __future__ import annotations
@@ -263,7 +261,7 @@ class _Reader:
         return found.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
 
 
-def write(
+def write_lines(
     stream: BinaryIO,
     points: Floats,
     starts: Array,
