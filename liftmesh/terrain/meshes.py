@@ -21,8 +21,8 @@ from liftmesh.io.metadata import is_read, lifted_by
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.kinds import named_values
 from liftmesh.planar.regular import regular
-from liftmesh.planar.weights import named_values
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface

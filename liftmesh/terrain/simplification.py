@@ -46,7 +46,7 @@ from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve
-from liftmesh.planar.positions import pieces
+from liftmesh.planar.points import pieces
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.report import report_on
