@@ -125,7 +125,7 @@ def parse_metric(text: str | None) -> Any:
     numbers = _numbers(text, 3)
     if numbers is None:
         raise typer.BadParameter(f"--metric {text!r} is not three numbers: give A,B,C")
-    from liftmesh.planar.metric import as_metric  # noqa: PLC0415 - help and --version do without
+    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
 
     a, b, c = numbers
     try:

@@ -14,7 +14,7 @@ from liftmesh.cli.files import notes, parts_not_read
 from liftmesh.cli.lidar import counted
 from liftmesh.crs.units import system_of
 from liftmesh.io.metadata import found_columns
-from liftmesh.planar.positions import find_positions, pieces
+from liftmesh.planar.points import find_positions, pieces
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
