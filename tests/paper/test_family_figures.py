@@ -59,7 +59,7 @@ def test_hidden_circles_are_drawn_as_such() -> None:
 
 def test_circles_of_a_metric_go_through_three_points_and_are_empty() -> None:
     figure = metric.figure_metric()
-    points = metric.example_points()
+    points = metric.metric_points()
     plane = delaunay(points, metric=metric.METRIC)
     assert not np.array_equal(np.sort(plane.edges, axis=0), np.sort(delaunay(points).edges, axis=0))
     for axes, form in zip(figure.axes, (np.eye(2), np.array(metric.METRIC)), strict=True):

@@ -69,7 +69,7 @@ def figure_adaptive() -> Figure:
         else:
             axes.tripcolor(found, points[:, 2], shading="gouraud", rasterized=True, **shown)
         figure.text(column / 3 + 1 / 6, 0.15, title, ha="center")
-    _legend(figure)
+    _image_legend(figure)
     return figure
 
 
@@ -82,7 +82,7 @@ def _draw_triangles(axes: Any, found: Any, points: Floats) -> None:
     axes.plot(*points[:, :2].T, marker="o", ls="", ms=1.8, color=INK, mew=0, zorder=6)
 
 
-def _legend(figure: Figure) -> None:
+def _image_legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     patch = load("matplotlib.patches", extra="plot").Patch
     handles = [

@@ -19,7 +19,7 @@ COUNT = 1_000
 DIRECTIONS = ((-120.0, 28.0), (-40.0, 6.0))  # azimuth and elevation in degrees
 
 
-def example_points() -> Floats:
+def square_points() -> Floats:
     """Return the planar points of Figures 5.1 and 5.2."""
     return np.random.default_rng(51).uniform(0.0, SQUARE, (COUNT, 2))
 
@@ -39,7 +39,7 @@ def figure_5_2() -> Figure:
 def _data(q: Vertex) -> Figure:
     load("mpl_toolkits.mplot3d", extra="plot")  # makes the 3-D axes known
     figure = new_figure(8.6, 4.1)
-    points = example_points()
+    points = square_points()
     lifted = lift(points, q)
     vertex = (*resolve_q(q, points), 0.0)
     for column, (azimuth, elevation) in enumerate(DIRECTIONS):

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from liftmesh.disks.apollonius import ApolloniusGraph
 
-LIMITS = (-1.2, 9.0)
+_DISK_LIMITS = (-1.2, 9.0)
 _DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 0.25]]
 
 
@@ -55,7 +55,7 @@ def figure_disks() -> Figure:
     figure = new_figure(7.4, 3.1)
     for column, overlapping in enumerate((False, True)):
         axes = blank_axes(figure, (0.33 * column, 0.18, 0.33, 0.81))
-        axes.set(xlim=LIMITS, ylim=LIMITS)
+        axes.set(xlim=_DISK_LIMITS, ylim=_DISK_LIMITS)
         _graph(axes, apollonius(*example_disks(overlapping=overlapping)))
     solid: Any = figure.add_axes((0.66, 0.16, 0.34, 0.86), projection="3d", computed_zorder=False)
     _lifted(solid, np.array(_DISJOINT))
@@ -65,11 +65,11 @@ def figure_disks() -> Figure:
         (0.83, "(c) a supporting plane"),
     ):
         figure.text(x, 0.12, text, ha="center")
-    _legend(figure)
+    _disks_legend(figure)
     return figure
 
 
-def _legend(figure: Figure) -> None:
+def _disks_legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     named = (
         (SKY, "disk"),
@@ -96,7 +96,7 @@ def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
         axes.add_patch(patches.Polygon(corners, fc=GREEN, alpha=0.45, lw=0, gid="unsupported"))
     edges = graph.centers[graph.edges]
     axes.add_collection(lines(list(edges), colors=BLUE, linewidths=0.6, gid="edges"))
-    sides = [line for _, line in graph.cell_sides((*LIMITS[:1] * 2, *LIMITS[1:] * 2), 0.01)]
+    sides = [line for _, line in graph.cell_sides((*_DISK_LIMITS[:1] * 2, *_DISK_LIMITS[1:] * 2), 0.01)]
     axes.add_collection(lines(sides, colors=INK, linewidths=1.2, gid="cells"))
 
 

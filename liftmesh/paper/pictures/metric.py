@@ -34,7 +34,7 @@ _SHOWN = 5  # circles
 _LIMITS = (-0.6, 10.6)
 
 
-def example_points() -> Floats:
+def metric_points() -> Floats:
     """Return the points of the picture."""
     return np.random.default_rng(4).uniform(0.0, 10.0, (40, 2))
 
@@ -55,18 +55,18 @@ def circle_through(corners: Floats, metric: Floats, count: int = 181) -> Floats:
 def figure_metric() -> Figure:
     """Draw Delaunay triangulations in two metrics, with the empty circles of some triangles."""
     figure = new_figure(7.2, 4.2)
-    points = example_points()
+    points = metric_points()
     for column, metric in enumerate((((1.0, 0.0), (0.0, 1.0)), METRIC)):
         axes = blank_axes(figure, (0.5 * column, 0.17, 0.5, 0.83))
         axes.set(xlim=_LIMITS, ylim=_LIMITS)
-        _draw(axes, delaunay(points, metric=metric), np.array(metric))
+        _draw_circles(axes, delaunay(points, metric=metric), np.array(metric))
     figure.text(0.25, 0.12, r"(a) $x^2 + y^2$", ha="center")
     figure.text(0.75, 0.12, r"(b) $x^2 + 2.4\,xy + 3\,y^2$", ha="center")
-    _legend(figure)
+    _metric_legend(figure)
     return figure
 
 
-def _draw(axes: Axes, found: Triangulation, metric: Floats) -> None:
+def _draw_circles(axes: Axes, found: Triangulation, metric: Floats) -> None:
     lines = load("matplotlib.collections", extra="plot").LineCollection
     corners = found.points[found.simplices]
     circles = [circle_through(each, metric) for each in corners]
@@ -86,7 +86,7 @@ def is_inside(circle: Floats) -> bool:
     return bool((circle > _LIMITS[0]).all() and (circle < _LIMITS[1]).all())
 
 
-def _legend(figure: Figure) -> None:
+def _metric_legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     patch = load("matplotlib.patches", extra="plot").Patch
     handles = [

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
 
 COUNT = 34
-LIMITS = (-1.7, 11.7)
+_LIMITS = (-1.7, 11.7)
 _FAR = 40.0
 
 
@@ -55,14 +55,14 @@ def figure_power() -> Figure:
     figure = new_figure(6.6, 3.85)
     centers, radii = example_circles()
     found = regular(centers, radii=radii)
-    for column, draw in enumerate((_triangles, _cells)):
+    for column, draw in enumerate((_edges, _sides)):
         axes = blank_axes(figure, (0.5 * column, 0.165, 0.5, 0.83))
-        axes.set(xlim=LIMITS, ylim=LIMITS)
+        axes.set(xlim=_LIMITS, ylim=_LIMITS)
         _circles(axes, found, radii)
         draw(axes, found)
     figure.text(0.25, 0.12, "(a) regular triangulation", ha="center")
     figure.text(0.75, 0.12, "(b) power diagram", ha="center")
-    _legend(figure)
+    _power_legend(figure)
     return figure
 
 
@@ -83,13 +83,13 @@ def _shade(color: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _triangles(axes: Axes, found: RegularTriangulation) -> None:
+def _edges(axes: Axes, found: RegularTriangulation) -> None:
     lines = load("matplotlib.collections", extra="plot").LineCollection
     edges = found.points[found.edges]
     axes.add_collection(lines(list(edges), colors=BLUE, linewidths=1.0, gid="edges"))
 
 
-def _cells(axes: Axes, found: RegularTriangulation) -> None:
+def _sides(axes: Axes, found: RegularTriangulation) -> None:
     lines = load("matplotlib.collections", extra="plot").LineCollection
     axes.add_collection(lines(list(cell_sides(found)), colors=INK, linewidths=1.1, gid="cells"))
 
@@ -117,7 +117,7 @@ def _outward(found: Triangulation, triangle: Indices, corner: Indices) -> Floats
     return unit
 
 
-def _legend(figure: Figure) -> None:
+def _power_legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     handles = [
         line([], [], color=SKY, lw=1.1, label="circle"),

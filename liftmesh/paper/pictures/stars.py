@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from liftmesh.planar.anisotropic import AnisotropicStars
 
-COUNT = 140
+STARS = 140
 RATIO = 4.0
 
 
@@ -42,15 +42,15 @@ def example_metrics(points: Floats) -> Floats:
     return metrics
 
 
-def example_points() -> Floats:
+def star_points() -> Floats:
     """Return the points of the picture."""
-    return np.random.default_rng(13).random((COUNT, 2))
+    return np.random.default_rng(13).random((STARS, 2))
 
 
 @styled
 def figure_stars() -> Figure:
     """Draw metrics as ellipses, and the triangles in the stars of all their corners."""
-    points = example_points()
+    points = star_points()
     stars = anisotropic_stars(points, example_metrics(points))
     figure = new_figure(5.2, 3.2)
     for column, (draw, text) in enumerate(
@@ -60,11 +60,11 @@ def figure_stars() -> Figure:
         axes.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
         draw(axes, stars)
         figure.text(0.25 + 0.5 * column, 0.11, text, ha="center")
-    _legend(figure)
+    _stars_legend(figure)
     return figure
 
 
-def _legend(figure: Figure) -> None:
+def _stars_legend(figure: Figure) -> None:
     line = load("matplotlib.lines", extra="plot").Line2D
     handles = [
         line([], [], color=SKY, lw=1.1, label="unit circle of the metric"),
