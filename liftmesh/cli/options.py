@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import NonFinite, as_count
+from liftmesh.base.options import NonFinite, as_count, as_threads
 from liftmesh.errors import InputError
 
 Source: TypeAlias = Annotated[
@@ -174,7 +174,6 @@ def parse_threads(text: str | None) -> int | None:
     """Parse the value of ``--threads``, before the work starts."""
     threads: Any = None if text is None else _whole(text)
     from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
-    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
 
     try:
         as_threads(threads, MOST_ROWS)

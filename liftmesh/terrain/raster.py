@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import RasterQuantity, SampleMethod, check_option, shown
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import RasterQuantity, SampleMethod, as_threads, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
