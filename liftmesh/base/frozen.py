@@ -16,7 +16,7 @@ import functools
 import sys
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
 
 import numpy as np
 
@@ -80,9 +80,16 @@ def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> 
         )
 
 
-def constructed_from(result: Any) -> tuple[Any, ...]:
-    """Pickle and copy a frozen dataclass by its class and fields."""
-    return type(result), tuple(getattr(result, each.name) for each in fields(result))
+class FrozenResult:
+    """Base of frozen dataclasses: read-only arrays and mappings, also in copies and pickles."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), tuple(getattr(self, each.name) for each in fields(cast("Any", self)))
 
 
 __all__ = ["cached_property"]
