@@ -16,7 +16,7 @@ import functools
 import sys
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, cast
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -41,6 +41,19 @@ class FrozenDict(dict[Key, Value]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (dict(self),)
+
+
+class FrozenResult:
+    """Base of frozen dataclasses that are read-only throughout, also in copies and pickles."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        result: Any = self
+        return type(self), tuple(getattr(self, each.name) for each in fields(result))
 
 
 def freeze(result: Any) -> None:
@@ -78,18 +91,6 @@ def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> 
             f"the copy is damaged: simplices are {simplices.shape} and neighbors "
             f"{neighbors.shape}; triangulate again"
         )
-
-
-class FrozenResult:
-    """Base of frozen dataclasses: read-only arrays and mappings, also in copies and pickles."""
-
-    __slots__ = ()
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), tuple(getattr(self, each.name) for each in fields(cast("Any", self)))
 
 
 __all__ = ["cached_property"]
