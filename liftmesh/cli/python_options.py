@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import shlex
 
-_NAMES = (
+_OPTION_NAMES = (
     "band", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
     "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
     "skip_rows", "to_crs", "unit",
@@ -42,10 +42,10 @@ _SUBJECTS = (
 )  # fmt: skip
 _OF_READING = {"crs": "from_crs", "header": "no_header"}
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
-_NAME = rf"(?P<name>{'|'.join(_NAMES)})="
-_QUOTED = re.compile(rf"(?<![^\s(]){_NAME}'(?P<value>[^']*)'")
-_NUMBER = re.compile(rf"(?<=[\s(]){_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
-_BARE = re.compile(rf"(?<![^\s(]){_NAME}(?=[\s,;:)]|$)")
+_OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
+_QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
+_NUMBER = re.compile(rf"(?<=[\s(]){_OPTION_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
+_BARE = re.compile(rf"(?<![^\s(]){_OPTION_NAME}(?=[\s,;:)]|$)")
 _SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are) ")
 
 

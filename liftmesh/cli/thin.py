@@ -35,7 +35,7 @@ EXAMPLES = [
 @overwriting.guards("target")
 @tables.with_options
 @rows.with_options
-@thinning.with_options
+@thinning.with_thinning
 @outputs.with_options
 def run(
     sources: Annotated[

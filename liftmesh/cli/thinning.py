@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 
-def parse(
+def parse_thinning(
     random: Annotated[
         str | None, typer.Option(metavar="N", help="Thin: n rows, chosen at random.")
     ] = None,
@@ -83,4 +83,4 @@ def thinned(cloud: Cloud, options: Mapping[str, Any]) -> Cloud:
     return found
 
 
-with_options = groups.taking("thin", parse)
+with_thinning = groups.taking("thin", parse_thinning)

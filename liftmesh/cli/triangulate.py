@@ -53,7 +53,7 @@ EXAMPLES = [
 @tables.with_options
 @rows.with_options
 @classifying.with_options
-@thinning.with_options
+@thinning.with_thinning
 @outputs.with_options
 @with_trimming
 def run(
