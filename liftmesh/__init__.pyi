@@ -27,10 +27,10 @@ from .errors import (
     NonFiniteError as NonFiniteError,
     UnsupportedTypeError as UnsupportedTypeError,
 )
-from .io.files import read as read, read_chunks as read_chunks
 from .io.format import Format as Format
+from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
-from .io.writing import Written as Written, write as write
+from .io.write import Written as Written, write as write
 from .planar.anisotropic import anisotropic_stars as anisotropic_stars
 from .planar.anisotropic_stars import AnisotropicStars as AnisotropicStars
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
@@ -45,16 +45,15 @@ from .planar.scipy_voronoi import Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
+from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
-from .terrain.earthwork import Earthwork as Earthwork
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
-from .terrain.measures import Volume as Volume
+from .terrain.measures import Earthwork as Earthwork, Volume as Volume
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile
-from .terrain.raster import Raster as Raster
 from .terrain.report import Report as Report
 from .terrain.simplification import simplify as simplify
 from .terrain.surface import Surface as Surface

@@ -32,7 +32,7 @@ from benchmark.contestants import KEEP_MEMORY
 from benchmark.worker import memory
 
 import liftmesh
-from liftmesh.io.formats.las.records import Points
+from liftmesh.io.formats.las.points import Points
 
 THREADS = "2"
 GROUND = 0.7

@@ -29,7 +29,7 @@ from rich.table import Table
 import liftmesh
 from liftmesh import _kernel
 from liftmesh._typing import Floats
-from liftmesh.terrain.positions import positions_of
+from liftmesh.terrain.surface_data import positions_of
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "data" / "jacksboro.ply"
 SEED = 21

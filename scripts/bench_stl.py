@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 import liftmesh
-from liftmesh.io.welding import weld
+from liftmesh.io.formats.stl import weld
 
 
 def main() -> None:

@@ -42,7 +42,7 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import Delaunay
 
 import liftmesh
-from liftmesh.terrain.sampling import relief_of
+from liftmesh.terrain.surface_data import kernel_surface
 
 Call: TypeAlias = Callable[[], Any]
 Take: TypeAlias = Callable[[], float]
@@ -244,7 +244,7 @@ def of_rasters(surface: liftmesh.Surface, options: Namespace, folder: Path) -> I
 
 def scan(surface: liftmesh.Surface, grid: dict[str, Any]) -> Callable[[int], Any]:
     """The kernel's scan into pixels that are there, without the memory for them."""
-    relief, locator = relief_of(surface), surface.triangulation._locator  # noqa: SLF001
+    relief, locator = kernel_surface(surface), surface.triangulation._locator  # noqa: SLF001
     pixels = np.zeros((*grid["shape"], 1), grid["dtype"])
     return lambda threads: relief.scan(locator, grid["transform"], 0, pixels, threads, False)
 

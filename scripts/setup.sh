@@ -152,12 +152,22 @@ apt_install() {
     DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "$@"
 }
 
+building=() # what is installed before liftmesh, for a build without isolation
+
 # --- the environment ----------------------------------------------------------------------------
 
 # show COMMAND...: prints a command, and runs it in the virtual environment $environment of the calling script.
 show() {
     printf '\n$ %s\n' "$*"
     PATH="$PWD/${environment:?}/bin:$PATH" "$@"
+}
+
+# The environment of the tests. What builds the kernel is installed in it, so that the editable build and the wheel see
+# the same headers at the same place, and the kernel is compiled once.
+make_test_environment() {
+    prepare_machine tests
+    building=(scikit-build-core nanobind cmake ninja)
+    make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --no-build-isolation --editable '.[test]'
 }
 
 # make_environment FOLDER FILES REQUIREMENT...: makes a virtual environment in FOLDER with liftmesh installed by
@@ -177,6 +187,10 @@ make_environment() {
         run_quietly "Making the environment $folder ($version)" "$python" -m venv --clear "$folder"
     fi
     rm -f "$folder/installed"
+    if ((${#building[@]} > 0)); then
+        run_quietly "Installing ${building[*]} into $folder" \
+            "$folder/bin/python" -m pip install --disable-pip-version-check --no-input "${building[@]}"
+    fi
     run_quietly "Building liftmesh, installing it and its dependencies into $folder" \
         "$folder/bin/python" -m pip install --disable-pip-version-check --no-input "$@"
     printf '%s' "$state" >"$folder/installed"

@@ -24,7 +24,7 @@ wheel() (
     outside=$(mktemp -d)
     trap 'rm -rf "$outside"' EXIT
     run_quietly "Building the wheel" \
-        "$python" -m pip wheel --disable-pip-version-check --no-deps --wheel-dir "$outside" .
+        "$python" -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps --wheel-dir "$outside" .
     cd "$outside"
     run_quietly "Making an environment outside the repository" "$python" -m venv environment
     run_quietly "Installing the wheel there" \
@@ -58,8 +58,7 @@ kilobytes_of_room() {
     df -Pk "$1" 2>/dev/null | awk 'NR == 2 { found = $4 } END { print found + 0 }'
 }
 
-prepare_machine tests
-make_environment .venv-test "pyproject.toml README.md LICENSE liftmesh" --editable '.[test]'
+make_test_environment
 # As pip does for what it installs: the tests start hundreds of processes, also where Python writes no bytecode.
 .venv-test/bin/python -m compileall -q liftmesh tests
 

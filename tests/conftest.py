@@ -14,7 +14,9 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import settings
 from process_state import descendants, hear_ctrl_c
@@ -28,17 +30,36 @@ settings.load_profile("liftmesh")
 
 LIMIT = 1500.0  # seconds of a test, after which the programs it started are killed
 
+SLOW = 0.5  # seconds of a processor, from which on a test is marked slow
+TAKEN = "processor seconds"
+_BEGAN = pytest.StashKey[float]()
+
 _ends: list[float] = []  # of the test that runs
+_states: dict[np.random.Generator, Any] = {}  # of the generators of modules, as they were imported
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol() -> Iterator[None]:
-    """Limit the time of a test."""
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Limit the time of a test, and measure that of the processor."""
+    item.stash[_BEGAN] = processor_seconds()
     _ends.append(time.monotonic() + LIMIT)
     try:
         return (yield)
     finally:
         _ends.clear()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
+    """Say in the report what a test took, unless it is known to take long."""
+    if call.when == "teardown" and not any(map(item.get_closest_marker, ("slow", "campaign"))):
+        item.user_properties.append((TAKEN, processor_seconds() - item.stash[_BEGAN]))
+    return (yield)
+
+
+def processor_seconds() -> float:
+    """Return what this process and its children that have ended took of processors."""
+    return sum(os.times()[:4])
 
 
 def _watch() -> None:
@@ -59,17 +80,47 @@ threading.Thread(target=_watch, daemon=True).start()
 
 
 @pytest.hookimpl(trylast=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put long tests first: one that began last would run alone, while other processors wait."""
-    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put slow tests first: one that began last would run alone, while other processors wait."""
+    if config.option.whole:
+        items[:] = [item for item in items if item.get_closest_marker("campaign") is None]
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    for generator in (each for item in items for each in generators(item)):
+        _states.setdefault(generator, generator.bit_generator.state)
+
+
+def generators(item: pytest.Item) -> list[np.random.Generator]:
+    """List the generators of random numbers that the tests of a module share."""
+    values = vars(getattr(item, "module", object)).values()
+    return [each for each in values if isinstance(each, np.random.Generator)]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Let a test draw the same numbers whichever tests ran before it in its process."""
+    for generator in generators(item):
+        generator.bit_generator.state = _states.setdefault(generator, generator.bit_generator.state)
 
 
 LEFT_OUT = ("skipped", "xfailed", "deselected")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let the whole run say that it is one."""
-    parser.addoption("--whole", action="store_true", help="fail if any test is left out")
+    """Let the whole run say that it is one, and any run list what should be marked slow."""
+    whole = "run all tests but those of campaigns, and fail if any is left out"
+    parser.addoption("--whole", action="store_true", help=whole)
+    slow = f"list tests that take {SLOW} s of a processor and are not marked slow"
+    parser.addoption("--list-slow", action="store_true", help=slow)
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """List the tests that are slow and not marked so, the slowest first."""
+    if config.option.list_slow:
+        reports = terminalreporter.stats.get("", ())  # of teardowns
+        taken = ((dict(each.user_properties).get(TAKEN, 0.0), each.nodeid) for each in reports)
+        for seconds, name in sorted(taken, reverse=True):
+            if seconds > SLOW:
+                terminalreporter.write_line(f"{seconds:6.1f} s  {name}")
 
 
 @pytest.hookimpl(trylast=True)

@@ -8,7 +8,7 @@ import bench_lidar
 import numpy as np
 
 import liftmesh
-from liftmesh.io.formats.las.records import Points
+from liftmesh.io.formats.las.points import Points
 
 
 def test_the_steps_of_a_small_file(tmp_path: Path) -> None:

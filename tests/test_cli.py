@@ -121,7 +121,7 @@ def test_an_unexpected_exception_is_called_a_bug(monkeypatch, capsys, tmp_path):
     def broken(*_args, **_options):
         raise ZeroDivisionError("something\nunforeseen")
 
-    monkeypatch.setattr("liftmesh.io.files.read", broken)
+    monkeypatch.setattr("liftmesh.io.read.read", broken)
     assert main(["info", str(tmp_path / "cloud.npy")]) == exit_codes.BUG
     error = capsys.readouterr().err
     assert error.startswith("liftmesh: error: unexpected ZeroDivisionError: something unforeseen")
@@ -134,7 +134,7 @@ def test_ctrl_c_amid_an_import_is_no_bug(monkeypatch, capsys, tmp_path):
     def broken(*_args, **_options):
         raise ImportError("a compiled module could not begin") from KeyboardInterrupt()
 
-    monkeypatch.setattr("liftmesh.io.files.read", broken)
+    monkeypatch.setattr("liftmesh.io.read.read", broken)
     assert main(["info", str(tmp_path / "cloud.npy")]) == exit_codes.INTERRUPTED
     assert capsys.readouterr().err == "liftmesh: error: interrupted\n"
 

@@ -13,7 +13,7 @@ from commands import failed, liftmesh as run, process
 from test_trimming import meadow
 
 import liftmesh
-from liftmesh.terrain.draping import drape
+from liftmesh.terrain.profile import drape
 
 LINE = [[-5.0, 40.0], [105.0, 45.0], [50.0, 80.0]]
 SECOND = [[10.0, 10.0], [20.0, 30.0]]

@@ -126,9 +126,9 @@ def test_no_signal_is_lost_amid_the_imports_of_trimesh(
 # Where a signal comes and is caught: the command goes on, and has nothing to show for it.
 SWALLOWED = {
     "in a writer": """
-from liftmesh.io import writing
-real = writing._write
-writing._write = lambda *a: (swallowed(), real(*a))[1]
+from liftmesh.io import write
+real = write._write
+write._write = lambda *a: (swallowed(), real(*a))[1]
 """,
     "after the writing": """
 from liftmesh.io import atomic
@@ -141,19 +141,19 @@ real = atomic._give_name
 atomic._give_name = lambda *a: (real(*a), swallowed())[0]
 """,
     "in a report": """
-import liftmesh.io.files
-real = liftmesh.io.files.read
-liftmesh.io.files.read = lambda *a, **k: (swallowed(), real(*a, **k))[1]
+import liftmesh.io.read
+real = liftmesh.io.read.read
+liftmesh.io.read.read = lambda *a, **k: (swallowed(), real(*a, **k))[1]
 """,
     "where nobody can catch it": """
-from liftmesh.io import writing
-real = writing._write
+from liftmesh.io import write
+real = write._write
 
 class Dying:
     def __del__(self):
         send(NUMBER)
 
-writing._write = lambda *a: (Dying(), real(*a))[1]
+write._write = lambda *a: (Dying(), real(*a))[1]
 """,
 }
 
@@ -176,8 +176,8 @@ def test_nothing_goes_to_stdout_after_a_signal_that_was_caught(folder: Path) -> 
 
 
 DEAF = """
-import liftmesh.io.files
-liftmesh.io.files.read = deaf
+import liftmesh.io.read
+liftmesh.io.read.read = deaf
 """
 
 
@@ -216,8 +216,8 @@ def slow(line):
     real(line)
 
 signals._write_now = slow
-import liftmesh.io.files
-liftmesh.io.files.read = lambda *_, **__: send(signal.SIGINT)
+import liftmesh.io.read
+liftmesh.io.read.read = lambda *_, **__: send(signal.SIGINT)
 """
     child = started(change, "info", "mesh.ply", cwd=folder)
     assert ended(child) == (ENDS[signal.SIGINT][0], "", ENDS[signal.SIGINT][1])
@@ -225,7 +225,7 @@ liftmesh.io.files.read = lambda *_, **__: send(signal.SIGINT)
 
 def test_line_and_exit_code_agree_where_two_signals_come_together(folder: Path) -> None:
     change = """
-import liftmesh.io.files
+import liftmesh.io.read
 
 def both(*_, **__):
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
@@ -233,7 +233,7 @@ def both(*_, **__):
     send(signal.SIGTERM)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
 
-liftmesh.io.files.read = both
+liftmesh.io.read.read = both
 """
     for _ in range(5):
         code, out, err = ended(started(change, "info", "mesh.ply", cwd=folder))
@@ -242,9 +242,9 @@ liftmesh.io.files.read = both
 
 def test_the_watchdog_removes_a_temporary_file_that_has_a_name(folder: Path) -> None:
     change = """
-from liftmesh.io import atomic, writing
+from liftmesh.io import atomic, write
 atomic._NAMELESS = 0
-writing._write = deaf
+write._write = deaf
 """
     child = started(change, "triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
     wait_until_deaf(child)

@@ -21,7 +21,7 @@ DEAR = {"pydantic", "rich", "scipy", "trimesh", "matplotlib", "numpy.ma", "impor
 CODECS = {
     "liftmesh.io.formats.stl",
     "liftmesh.io.formats.numpy_files",
-    "liftmesh.io.formats.gltf.formats",
+    "liftmesh.io.formats.gltf.writer",
     "zipfile",
 }
 

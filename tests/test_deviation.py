@@ -12,8 +12,8 @@ from hypothesis.extra.numpy import arrays
 
 import liftmesh
 from liftmesh._typing import Floats
-from liftmesh.terrain import deviation as module
-from liftmesh.terrain.deviation import deviation
+from liftmesh.terrain import simplification as module
+from liftmesh.terrain.simplification import deviation
 
 TRIANGLE = [[0, 0], [12, 0], [0, 12]]
 

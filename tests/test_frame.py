@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 
 NONE = np.zeros((0, 3))
 

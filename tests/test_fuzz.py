@@ -35,7 +35,7 @@ def script(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=SCRIPTS, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.long
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", TARGETS)
 def test_some_seconds_find_nothing(name: str, tmp_path: Path) -> None:
     seconds = 2 if name in PARTS else 5
@@ -49,7 +49,7 @@ def test_some_seconds_find_nothing(name: str, tmp_path: Path) -> None:
     assert finds == 0
 
 
-@pytest.mark.long
+@pytest.mark.campaign
 def test_parallel_paths_without_a_data_race() -> None:
     done = script("sanitize", "thread", "--rows", 36_000)
     assert done.returncode == 0, done.stdout + done.stderr

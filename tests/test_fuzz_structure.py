@@ -108,7 +108,7 @@ def test_an_exception_that_escapes_is_noticed(
     def broken(*args: object) -> None:
         raise ZeroDivisionError("of all things")
 
-    monkeypatch.setattr("liftmesh.io.formats.npy_array.Layout.read", broken)
+    monkeypatch.setattr("liftmesh.io.formats.numpy_arrays.Layout.read", broken)
     with (tmp_path / "printed").open("ab+") as stream:
         found = check(Case("npy", npy("<f8", (4, 3))), stream.fileno())
     assert re.fullmatch(r"ZeroDivisionError.*: of all things", found.fault)

@@ -75,7 +75,7 @@ def test_known_orders_are_counted() -> None:
     assert [case for case in ORDERS if case not in CASES] == []
 
 
-@pytest.mark.long
+@pytest.mark.campaign
 @pytest.mark.parametrize("libraries", [False, True])
 def test_cost_grows_no_faster_than_the_input(libraries: bool) -> None:
     found = grown([case for case in CASES if libraries == any(x in case[0] for x in LIBRARIES)])

@@ -24,7 +24,7 @@ import liftmesh
 from liftmesh.base import interruption
 from liftmesh.base.interruption import deferred, kept
 from liftmesh.io import atomic, registry
-from liftmesh.io.working_folder import working_folder
+from liftmesh.io.atomic import working_folder
 from liftmesh.tiles.store import save_array
 
 MESH = liftmesh.triangulate(np.random.default_rng(3).random((40, 3)))

@@ -45,7 +45,7 @@ def test_main_ends_at_a_signal_and_can_run_again(
         os.kill(os.getpid(), number)
 
     with monkeypatch.context() as patched:
-        patched.setattr("liftmesh.io.files.read", send)
+        patched.setattr("liftmesh.io.read.read", send)
         done = command("triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
         assert (done.returncode, done.stderr) == ENDS[number]
     assert_nothing_was_written(folder)
@@ -94,8 +94,8 @@ def test_main_runs_in_another_thread(folder: Path) -> None:
 
 def test_a_fork_does_not_report_its_signals_to_its_parent(folder: Path) -> None:
     change = """
-import liftmesh.io.files
-real = liftmesh.io.files.read
+import liftmesh.io.read
+real = liftmesh.io.read.read
 
 def forking(*a, **k):
     child = os.fork()
@@ -107,7 +107,7 @@ def forking(*a, **k):
     time.sleep(signals.GRACE + 0.3)
     return real(*a, **k)
 
-liftmesh.io.files.read = forking
+liftmesh.io.read.read = forking
 """
     code, out, err = ended(started(change, "info", "mesh.ply", cwd=folder))
     assert (code, err) == (exit_codes.DONE, "")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import liftmesh
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 
 ROWS = 200_000
 BLOCKS = 1_000_000  # bytes that what is worked on at a time may take

@@ -13,7 +13,7 @@ from test_sampling import LATTICE, exactly
 from test_trimming import drawn, meadow, trimmed
 
 import liftmesh
-from liftmesh.terrain.line_crossings import LineCrossings
+from liftmesh.terrain.profile import LineCrossings
 
 PLACE = st.tuples(*[st.integers(-1, 14).map(lambda each: each / 2)] * 2)
 

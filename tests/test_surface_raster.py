@@ -13,7 +13,7 @@ from surface_oracle import exact_point
 from test_sampling import LATTICE, exactly, family_surface, with_heights
 
 import liftmesh
-from liftmesh.terrain.pixels import Layout, layout_of
+from liftmesh.raster.pixels import Layout
 from liftmesh.terrain.raster import owners
 
 STEPS = st.sampled_from([-1.0, -0.5, 0.0, 0.25, 0.5, 1.0, 2.0])
@@ -350,13 +350,14 @@ class TestFiles:
 
 def test_the_layout_covers_the_surface() -> None:
     surface = liftmesh.triangulate(np.random.default_rng(5).normal(size=(50, 3)) * 7)
-    layout = layout_of(surface, 0.7, None, None, None)
-    a, _, c, _, e, f = layout.transform
+    raster = surface.raster(0.7)
+    rows, columns = raster.values.shape
+    a, _, c, _, e, f = raster.transform
     low, high = surface.triangulation.min_bound, surface.triangulation.max_bound
     assert c <= low[0] < c + a
     assert f + e < high[1] <= f
-    assert c + a * layout.columns >= high[0]
-    assert f + e * layout.rows <= low[1]
+    assert c + a * columns >= high[0]
+    assert f + e * rows <= low[1]
 
 
 @pytest.mark.parametrize("method", ["nearest", "laplace", "sibson"])

@@ -12,12 +12,16 @@ THIS = "tests/test_whole_run.py"
 SOME = ["--deselect", f"{THIS}::test_nested"]
 
 
-@pytest.mark.parametrize("words", [SOME, ["--whole", *SOME], ["--whole", "-k", "nested"]])
-def test_only_a_whole_run_has_to_be_whole(words: list[str]) -> None:
-    command = [sys.executable, "-m", "pytest", "--co", "-p", "no:cacheprovider", *words, THIS]
-    done = subprocess.run(
+def collected(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "pytest", "--co", "-q", "-p", "no:cacheprovider", *words, THIS]
+    return subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
     )
+
+
+@pytest.mark.parametrize("words", [SOME, ["--whole", *SOME], ["--whole", "-k", "nested"]])
+def test_only_a_whole_run_has_to_be_whole(words: list[str]) -> None:
+    done = collected(*words)
     is_whole = "--whole" in words
     assert done.returncode == int(is_whole), done.stdout + done.stderr
     assert ("no test may be left out" in done.stdout) == is_whole
@@ -25,3 +29,15 @@ def test_only_a_whole_run_has_to_be_whole(words: list[str]) -> None:
 
 def test_nested() -> None:
     """Something to choose."""
+
+
+@pytest.mark.parametrize(("words", "is_there"), [([], True), (["--whole"], False)])
+def test_a_whole_run_is_all_but_campaigns(words: list[str], is_there: bool) -> None:
+    done = collected("-k", "test_nested or test_of_a_campaign", *words)
+    assert ("::test_of_a_campaign" in done.stdout) == is_there
+    assert "::test_nested" in done.stdout
+
+
+@pytest.mark.campaign
+def test_of_a_campaign() -> None:
+    """Something that a whole run need not have."""

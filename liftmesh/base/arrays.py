@@ -15,6 +15,7 @@ import math
 import numbers
 import sys
 from collections.abc import Callable, Iterator, Mapping, Set
+from fractions import Fraction
 from functools import wraps
 from os import PathLike
 from typing import Any, ParamSpec, TypeGuard, TypeVar
@@ -24,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Reals, Rows
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError, NonFiniteError, UnsupportedTypeError
 
 MOST_ROWS: int = _kernel.MOST_ROWS
@@ -81,6 +83,32 @@ def as_reals(values: ArrayLike) -> Floats:
     if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
         raise TypeError("no real numbers")
     return np.asarray(array, dtype=np.float64)
+
+
+def as_number(
+    name: str, value: Any, wanted: str, is_wanted: Callable[[float], bool] = math.isfinite
+) -> float:
+    """Convert an option that is one number; `wanted` says which are right."""
+    try:
+        number = float(as_reals(value))
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not is_wanted(number):
+        raise InputError(f"{name} is {shown(value)}: give {wanted}")
+    return number
+
+
+def as_positive(name: str, value: Any, wanted: str) -> float:
+    """Convert an option that is a positive, finite number."""
+    return as_number(name, value, wanted, lambda number: 0 < number < math.inf)
+
+
+def as_decimal(value: ArrayLike) -> Fraction:
+    """Convert a number to the decimal that it is printed as: then 0.6 is three times 0.2."""
+    number = float(as_reals(value))
+    if not math.isfinite(number):
+        raise ValueError("no finite number")
+    return Fraction(repr(number))
 
 
 def read_only(array: Array) -> Array:

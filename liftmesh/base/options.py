@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeAlias
 from liftmesh.errors import InputError
 
 _LONGEST = 64  # characters of a value in a message
+_SHORT = 10**15
 _REPR = Repr()  # of a list it shows the first few, and looks at no others
 _REPR.maxstring = _REPR.maxother = _LONGEST
 
@@ -72,6 +73,14 @@ def shown(value: object) -> str:
 def counted(number: int, noun: str) -> str:
     """Return a number with its noun in the singular or the plural."""
     return f"{number:,} {noun}" if number == 1 else f"{number:,} {noun}s"
+
+
+def as_thousands(count: int) -> str:
+    """Show a number, which may be of any size, in a message."""
+    if count < _SHORT:
+        return f"{count:,}"
+    digits = str(count)
+    return f"{digits[0]}e+{len(digits) - 1}"
 
 
 def as_folder(name: str, given: object) -> str:

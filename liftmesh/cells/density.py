@@ -22,7 +22,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_reals, read_only
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.io.ragged import places
+from liftmesh.io.faces import places
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain

@@ -23,7 +23,7 @@ from liftmesh.cells.locating import cell_at
 from liftmesh.cells.rings import Rings
 from liftmesh.cells.untying import untied
 from liftmesh.errors import InputError
-from liftmesh.io.ragged import places
+from liftmesh.io.faces import places
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain

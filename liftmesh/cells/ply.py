@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.options import counted
+from liftmesh.io.faces import places
 from liftmesh.io.format import OWN, crs_comment
-from liftmesh.io.formats.ply.names import property_names, statements
+from liftmesh.io.formats.ply.header import name_statements, property_names
 from liftmesh.io.formats.ply.writer import PORTABLE, portable
-from liftmesh.io.ragged import places
 from liftmesh.io.text_tables import write_rows
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
@@ -44,7 +44,7 @@ def write_ply(
     vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
     names = property_names([*numbers], [_CORNERS])
     values = {names[k]: portable(v, f"column {k!r}")[row] for k, v in numbers.items()}
-    lines = [*crs_comment(crs), *statements(names)]
+    lines = [*crs_comment(crs), *name_statements(names)]
     stream.write(_header(len(vertices), sizes, values, lines))
     write_rows(stream, [vertices], end=" 0\n")
     for first in range(0, len(sizes), _FACES):

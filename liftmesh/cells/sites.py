@@ -9,7 +9,7 @@ import numpy as np
 from liftmesh.base.cloud import Cloud
 from liftmesh.crs.comparison import common_system, system_of
 from liftmesh.errors import InputError
-from liftmesh.io.objects.kinds import is_table
+from liftmesh.io.objects.plain import is_table
 from liftmesh.io.registry import as_cloud
 from liftmesh.planar.meshes import rows_of
 from liftmesh.planar.weights import named_values

@@ -48,7 +48,7 @@ def read(path: Path, options: Mapping[str, Any]) -> Cloud:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
-    from liftmesh.io.places import progress  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.streams import progress  # noqa: PLC0415 - help and --version do without
 
     text = f"reading {name if is_stream(path) else path.name}"
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
@@ -94,16 +94,16 @@ def _read_quietly(source: Any, options: Mapping[str, Any]) -> Cloud:
     """Read without warnings: they are among the notes."""
     from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - help and --version do without
     from liftmesh.crs.description import check_system  # noqa: PLC0415 - as above
-    from liftmesh.io import files  # noqa: PLC0415 - as above
+    from liftmesh.io import read as io  # noqa: PLC0415 - as above
 
     with without_warnings():
         if _CRS_OF_OTHERS not in options:
-            return files.read(source, **options)
+            return io.read(source, **options)
         rest = {**options}
         crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
         check_system(crs)
-        cloud = files.read(source, **rest)
-        return files.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
+        cloud = io.read(source, **rest)
+        return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
 
 
 @contextmanager
@@ -246,7 +246,8 @@ def _of_file(row: int, starts: Sequence[tuple[str, int]]) -> str:
 
 def is_shapes(path: Path) -> bool:
     """Whether a file holds shapes, by its suffix, and neither a table nor a cloud."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     if path.suffix.lower() in SHAPES or not path.suffix:
         return True
@@ -258,7 +259,8 @@ def is_shapes(path: Path) -> bool:
 
 def is_table(path: Path, file_format: str | None = None) -> bool:
     """Whether a file is a table, by its format or its suffix."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(path.name)
     return bool(kind) and find_format(kind, str(path)).name == "text"

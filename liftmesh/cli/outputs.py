@@ -30,7 +30,7 @@ from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
@@ -140,8 +140,9 @@ def check_target(
     path: Path | None, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
 ) -> None:
     """Raise before the work starts if a file cannot be written, or has no such options."""
-    from liftmesh.io.registry import find_written, suffix_of  # noqa: PLC0415 - help does without
-    from liftmesh.io.writing import writer_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_written  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.write import writer_of  # noqa: PLC0415 - as above
 
     if path is None:
         return
@@ -195,10 +196,10 @@ def write(
     path: Path, mesh: Any, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
 ) -> Written:
     """Write a mesh, or to stdout if the path is ``-``."""
-    from liftmesh.io import places, writing as io  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import streams, write as io  # noqa: PLC0415 - help and --version do without
 
     if not is_stream(path):
-        with terminal.writing(f"writing {path.name}", places.written):
+        with terminal.writing(f"writing {path.name}", streams.written):
             # The command's guard has looked before the work started.
             return io.write(path, mesh, format=file_format, overwrite=True, **writing)
     with stdout_of_bytes() as stream:

@@ -13,7 +13,7 @@ from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.draping import Draped
+    from liftmesh.terrain.profile import Draped
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Write the heights of a mesh or cloud along lines."
@@ -109,10 +109,10 @@ def _check_shapes(target: Path) -> None:
 
 def _lines(path: Path, source: Path, surface: Surface, max_bytes: int | None) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.draping import system_of_plane  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
-    crs = system_of_plane(surface)
+    crs = plane_system(surface)
     if inputs.is_shapes(path):
         return list(lines_of(path, crs))
     cloud = inputs.read_places(path, source, crs, max_bytes)
@@ -122,7 +122,7 @@ def _lines(path: Path, source: Path, surface: Surface, max_bytes: int | None) ->
 
 
 def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
-    from liftmesh.terrain.draping import drape  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.profile import drape  # noqa: PLC0415 - help and --version do without
 
     try:
         return drape(surface, lines)
@@ -133,9 +133,9 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
 
 def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_json: bool) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import names_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
 
-    plane, upright = names_of(surface)
+    plane, upright = unit_names(surface)
     length, heights = float(found.lengths.sum()), found.points[:, 2]
     if as_json:
         terminal.as_json(

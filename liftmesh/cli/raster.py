@@ -71,7 +71,7 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    from liftmesh.terrain.raster import check_name  # noqa: PLC0415 - help and --version do without
+    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - help and --version do without
 
     outputs.check_stdout()
     check_name(target)
@@ -113,8 +113,8 @@ def _check(
 ) -> None:
     """Raise before the work starts if the options make no raster."""
     from liftmesh.raster import writer  # noqa: PLC0415 - as above
-    from liftmesh.terrain.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
-    from liftmesh.terrain.raster_values import check_method  # noqa: PLC0415 - as above
+    from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
+    from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
 
     with values.as_usage():
         steps_of(steps)

@@ -121,8 +121,8 @@ class _EmptyFields:
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import atomic, writing  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.registry import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io import atomic, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:
@@ -130,8 +130,8 @@ def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
         return None if written is None else Path(written)
     if is_stream(target):
         with outputs.stdout_of_bytes() as stream:
-            writing.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
+            write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
         return None
     with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
-        writing.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
+        write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
     return target

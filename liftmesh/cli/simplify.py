@@ -11,7 +11,7 @@ import typer
 from liftmesh.cli import inputs, notes, options, outputs, terminal, values
 
 if TYPE_CHECKING:
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."

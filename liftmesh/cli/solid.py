@@ -12,7 +12,7 @@ from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."

@@ -194,7 +194,7 @@ def note_units(source: Path, surface: Surface | TiledSurface, factor: float | No
     """Say on stderr that heights are taken to be in the unit of x and y where nothing says so."""
     from liftmesh.terrain.units import metres_of  # noqa: PLC0415 - help and --version do without
 
-    if factor is None and metres_of(surface) is None:  # type: ignore[arg-type]
+    if factor is None and metres_of(surface) is None:
         terminal.note(
             f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "
             "and y (--z-factor says another)"

@@ -16,7 +16,7 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 

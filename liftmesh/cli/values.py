@@ -214,7 +214,7 @@ def _matrix(path: Path, text: str) -> Any:
 
 
 def _read_npy(path: Path) -> Any:
-    from liftmesh.io.formats.npy_array import read_array  # noqa: PLC0415 - as above
+    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
 
     with path.open("rb") as stream:
         return read_array(stream, path.name)

@@ -147,7 +147,8 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
 
 def _check_format(source: Path, file_format: str | None) -> None:
     """Raise for a file of points before it is read: options of tables would not help."""
-    from liftmesh.io.registry import find_format, suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
 
     if file_format is None and not source.is_file():
         return
@@ -171,7 +172,7 @@ def _verify(
     lifting: dict[str, Any],
 ) -> Certificate:
     from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.plane import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
 
     if cloud.faces is None or not len(cloud.faces):
         raise _no_triangles(source)

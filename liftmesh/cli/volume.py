@@ -10,8 +10,7 @@ import typer
 from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.earthwork import Earthwork
-    from liftmesh.terrain.measures import Volume
+    from liftmesh.terrain.measures import Earthwork, Volume
 
 SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
 HELP = (

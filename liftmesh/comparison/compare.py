@@ -23,7 +23,7 @@ from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import resolve_q
 from liftmesh.planar.member import options_of
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.surface import Surface
 
 

@@ -6,6 +6,11 @@ needs, and lists in `Written.dropped` what the cloud has and the file does not k
 
 PLY and OBJ have no place for a coordinate system but comments: there it is ``crs`` and a JSON
 string. Metadata stand there too (`io.metadata`).
+
+Functions that are imported when they are first called.
+
+What is known of a format or of a type of object stands in a table, and its code in a module of its
+own: a command that reads a PLY file loads no other reader.
 """
 
 from __future__ import annotations
@@ -15,6 +20,7 @@ import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from importlib import import_module
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -23,10 +29,11 @@ from liftmesh._typing import Floats
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
+from liftmesh.base.interruption import deferred
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.json_text import ascii_string
+from liftmesh.io.markup import ascii_string
 
 Origin: TypeAlias = tuple[float, float, float]
 Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
@@ -233,7 +240,7 @@ def _names(cloud: Cloud, word: str) -> list[str]:
     if word == "attributes":
         return sorted(cloud.attributes)
     if word == "metadata":
-        return metadata.named(metadata.said(cloud.metadata))
+        return metadata.named(metadata.user_entries(cloud.metadata))
     return [CONTENT[word]]
 
 
@@ -254,7 +261,7 @@ def _has(cloud: Cloud, word: str) -> bool:
     if word == "deep_colors":
         return colors is not None and not fits_eight_bits(colors)
     if word == "metadata":
-        return bool(metadata.said(cloud.metadata))
+        return bool(metadata.user_entries(cloud.metadata))
     part = getattr(cloud, word)
     return part is not None and len(part) > 0
 
@@ -320,3 +327,41 @@ def _crs(comment: str) -> str | None:
     except (ValueError, RecursionError):
         return None
     return crs if is_crs(crs) else None
+
+
+class LazyFunction:
+    """A function of a module, which is imported at the first call."""
+
+    def __init__(self, module: str, name: str) -> None:
+        self.module = module
+        self.name = self.__name__ = name
+        self._function: Callable[..., Any] | None = None
+
+    def __call__(self, *values: Any, **options: Any) -> Any:
+        """Call the function."""
+        return self._imported()(*values, **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.module, self.name)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other one stands for the same function."""
+        return isinstance(other, LazyFunction) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+    def __repr__(self) -> str:
+        """Name the function in full."""
+        return f"{self.module}.{self.name}"
+
+    @property
+    def __wrapped__(self) -> Callable[..., Any]:
+        """The function itself: what `inspect.signature` and `inspect.unwrap` look at."""
+        return self._imported()
+
+    def _imported(self) -> Callable[..., Any]:
+        if self._function is None:
+            with deferred():
+                self._function = getattr(import_module(self.module), self.name)
+        return self._function

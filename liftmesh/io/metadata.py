@@ -66,7 +66,7 @@ def is_read(metadata: Mapping[str, Any]) -> bool:
     return all(isinstance(metadata.get(each), Label) for each in _LABELS)
 
 
-def said(metadata: Mapping[str, Any]) -> dict[str, Any]:
+def user_entries(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that are not a reader's notes, sorted by their keys."""
     of_table = _OF_TABLES if found_columns(metadata) else ()
     notes = (*_LABELS, *_NOTES) if is_read(metadata) else of_table
@@ -115,7 +115,7 @@ def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that files store, as JSON will give them back."""
     found: dict[str, Any] = {}
     left = _MOST
-    for key, value in said(metadata).items():
+    for key, value in user_entries(metadata).items():
         text = None if key in (*_LABELS, *_NOTES) else _text(key, value)
         size = 0 if text is None else len(text) + _LINE * (len(value) if is_lines(value) else 0)
         if text is not None and size <= left and _has_short_lines(key, value, text):
@@ -134,7 +134,7 @@ def _has_short_lines(key: str, value: Any, text: str) -> bool:
 def lost(metadata: Mapping[str, Any]) -> list[str]:
     """Name the entries that files cannot store, as `Written.dropped` does."""
     stored = storable(metadata)
-    return named(key for key in said(metadata) if key not in stored)
+    return named(key for key in user_entries(metadata) if key not in stored)
 
 
 def named(keys: Iterable[object]) -> list[str]:

@@ -17,7 +17,6 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from liftmesh.base.cloud import Cloud
@@ -25,12 +24,10 @@ from liftmesh.base.frozen import freeze
 from liftmesh.base.interruption import deferred, kept
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, UnsupportedTypeError
-from liftmesh.io.format import Format
+from liftmesh.io.format import Format, LazyFunction
 from liftmesh.io.formats import FORMATS
 from liftmesh.io.objects import plain
-from liftmesh.io.objects.kinds import is_of, is_other_table, is_table
-from liftmesh.io.objects.plain import qualified_name
-from liftmesh.io.on_call import OnCall
+from liftmesh.io.objects.plain import is_of, is_other_table, is_table, qualified_name
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -78,8 +75,8 @@ def _refuse_path(path: object) -> Cloud:
     raise UnsupportedTypeError(f"{path!r} is a path, not a cloud: liftmesh.read it first")
 
 
-def _objects(module: str, name: str) -> OnCall:
-    return OnCall(f"liftmesh.io.objects.{module}", name)
+def _objects(module: str, name: str) -> LazyFunction:
+    return LazyFunction(f"liftmesh.io.objects.{module}", name)
 
 
 ADAPTERS = (
@@ -91,7 +88,7 @@ ADAPTERS = (
     Adapter(
         "trimesh", is_of("trimesh", {"PointCloud", "Trimesh"}), _objects("trimesh", "to_cloud")
     ),
-    Adapter("trimesh scene", is_of("trimesh", {"Scene"}), _objects("trimesh_scene", "to_cloud")),
+    Adapter("trimesh scene", is_of("trimesh", {"Scene"}), _objects("trimesh", "scene_to_cloud")),
     Adapter(
         "open3d",
         is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}),
@@ -138,13 +135,6 @@ def find_written(wanted: str, name: str) -> Format:
     if wanted.lower().endswith(".gz"):
         raise FormatError(f"{name}: gzip is read only: leave out .gz, and compress the file")
     return found
-
-
-def suffix_of(name: str) -> str:
-    """Return the suffix of a file's name, and the one before ``.gz`` with it."""
-    path = PurePath(name)
-    is_compressed = path.suffix.lower() == ".gz"
-    return "".join(path.suffixes[-2:]) if is_compressed else path.suffix
 
 
 def _compressed(found: Format, name: str) -> Format:
@@ -237,7 +227,7 @@ def _unsupported(source: object) -> UnsupportedTypeError:
         f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
         "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
-    if type(source).__module__ == "liftmesh.terrain.raster":
+    if type(source).__module__ == "liftmesh.raster.raster":
         message = "a Raster is not a point cloud: give the name of the GeoTIFF that its save writes"
     if isinstance(source, Iterator):
         message += "; what has no length becomes a list first: list(rows)"

@@ -17,8 +17,8 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.errors import InputError
 from liftmesh.io.columns import POSITION
-from liftmesh.io.files import read_chunks, read_cloud
-from liftmesh.io.registry import find_format, suffix_of
+from liftmesh.io.read import read_chunks, read_cloud
+from liftmesh.io.registry import find_format
 from liftmesh.io.selection import (
     GROUND,
     MOST_CLASSES,
@@ -29,6 +29,7 @@ from liftmesh.io.selection import (
     class_column,
     found_selection,
 )
+from liftmesh.io.streams import suffix_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

@@ -6,13 +6,18 @@ lines, they are examined one by one to report the line and the value.
 Writing: doubles are written as by Python's ``repr``, the shortest digits that round-trip. Single
 precision gets nine significant digits: these round-trip even if a reader rounds to double first,
 which the shortest digits do not guarantee.
+
+Lines of numbers that differ in length, as the faces of text files do.
+
+The kernel parses the words of all lines of a block into one list. So lines of all lengths are as
+fast as a table, and a line of a million words takes no more memory than a million lines.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -20,10 +25,13 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import FormatError
+from liftmesh.io.faces import Ragged
 from liftmesh.io.limits import MOST_COLUMNS
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block
+
+
 _WORD = re.compile(r"\S+")
 
 
@@ -197,3 +205,23 @@ def _printable(column: Array, plus: int) -> Array:
         column = column + np.int32(plus)  # indices of rows stay below the largest int32
     aligned = column.strides[0] % column.itemsize == 0
     return column if aligned else np.ascontiguousarray(column)
+
+
+def ragged_numbers(block: Block, name: str) -> Ragged:
+    """Parse lines of numbers: int64 if all are whole numbers written as such, else float64."""
+    threads, _ = as_threads(None, len(block))
+    parsed = _kernel.parse_numbers(block.plain, block.places, threads)
+    if parsed is None:
+        raise line_error(block, name)
+    return Ragged(*parsed)
+
+
+def whole(values: Array, dtype: type[np.integer[Any]]) -> Array:
+    """Convert whole numbers to a type of integers."""
+    kept = np.iinfo(dtype)
+    fits = (values >= kept.min) & (values <= kept.max)
+    if values.dtype.kind == "f":
+        fits &= values == np.rint(values)
+    if not fits.all():
+        raise ValueError(f"{values[np.argmin(fits)]} is not an index")
+    return values.astype(dtype)

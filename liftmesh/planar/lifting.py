@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import trimesh
 
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.writing import Written
+    from liftmesh.io.write import Written
     from liftmesh.planar.counters import Counters
 
 
@@ -247,6 +247,6 @@ class LowerHull:
         >>> hull.save(io.BytesIO(), format="ply").format
         'ply'
         """
-        from liftmesh.io.writing import write  # noqa: PLC0415
+        from liftmesh.io.write import write  # noqa: PLC0415
 
         return write(path, self.to_cloud(), **options)

@@ -44,7 +44,7 @@ def points_and_triangles(
 
 
 def _as_mesh(mesh: Any) -> Any:
-    from liftmesh.io.files import read_cloud  # noqa: PLC0415 - arrays do without
+    from liftmesh.io.read import read_cloud  # noqa: PLC0415 - arrays do without
 
     cloud = read_cloud(mesh)
     if cloud.faces is None or not len(cloud.faces):

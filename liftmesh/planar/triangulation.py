@@ -444,6 +444,6 @@ class Triangulation:
         >>> float(LinearNDInterpolator(tri.to_scipy(), [0.0, 1.0, 2.0])(0.25, 0.25))
         0.75
         """
-        from liftmesh.io.objects.scipy import to_delaunay  # noqa: PLC0415
+        from liftmesh.io.objects.triangulations import to_delaunay  # noqa: PLC0415
 
         return to_delaunay(self)

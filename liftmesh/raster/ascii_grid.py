@@ -18,8 +18,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.errors import FormatError
 from liftmesh.io.lines import BLOCK, Lines
-from liftmesh.io.number_lines import ragged_numbers
-from liftmesh.io.text_tables import quoted
+from liftmesh.io.text_tables import quoted, ragged_numbers
 from liftmesh.raster.sidecars import Transform
 
 if TYPE_CHECKING:

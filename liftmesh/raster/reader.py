@@ -35,9 +35,16 @@ from liftmesh.io.missing import Missing, Outliers, as_missing
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
 from liftmesh.raster.ascii_grid import AsciiGrid, is_grid
-from liftmesh.raster.blocks import bytes_decoded, check_blocks, without_warnings
+from liftmesh.raster.blocks import (
+    Band,
+    Window,
+    bands_of,
+    bytes_decoded,
+    check_blocks,
+    window_of,
+    without_warnings,
+)
 from liftmesh.raster.sidecars import Transform, system_of, world_of
-from liftmesh.raster.window import Band, Window, bands_of, window_of
 
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed

@@ -22,8 +22,7 @@ from liftmesh._typing import Array
 from liftmesh.base.options import shown
 from liftmesh.crs.description import without_files
 from liftmesh.errors import InputError
-from liftmesh.io.atomic import check_writable, replacing
-from liftmesh.io.working_folder import working_folder
+from liftmesh.io.atomic import check_writable, replacing, working_folder
 from liftmesh.optional import load
 
 _COMPRESSIONS = (None, "deflate", "lzw", "zstd")

@@ -5,6 +5,8 @@ heights are scaled, it keeps its triangulation too. If they change, the triangle
 `delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
 triangulation of the copy has the new coordinates. The same holds with weights or in a metric, which
 stay as they are, so points that are scaled seldom keep their triangles; those that are shifted may.
+
+Colours, normals and named values that a caller gives apart from the points.
 """
 
 from __future__ import annotations
@@ -20,18 +22,18 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import judged, with_depth
+from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.planar.regular_triangulation import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
-from liftmesh.terrain.parts import as_parts
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 
-def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
+def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
     """Make a copy of a surface with other values for some of its parts."""
     depth = given.get("color_depth")
     parts = as_parts({name: value for name, value in given.items() if name != "color_depth"})
@@ -56,7 +58,7 @@ def replaced(surface: Surface, given: Mapping[str, Any]) -> Surface:
     return replace(changed, triangulation=_moved(surface, changed.vertices))
 
 
-def _check_lifting(surface: Surface, given: Mapping[str, Array]) -> None:
+def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:
     """Raise for other values under the name of those by which the surface was triangulated."""
     for kind, name in lifted_by(surface.metadata).items():
         held = getattr(surface.triangulation, kind, None)
@@ -75,7 +77,7 @@ def _check_lifting(surface: Surface, given: Mapping[str, Array]) -> None:
             )
 
 
-def _check_flags(surface: Surface, given: Mapping[str, Array]) -> None:
+def _check_flags(surface: SurfaceData, given: Mapping[str, Array]) -> None:
     """Raise for other values under the name of those that say which rows are hidden."""
     present = surface.attributes.get(HIDDEN)
     if present is None or HIDDEN not in given or np.array_equal(given[HIDDEN], present):
@@ -93,7 +95,7 @@ def _colors(given: Array, present: Array | None, depth: int | None) -> Array:
     return given if is_decided else judged(given)[0]
 
 
-def _vertices(given: ArrayLike, surface: Surface) -> Floats:
+def _vertices(given: ArrayLike, surface: SurfaceData) -> Floats:
     """Check moved vertices: one for each row, finite unless the row is in no face."""
     rows = as_coordinates(given)
     if rows.shape != surface.vertices.shape:
@@ -106,7 +108,7 @@ def _vertices(given: ArrayLike, surface: Surface) -> Floats:
     return rows.astype(np.float64, copy=False)
 
 
-def _moved(surface: Surface, vertices: Floats) -> Triangulation:
+def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
     """Return the triangulation of moved vertices: the same triangles, if they are right."""
     old = surface.triangulation
     planar = surface.frame.planar(vertices)
@@ -146,3 +148,56 @@ def _from_least(hull: Rows, planar: Floats) -> Rows:
     """Let the rows of a hull begin at the lexicographically least point."""
     x, y = planar[hull].T
     return np.roll(hull, -int(np.lexsort((y, x))[0]))
+
+
+_WIDTHS = {"colors": (3, 4), "normals": (3,)}
+
+
+def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:
+    """Make a copy of a cloud with what a caller gave besides it."""
+    parts = as_parts({name: value for name, value in given.items() if value is not None})
+    if "colors" in parts:
+        parts["color_depth"] = None  # these are decided anew
+    if "attributes" in parts:
+        parts["attributes"] = {**cloud.attributes, **parts["attributes"]}
+    return replace(cloud, **parts) if parts else cloud
+
+
+def as_parts(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Convert colours, normals and named values to arrays; `Cloud` checks their rows."""
+    parts = dict(given)
+    for name, widths in _WIDTHS.items():
+        if parts.get(name) is not None:
+            parts[name] = _rows(name, parts[name], widths)
+    if parts.get("attributes") is not None:
+        parts["attributes"] = _arrays(parts["attributes"])
+    return parts
+
+
+def _rows(name: str, values: Any, widths: tuple[int, ...]) -> Array:
+    """Convert colours or normals: numbers in as many columns as they have."""
+    array = _array(name, values)
+    if array.ndim != 2 or array.shape[1] not in widths or array.dtype.kind not in "uif":
+        wanted = " or ".join(f"(n, {width})" for width in widths)
+        raise InputError(
+            f"{name} need the shape {wanted} and numbers, not {array.shape} of {array.dtype}"
+        )
+    return array
+
+
+def _arrays(attributes: object) -> dict[str, Array]:
+    if not isinstance(attributes, Mapping):
+        raise InputError(
+            f"attributes are a {type(attributes).__name__}: give a dict of names and arrays"
+        )
+    return {name: _array(f"attribute {name!r}", each) for name, each in attributes.items()}
+
+
+def _array(name: str, values: Any) -> Array:
+    try:
+        array: Array = np.asanyarray(values)
+    except ValueError as error:
+        raise InputError(f"{name} cannot be converted to an array: {error}") from error
+    if array.ndim == 0:
+        raise InputError(f"{name} is {shown(values)}: give an array with one row per point")
+    return array

@@ -19,16 +19,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_reals
+from liftmesh.base.arrays import as_decimal, as_number, as_reals
 from liftmesh.base.frozen import constructed_from, freeze
-from liftmesh.base.options import as_count, shown
+from liftmesh.base.options import as_count, as_thousands, shown
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.places import check_suffix
+from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
-from liftmesh.terrain.decimals import as_decimal, as_thousands
-from liftmesh.terrain.sampling import relief_of
+from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.vector import geojson, geopackage
 
 if TYPE_CHECKING:
@@ -243,13 +242,7 @@ class Contours:
 
 def length_of(length: Any) -> float:
     """Convert the least length that lines are to have."""
-    try:
-        least = float(as_reals(length))
-    except (TypeError, ValueError, OverflowError):
-        least = math.nan
-    if not least >= 0:
-        raise InputError(f"length is {shown(length)}: give a number, not below zero")
-    return least
+    return as_number("length", length, "a number, not below zero", lambda least: least >= 0)
 
 
 def check_name(path: Path) -> None:
@@ -260,68 +253,23 @@ def check_name(path: Path) -> None:
         load("geopandas", extra="shapes")
 
 
-class Contouring:
-    """The method of a `Surface` that makes contours."""
-
-    __slots__ = ()
-
-    def contours(
-        self: Any,
-        levels: ArrayLike | None = None,
-        *,
-        interval: float | None = None,
-        base: float = 0.0,
-        index_every: int = 5,
-        threads: int | None = None,
-    ) -> Contours:
-        """Compute lines of equal height.
-
-        Parameters
-        ----------
-        levels : array_like of float, optional
-            The heights.
-        interval : float, optional
-            In place of levels: all multiples of it, counted from the base, that the surface has.
-            They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
-        base : float, default 0
-            Where the interval is counted from.
-        index_every : int, default 5
-            Every so many multiples of the interval are index contours.
-        threads : int, optional
-            As for `delaunay`. Threads share the levels.
-
-        Returns
-        -------
-        Contours
-            The lines, by ascending level. They do not depend on the order of the rows.
-
-        Raises
-        ------
-        InputError
-            Neither levels nor interval are given, or both; a number is not finite, or the interval
-            not positive; there are more than a million levels.
-
-        Notes
-        -----
-        A corner at a level is above it. So a plateau at the level has a line around it, a ridge one
-        there and back, and a summit none; no line has a point twice in succession.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
-        >>> slope.contours([2])[0].points.tolist()
-        [[1.0, 3.0], [1.0, 0.0]]
-        """
-        limit, relief = as_threads(threads, len(self.faces)), relief_of(self)
-        wanted, is_index = wanted_levels(
-            levels, interval, base, index_every, lambda: _heights_of(relief, *limit)
-        )
-        points, starts, places, closed = relief.contours(wanted, *limit)
-        crs = self.crs if self.frame.name == "xy" else None
-        return Contours(
-            points, starts, wanted[places], closed.view(np.bool_), is_index[places], crs
-        )
+def contour_lines(
+    surface: SurfaceData,
+    levels: ArrayLike | None = None,
+    *,
+    interval: float | None = None,
+    base: float = 0.0,
+    index_every: int = 5,
+    threads: int | None = None,
+) -> Contours:
+    """Compute lines of equal height."""
+    limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
+    wanted, is_index = wanted_levels(
+        levels, interval, base, index_every, lambda: _heights_of(relief, *limit)
+    )
+    points, starts, places, closed = relief.contours(wanted, *limit)
+    crs = plane_system(surface)
+    return Contours(points, starts, wanted[places], closed.view(np.bool_), is_index[places], crs)
 
 
 def wanted_levels(
@@ -388,5 +336,5 @@ def _decimal(name: str, value: Any) -> Fraction:
     """Convert a height to the decimal that it is printed as."""
     try:
         return as_decimal(value)
-    except ValueError as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} is {shown(value)}: give a finite height") from error

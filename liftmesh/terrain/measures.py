@@ -1,29 +1,47 @@
-"""Areas of a surface, and volumes between it and a level.
+"""Areas of a surface, volumes between it and a level, and cut and fill between two surfaces.
 
 Each face is measured from its corners in lexicographic order, and the faces are summed exactly,
 rounded once: so no bit depends on the order of the rows. A prism between a face and a level that it
 crosses is cut along the line where they meet.
+
+Of two surfaces the kernel lays the triangulations over each other (`_core/surface/overlay.hpp`); it
+begins with a face of each that touch, which are found here.
+
+Polygons are measured as triangles, which shapely makes of their own corners: laid over two surfaces
+as these are over each other, so each common part of three triangles is counted once. A level is
+then a surface of two triangles.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_reals
-from liftmesh.base.options import as_switch, shown
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.arrays import as_number
+from liftmesh.base.options import as_switch
+from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError
-from liftmesh.terrain.corners import ranks
-from liftmesh.terrain.units import metres_of, rise_of
-from liftmesh.terrain.within import check_measured, in_all, in_each, level_within
+from liftmesh.optional import load
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.predicates import orient2d
+from liftmesh.terrain.surface_data import SurfaceData, corner_order, kernel_surface, plane_system
+from liftmesh.terrain.units import metres_of, slope_scale
+from liftmesh.vector.polygons import polygons_in, regions_in
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+    from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.vector.polygons import Polygon
+
+_MOST_EXPONENT = 64
+_LARGEST = np.finfo(np.float64).max
+Measured: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,126 +83,114 @@ class Volume:
         return self.above - self.below
 
 
-class Measuring:
-    """The methods of a `Surface` that measure it."""
+@dataclass(frozen=True, slots=True)
+class Earthwork:
+    """The volumes between two surfaces, as `Surface.cut_and_fill` returns them.
 
-    __slots__ = ()
+    Attributes
+    ----------
+    cut : float
+        Where the second surface is below the first.
+    fill : float
+        Where it is above.
+    area : float
+        The area in the plane on which both have faces.
+    cubic_metres : float or None
+        As in `Volume`.
 
-    def area(self: Any, *, planar: bool = False, z_factor: float | None = None) -> float:
-        """Compute the area of the faces.
+    Examples
+    --------
+    >>> import liftmesh
+    >>> level = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+    >>> slope = liftmesh.triangulate([[0, 0, -1], [4, 0, 3], [0, 4, -1], [4, 4, 3]])
+    >>> found = level.cut_and_fill(slope)
+    >>> found.cut, found.fill, found.net
+    (2.0, 18.0, 16.0)
+    """
 
-        Parameters
-        ----------
-        planar : bool, default False
-            Measure their projections to the plane instead.
-        z_factor : float, optional
-            As for `slope`.
+    cut: float
+    fill: float
+    area: float
+    cubic_metres: float | None = None
 
-        Returns
-        -------
-        float
-            In square units of x, which y shares.
+    @property
+    def net(self) -> float:
+        """The fill less the cut."""
+        return self.fill - self.cut
 
-        Raises
-        ------
-        InputError
-            The area is beyond the largest double, the factor is not positive, or `planar` is
-            neither True nor False.
 
-        Examples
-        --------
-        >>> import liftmesh
-        >>> roof = liftmesh.triangulate([[0, 0, 0], [3, 0, 4], [0, 2, 0], [3, 2, 4]])
-        >>> roof.area(), roof.area(planar=True)
-        (10.0, 6.0)
-        """
-        is_planar = as_switch("planar", planar)
-        corners, heights = _faces(self)
-        rise, _ = rise_of(self, z_factor)
-        with np.errstate(all="ignore"):
-            areas = _planar(corners) if is_planar else _inclined(corners, heights * rise)
-            return _total("area", areas)
+def area_of(surface: SurfaceData, *, planar: bool = False, z_factor: float | None = None) -> float:
+    """Compute the area of the faces."""
+    is_planar = as_switch("planar", planar)
+    corners, heights = _faces(surface)
+    rise, _ = slope_scale(surface, z_factor)
+    with np.errstate(all="ignore"):
+        areas = _planar(corners) if is_planar else _inclined(corners, heights * rise)
+        return _total("area", areas)
 
-    def volume(self: Any, level: float = 0.0, *, polygon: object = None) -> Volume:
-        """Compute the volumes between the faces and a level.
 
-        Parameters
-        ----------
-        level : float, default 0
-            A height above the plane.
-        polygon : object, optional
-            As for `cut_and_fill`.
+def volume_of(surface: SurfaceData, level: float = 0.0, *, polygon: object = None) -> Volume:
+    """Compute the volumes between the faces and a level."""
+    at = as_number("level", level, "a finite height")
+    if polygon is not None:
+        measure = partial(level_within, surface, at)
+        return Volume(*in_all(surface, polygon, measure), at, cubic_metres_of(surface))
+    corners, heights = _faces(surface)
+    with np.errstate(all="ignore"):
+        areas = _planar(corners)
+        prisms = _prisms(areas, np.sort(heights - at, axis=1))
+    above, below = (_total("volume", each) for each in prisms)
+    return Volume(above, below, _total("area", areas), at, cubic_metres_of(surface))
 
-        Returns
-        -------
-        Volume
-            What is above the level, and what is below; only where there are faces.
 
-        Raises
-        ------
-        InputError
-            The level is no finite number, or a volume is beyond the largest double; or the polygon
-            is invalid, or has no area in common with the faces.
-        FormatError
-            A file of a polygon is invalid.
-        MissingDependencyError
-            shapely is not installed.
-        OSError
-            A file of a polygon cannot be opened.
+def volumes_by_polygon(
+    surface: SurfaceData, polygon: object, level: float = 0.0
+) -> dict[str | int, Volume]:
+    """Compute the volumes between the faces and a level in each of several polygons."""
+    at, unit = as_number("level", level, "a finite height"), cubic_metres_of(surface)
+    found = in_each(surface, polygon, partial(level_within, surface, at))
+    return {name: Volume(*each, at, unit) for name, each in found}
 
-        Examples
-        --------
-        >>> import liftmesh
-        >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 6]])
-        >>> hill.volume().above, hill.volume(3).above
-        (32.0, 4.0)
-        """
-        at = _level(level)
-        if polygon is not None:
-            measure = partial(level_within, self, at)
-            return Volume(*in_all(self, polygon, measure), at, cubic_metres_of(self))
-        corners, heights = _faces(self)
-        with np.errstate(all="ignore"):
-            areas = _planar(corners)
-            prisms = _prisms(areas, np.sort(heights - at, axis=1))
-        above, below = (_total("volume", each) for each in prisms)
-        return Volume(above, below, _total("area", areas), at, cubic_metres_of(self))
 
-    def volume_by_polygon(
-        self: Any, polygon: object, level: float = 0.0
-    ) -> dict[str | int, Volume]:
-        """Compute the volumes between the faces and a level in each of several polygons.
+def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = None) -> Earthwork:
+    """Compute the volumes between this surface and another one."""
+    _check(surface, other)
+    if polygon is not None:
+        fill, cut, area = in_all(surface, polygon, partial(between_within, surface, other))
+        return Earthwork(cut, fill, area, cubic_metres_of(surface))
+    pair = _touching(surface.triangulation, other.triangulation)
+    fill, cut, area = 0.0, 0.0, 0.0
+    if pair is not None:
+        fill, cut, area = kernel_surface(surface).between(kernel_surface(other), *pair)
+        check_measured(("volume", fill), ("volume", cut), ("area", area))
+    if not area > 0:
+        for each in (surface, other):
+            area_of(each, planar=True)  # raises where areas are no doubles
+        raise InputError("the surfaces have no area in common")
+    return Earthwork(cut, fill, area, cubic_metres_of(surface))
 
-        Parameters
-        ----------
-        polygon : object
-            As for `cut_and_fill_by_polygon`.
-        level : float, default 0
-            A height above the plane.
 
-        Returns
-        -------
-        dict of str or int to Volume
-            As from `volume`, for each polygon; zeros where it has no area in common with the faces.
+def cut_and_fill_by_polygon(
+    surface: SurfaceData, other: SurfaceData, polygon: object
+) -> dict[str | int, Earthwork]:
+    """Compute the volumes between this surface and another one in each of several polygons."""
+    _check(surface, other)
+    unit = cubic_metres_of(surface)
+    found = in_each(surface, polygon, partial(between_within, surface, other))
+    return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in found}
 
-        Raises
-        ------
-        InputError
-            As for `volume`, or two polygons have one name.
-        FormatError, MissingDependencyError, OSError
-            As for `volume`.
 
-        Examples
-        --------
-        >>> import liftmesh
-        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4]])
-        >>> found = slope.volume_by_polygon([[1, 1], [3, 1], [3, 3], [1, 3]])
-        >>> round(found[0].above, 9)
-        8.0
-        """
-        at, unit = _level(level), cubic_metres_of(self)
-        found = in_each(self, polygon, partial(level_within, self, at))
-        return {name: Volume(*each, at, unit) for name, each in found}
+def cubic_metres_of(surface: SurfaceData) -> float | None:
+    """Return how many cubic metres a unit of volume has."""
+    metres = metres_of(surface)
+    return None if metres is None else math.prod(metres)
+
+
+def check_measured(*totals: tuple[str, float]) -> None:
+    """Raise for what was measured and is no double."""
+    for name, total in totals:
+        if not math.isfinite(total):
+            raise InputError(f"the {name} is beyond the largest double: scale the coordinates")
 
 
 def _total(name: str, parts: Floats) -> float:
@@ -197,13 +203,17 @@ def _total(name: str, parts: Floats) -> float:
     return total
 
 
-def _faces(surface: Surface) -> tuple[Floats, Floats]:
+def _faces(surface: SurfaceData) -> tuple[Floats, Floats]:
     """Return the corners of the faces by x, then y, (m, 3, 2), and their heights, (m, 3)."""
     faces = surface.faces
     planar = surface.triangulation.points[faces]
-    order = ranks(planar)
+    order = corner_order(planar)
     heights = surface.frame.heights(surface.vertices)[np.take_along_axis(faces, order, axis=1)]
     return np.take_along_axis(planar, order[..., None], axis=1), heights
+
+
+def _planar(corners: Floats) -> Floats:
+    return _turns(corners) / 2
 
 
 def _turns(corners: Floats) -> Floats:
@@ -211,10 +221,6 @@ def _turns(corners: Floats) -> Floats:
     (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
     turns: Floats = np.abs(bx * cy - by * cx)
     return turns
-
-
-def _planar(corners: Floats) -> Floats:
-    return _turns(corners) / 2
 
 
 def _inclined(corners: Floats, heights: Floats) -> Floats:
@@ -242,17 +248,167 @@ def _prisms(areas: Floats, heights: Floats) -> tuple[Floats, Floats]:
     return np.maximum(above, 0), np.maximum(below, 0)
 
 
-def _level(level: Any) -> float:
-    try:
-        found = float(as_reals(level))
-    except (TypeError, ValueError, OverflowError):
-        found = math.nan
-    if not math.isfinite(found):
-        raise InputError(f"level is {shown(level)}: give a finite height")
+def _check(surface: SurfaceData, other: SurfaceData) -> None:
+    if not hasattr(other, "triangulation") or not hasattr(other, "frame"):
+        raise InputError(f"a {type(other).__name__} is no surface: triangulate it, or as_surface")
+    one, two = surface.frame, other.frame
+    if not (np.array_equal(one.axes, two.axes) and np.array_equal(one.origin, two.origin)):
+        raise InputError("the surfaces are over different planes: give both the same")
+    if are_different(surface.crs, other.crs):
+        raise InputError(
+            "the surfaces have different coordinate systems: read one with to_crs= that of the "
+            "other, or replace(crs=None) if they are the same"
+        )
+
+
+def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Return a face of each triangulation that touch; None if none do."""
+    if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
+        return None
+    found = _of_a_vertex(one, two)
+    if found is None:
+        turned = _of_a_vertex(two, one)
+        found = None if turned is None else (turned[1], turned[0])
+    return found or _of_crossing_sides(one, two)
+
+
+def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find a vertex of one in the other: a face at it, and the face that contains it."""
+    rows = np.flatnonzero(one.vertex_to_simplex >= 0)
+    place = two.find_simplex(one.points[rows])
+    inside = np.flatnonzero(place >= 0)
+    if not len(inside):
+        return None
+    return int(one.vertex_to_simplex[rows[inside[0]]]), int(place[inside[0]])
+
+
+def _of_crossing_sides(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find sides of the hulls that cross, where no vertex of one is in the other."""
+    others, starts, ends = _hull(two)
+    for face, tail, head in zip(*_hull(one), strict=True):
+        apart = orient2d(tail, head, starts) * orient2d(tail, head, ends) > 0
+        apart |= orient2d(starts, ends, tail) * orient2d(starts, ends, head) > 0
+        if not apart.all():
+            return int(face), int(others[np.argmin(apart)])
+    return None
+
+
+def _hull(tri: Triangulation) -> tuple[Array, Array, Array]:
+    """Return the faces at the sides of the hull, and the ends of these sides."""
+    faces, corner = np.nonzero(tri.neighbors < 0)
+    ends = (tri.simplices[faces, (corner + step) % 3] for step in (1, 2))
+    tails, heads = (tri.points[rows] for rows in ends)
+    return faces, tails, heads
+
+
+def in_all(
+    surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
+) -> Measured:
+    """Measure what polygons cover together."""
+    found = measure(polygons_in(plane_system(surface), polygon))
+    if not found[2] > 0:
+        raise InputError("the polygon has no area in common with the faces")
     return found
 
 
-def cubic_metres_of(surface: Surface) -> float | None:
-    """Return how many cubic metres a unit of volume has."""
-    metres = metres_of(surface)
-    return None if metres is None else math.prod(metres)
+def in_each(
+    surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
+) -> Iterator[tuple[str | int, Measured]]:
+    """Measure each region by itself."""
+    seen = set()
+    for region in regions_in(plane_system(surface), polygon):
+        if region.name in seen:
+            raise InputError(f"two polygons have the name {region.name!r}: give each its own")
+        seen.add(region.name)
+        try:
+            yield region.name, measure(region.polygons)
+        except InputError as error:
+            raise InputError(f"polygon {region.name!r}: {error}") from error
+
+
+def level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -> Measured:
+    """Measure the volumes between a level and a surface in polygons."""
+    solved = surface.triangulation
+    low, high = solved.min_bound, solved.max_bound
+    with np.errstate(over="ignore"):
+        room = (high - low).max()
+        (left, bottom), (right, top) = np.clip([low - room, high + room], -_LARGEST, _LARGEST)
+    square = delaunay([[left, bottom], [right, bottom], [left, top], [right, top]])
+    flat = _kernel.Relief(
+        square.points, square.simplices, square.neighbors, np.full(4, float(level)), None
+    )
+    below, above, area = _measured(
+        (kernel_surface(surface), solved), (flat, square), _triangles(surface, polygons)
+    )
+    return above, below, area
+
+
+def between_within(surface: SurfaceData, other: SurfaceData, polygons: list[Polygon]) -> Measured:
+    """Measure the volumes between two surfaces in polygons."""
+    first = kernel_surface(surface), surface.triangulation
+    second = kernel_surface(other), other.triangulation
+    parts = _triangles(surface, polygons, other.triangulation)
+    if first[1].nsimplex >= second[1].nsimplex:
+        return _measured(first, second, parts)
+    below, above, area = _measured(second, first, parts)
+    return above, below, area
+
+
+def _measured(
+    first: tuple[Any, Triangulation], second: tuple[Any, Triangulation], parts: Floats
+) -> Measured:
+    """Measure in triangles, the finer surface first."""
+    middles = parts.mean(axis=1)
+    faces, others = (_faces_at(solved, middles) for _, solved in (first, second))
+    inside = (faces >= 0) & (others >= 0)
+    chosen = (np.ascontiguousarray(each[inside]) for each in (parts, faces, others))
+    above, below, area = first[0].between_within(second[0], *chosen)
+    check_measured(("volume", above), ("volume", below), ("area", area))
+    return above, below, area
+
+
+def _faces_at(solved: Triangulation, points: Floats) -> Rows:
+    return np.asarray(solved.find_simplex(points), dtype=np.int32)
+
+
+def _triangles(surface: SurfaceData, polygons: list[Polygon], *others: Triangulation) -> Floats:
+    """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
+    shapely = load("shapely", extra="shapes")
+    used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
+    scale = _scale_of(used[0])
+    shapes = [
+        shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
+    ]
+    for number, shape in enumerate(shapes):
+        if not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            raise InputError(f"polygon {number} is not valid: {reason}")
+    area = shapely.union_all(shapes)
+    for points in _scaled(used, scale):
+        area = area.intersection(shapely.MultiPoint(points).convex_hull)
+    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygonal(shapely, area)))
+    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
+    (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
+    turns = bx * cy - by * cx
+    with np.errstate(over="ignore"):
+        check_measured(("area", float(np.ldexp(np.abs(turns).sum() / 2, 2 * scale))))
+    corners[turns < 0] = corners[turns < 0, ::-1]
+    return np.ascontiguousarray(np.ldexp(corners, scale))
+
+
+def _scale_of(points: Floats) -> int:
+    """Return the power of two of coordinates whose products shapely may lose, and 0 of others."""
+    exponent = int(np.frexp(np.abs(points).max(initial=0))[1])
+    return exponent if abs(exponent) > _MOST_EXPONENT else 0
+
+
+def _scaled(parts: list[Any], scale: int) -> list[Any]:
+    """Divide coordinates by a power of two."""
+    return parts if not scale else [np.ldexp(each, -scale) for each in parts]
+
+
+def _polygonal(shapely: Any, area: Any) -> Any:
+    """Leave out points and lines, in which areas may touch."""
+    parts = shapely.get_parts(area)
+    parts = shapely.get_parts(parts)  # of collections, too
+    return shapely.MultiPolygon([each for each in parts if each.geom_type == "Polygon"])

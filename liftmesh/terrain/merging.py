@@ -22,8 +22,8 @@ from liftmesh.crs.description import described
 from liftmesh.crs.transformation import common, told_of
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import DataWarning, InputError
-from liftmesh.io.files import read_cloud
-from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, said, unread
+from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, unread, user_entries
+from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.terrain.overlap import distances_of, overlap_of
@@ -277,7 +277,7 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     for key in keys:
         if all(key in each.metadata and _alike(each.metadata[key], first[key]) for each in parts):
             entries[key] = first[key]
-        elif any(key in said(each.metadata) for each in parts):
+        elif any(key in user_entries(each.metadata) for each in parts):
             left_out.append(f"metadata {key}")
     for key in ("source", "format"):
         labels = [each.metadata[key] for each in parts if is_read(each.metadata)]
@@ -298,7 +298,7 @@ def _skipped(names: Sequence[str]) -> dict[str, Any]:
 
 def _lasting(metadata: Mapping[str, Any]) -> list[str]:
     """Return the keys of entries that are no notes about a file, nor about a former merge."""
-    own = said(metadata)
+    own = user_entries(metadata)
     notes = [key for key in (_LAYOUT, _FLOWN) if isinstance(metadata.get(key), Mapping)]
     return [key for key in metadata if key not in notes and (key not in _OF_A_FILE or key in own)]
 

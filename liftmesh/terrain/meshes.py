@@ -18,14 +18,14 @@ from liftmesh.base.arrays import used_rows
 from liftmesh.crs.transformation import told_of
 from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.files import read_cloud
 from liftmesh.io.metadata import is_read, lifted_by
+from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
 from liftmesh.io.surface_rows import classes_of
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 from liftmesh.planar.weights import named_values
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 

@@ -2,25 +2,39 @@
 
 The height where it crosses a side comes from the ends of the side, the lexicographically lesser
 first, so it is the one of both faces. Where the line leaves the faces, the profile has a gap.
+
+Where a line meets the sides and the vertices of faces, piece by piece.
+
+Which sides a piece crosses, and which vertices it passes, is decided exactly. Products are of
+numbers that powers of two have scaled, so they neither overflow nor vanish. Of what is met at one
+rounded position, ends of pieces and vertices come before crossings, and the lowest height first: no
+bit depends on the order of the rows.
+
+Lines draped over a surface: profiles of several lines as one, and their files.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Array, Floats, Mask
+from liftmesh._typing import Array, Floats, Mask, Rows
 from liftmesh.base.arrays import as_pairs
+from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.terrain.line_crossings import LineCrossings
-
-if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+from liftmesh.io.atomic import replacing
+from liftmesh.predicates import orient2d
+from liftmesh.terrain.sampling import heights_at
+from liftmesh.terrain.surface_data import SurfaceData, plane_system
+from liftmesh.vector import geojson, geopackage
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -61,59 +75,23 @@ class Profile:
         return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"
 
 
-class Profiling:
-    """The method of a `Surface` that drapes lines."""
-
-    __slots__ = ()
-
-    def profile(self: Any, line: ArrayLike) -> Profile:
-        """Drape a line over the faces.
-
-        Parameters
-        ----------
-        line : (k, 2) array_like
-            Its corners in the plane, two at least.
-
-        Returns
-        -------
-        Profile
-            Linear between its points, as the faces are.
-
-        Raises
-        ------
-        InputError
-            There are fewer than two corners, or one is not finite; or the line is longer than the
-            largest double.
-
-        Notes
-        -----
-        The line is halved, again and again, and each half looks only at the faces that are near the
-        one that it is of. So a piece takes time for the faces near it; one piece across the whole
-        surface, for all of them. Corners are draped by `sample`. No bit depends on the order of the
-        rows.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
-        >>> slope.profile([[-1, 1], [2, 1], [2, 9]]).points.tolist()
-        [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
-        """
-        corners = _corners(line)
-        before = _distances(corners)
-        pieces = LineCrossings(self).of(corners)
-        points = np.concatenate(pieces)
-        piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
-        points[:, 3] += before[piece]
-        return _parts(points, _are_joined(self, points, piece))
+def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
+    """Drape a line over the faces."""
+    corners = _corners(line)
+    before = _distances(corners)
+    pieces = LineCrossings(surface).of(corners)
+    points = np.concatenate(pieces)
+    piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
+    points[:, 3] += before[piece]
+    return _parts(points, _are_joined(surface, points, piece))
 
 
-def _are_joined(surface: Surface, points: Floats, piece: Array) -> Mask:
+def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
     """Whether points and those after them are one corner of the line, or have a face between."""
     firsts, steps = points[:-1, :2], np.diff(points[:, :2], axis=0)
     one_piece = piece[1:] == piece[:-1]
     joined: Mask = (steps == 0).all(axis=1)
-    joined[one_piece] = np.isfinite(surface.sample((firsts + steps / 2)[one_piece]))
+    joined[one_piece] = np.isfinite(heights_at(surface, (firsts + steps / 2)[one_piece]))
     return joined
 
 
@@ -144,3 +122,196 @@ def _corners(line: Any) -> Floats:
     if not np.isfinite(corners).all():
         raise InputError(f"a corner of the line is not finite: {shown(line)}")
     return corners
+
+
+_AT_VERTEX, _AT_CROSSING = 0.0, 1.0
+_NEXT = [1, 2, 0]
+Wide: TypeAlias = tuple[
+    Floats, Rows
+]  # numbers, and the powers of two that they are to be scaled by
+
+
+class LineCrossings:
+    """What lines meet of a surface."""
+
+    def __init__(self, surface: SurfaceData) -> None:
+        self._surface = surface
+        self._points = surface.triangulation.points
+        self._heights = surface.frame.heights(surface.vertices)
+        a, b, c = (self._points[column] for column in surface.faces.T)
+        self._low = np.minimum(np.minimum(a, b), c)
+        self._high = np.maximum(np.maximum(a, b), c)
+
+    def of(self, corners: Floats) -> list[Floats]:
+        """List what each piece of a line meets."""
+        ends = np.column_stack([corners, heights_at(self._surface, corners)])
+        pieces = [*pairwise(ends)]
+        return [
+            _along(self._met(np.stack(pieces[number]), near), *corners[number : number + 2])
+            for number, near in self._near(corners, 0, np.arange(len(self._surface.faces)))
+        ]
+
+    def _near(self, corners: Floats, first: int, faces: Array) -> Iterator[tuple[int, Array]]:
+        """Yield each piece, and of some faces those whose boxes meet its own."""
+        least, most = corners.min(axis=0), corners.max(axis=0)
+        meets = (self._high[faces] >= least) & (self._low[faces] <= most)
+        faces = faces[meets.all(axis=1)]
+        if len(corners) == 2:
+            yield first, faces
+            return
+        middle = len(corners) // 2
+        yield from self._near(corners[: middle + 1], first, faces)
+        yield from self._near(corners[middle:], first + middle, faces)
+
+    def _met(self, ends: Floats, near: Array) -> Floats:
+        """Return x, y, height and kind of what a piece meets, in any order."""
+        p, q = ends[:, :2]
+        faces = self._surface.faces[near]
+        rows, places = np.unique(faces, return_inverse=True)
+        turns = orient2d(p, q, self._points[rows]) if len(rows) else np.zeros(0, np.int8)
+        sides = _sides_across(faces, turns[places.reshape(-1, 3)])
+        found = [
+            (ends, _AT_VERTEX),
+            (self._vertices(rows[turns == 0], p, q), _AT_VERTEX),
+            (self._crossings(sides, p, q), _AT_CROSSING),
+        ]
+        kinds = np.concatenate([np.full(len(each), kind) for each, kind in found])
+        return np.column_stack([np.concatenate([each for each, _ in found]), kinds])
+
+    def _vertices(self, rows: Rows, p: Floats, q: Floats) -> Floats:
+        """Return the vertices on the line that are between its ends."""
+        at = self._points[rows]
+        between = ((at >= np.minimum(p, q)) & (at <= np.maximum(p, q))).all(axis=1)
+        return np.column_stack([at[between], self._heights[rows[between]]])
+
+    def _crossings(self, sides: Rows, p: Floats, q: Floats) -> Floats:
+        """Return where the piece crosses sides whose ends are apart from its line."""
+        tails, heads = self._points[sides[:, 0]], self._points[sides[:, 1]]
+        swap = (heads[:, 0] < tails[:, 0]) | (
+            (heads[:, 0] == tails[:, 0]) & (heads[:, 1] < tails[:, 1])
+        )
+        sides[swap] = sides[swap, ::-1]
+        tails, heads = self._points[sides[:, 0]], self._points[sides[:, 1]]
+        meets = orient2d(tails, heads, p) * orient2d(tails, heads, q) <= 0
+        sides, tails, heads = sides[meets], tails[meets], heads[meets]
+        share = _share(p, q, tails, heads)
+        at = np.clip(_between(tails, heads, share[:, None]), np.minimum(p, q), np.maximum(p, q))
+        low, high = self._heights[sides.T]
+        return np.column_stack([at, _between(low, high, share)])
+
+
+def _along(met: Floats, p: Floats, q: Floats) -> Floats:
+    """Order what a piece meets from p to q, and keep of each position what comes first."""
+    points = met[np.isfinite(met[:, 2])] + 0.0  # -0.0 becomes 0.0
+    far = np.minimum(np.hypot(*(points[:, :2] - p).T), np.hypot(*(q - p)))
+    ahead = points[:, :2] * np.sign(q - p)
+    order = np.lexsort([points[:, 2], points[:, 3], ahead[:, 1], ahead[:, 0], far])
+    found = np.column_stack([points[:, :3], far])[order]
+    fresh = np.ones(len(found), dtype=np.bool_)
+    fresh[1:] = (found[1:, :2] != found[:-1, :2]).any(axis=1)
+    return found[fresh]
+
+
+def _sides_across(faces: Rows, turns: Array) -> Rows:
+    """Return the sides, each once, whose ends are on both sides of a line."""
+    across = turns.min(axis=1, initial=1) * turns.max(axis=1, initial=-1) < 0
+    faces, turns = faces[across], turns[across]
+    apart = (turns * turns[:, _NEXT]).ravel() < 0
+    sides = np.stack([faces, faces[:, _NEXT]], axis=-1).reshape(-1, 2)[apart]
+    return np.unique(np.sort(sides, axis=1), axis=0) if len(sides) else sides
+
+
+def _share(p: Floats, q: Floats, tails: Floats, heads: Floats) -> Floats:
+    """Return how far along each side, from its tail, a line crosses it: 0 to 1."""
+    at_tail, tail_scale = _distance(p, q, tails)
+    at_head, head_scale = _distance(p, q, heads)
+    scale = np.maximum(tail_scale, head_scale)
+    at_tail, at_head = np.ldexp(at_tail, tail_scale - scale), np.ldexp(at_head, head_scale - scale)
+    shares: Floats = at_tail / np.maximum(at_tail + at_head, np.finfo(float).tiny)
+    return shares
+
+
+def _distance(p: Floats, q: Floats, points: Floats) -> Wide:
+    """Return how far points are from the line p q, times what is the same for all points."""
+    (dx, dy), _ = _scaled(p, q[None])
+    offsets, scale = _scaled(p, points)
+    return np.abs(dx * offsets[1] - dy * offsets[0]), scale
+
+
+def _scaled(origin: Floats, points: Floats) -> Wide:
+    """Return x and y of the way from the origin to points, (2, n), each scaled to about 1."""
+    half = 0.5 if max(np.abs(points).max(initial=0), np.abs(origin).max()) > 1 else 1.0
+    offsets = (points * half - origin * half).T
+    scale = np.frexp(np.abs(offsets).max(axis=0))[1]
+    return np.ldexp(offsets, -scale), scale - np.frexp(half)[1]
+
+
+def _between(tails: Floats, heads: Floats, share: Floats) -> Floats:
+    """Interpolate between the ends of sides, also where their difference is no double."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = heads - tails
+        near = tails + share * steps
+    found = np.where(np.isfinite(steps), near, tails * (1 - share) + heads * share)
+    return np.clip(found, np.minimum(tails, heads), np.maximum(tails, heads))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draped:
+    """Lines over a surface, in parts where they leave its faces."""
+
+    points: Floats
+    distances: Floats
+    starts: Array
+    lines: Array
+    crs: str | None
+
+    @property
+    def lengths(self) -> Floats:
+        """The length of each part in the plane."""
+        lengths: Floats = self.distances[self.starts[1:] - 1] - self.distances[self.starts[:-1]]
+        return lengths
+
+    def as_cloud(self) -> Cloud:
+        """Return the points with their distance, line and part."""
+        counts = np.diff(self.starts)
+        values = {
+            "distance": self.distances,
+            "line": np.repeat(self.lines, counts),
+            "part": np.repeat(np.arange(len(counts)), counts),
+        }
+        return Cloud(self.points, attributes=values, crs=self.crs)
+
+    def save(self, path: Path) -> Path:
+        """Write the parts as lines in space, with their line, its stretch and their length."""
+        columns = {
+            "line": self.lines,
+            "start": self.distances[self.starts[:-1]],
+            "length": self.lengths,
+        }
+        with replacing(path) as stream:
+            if path.suffix.lower() == ".gpkg":
+                geopackage.write(stream, self.points, self.starts, columns, self.crs, "profiles")
+            else:
+                rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+                told = (dict(zip(columns, row, strict=True)) for row in rows)
+                parts = np.split(self.points, self.starts[1:-1])
+                geojson.write(stream, zip(told, parts, strict=True), self.crs)
+        return path
+
+
+def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
+    """Drape lines over the faces of a surface."""
+    found = [profile_along(surface, line) for line in lines]
+    counts = [len(each.starts) - 1 for each in found]
+    if not any(counts):
+        if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
+            raise InputError("all corners of a line are at one position: it has no length")
+        raise InputError("no part of a line is over faces: are both in the same system?")
+    sizes = np.concatenate([np.diff(each.starts) for each in found])
+    return Draped(
+        np.concatenate([each.points for each in found]),
+        np.concatenate([each.distances for each in found]),
+        np.concatenate([[0], np.cumsum(sizes)]),
+        np.repeat(np.arange(len(found)), counts),
+        plane_system(surface),
+    )

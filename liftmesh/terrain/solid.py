@@ -9,97 +9,55 @@ be at the height of the base: on the rim it is a corner of the base, too.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_reals, used_rows
+from liftmesh.base.arrays import as_number, as_positive, used_rows
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.options import Pinched, check_option, shown
+from liftmesh.base.options import Pinched, check_option
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.trimming import mask_of, masked
-from liftmesh.terrain.units import rise_of
+from liftmesh.terrain.trimming import boundary, mask_of, masked
+from liftmesh.terrain.units import slope_scale
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 
-class Closing:
-    """The method of a `Surface` that makes a solid of it."""
-
-    __slots__ = ()
-
-    def solid(
-        self: Any,
-        base: float | None = None,
-        *,
-        thickness: float | None = None,
-        pinched: Pinched = "error",
-        longest: float | None = None,
-        z_factor: float | None = None,
-    ) -> Cloud:
-        """Close the faces by walls and a base.
-
-        Parameters
-        ----------
-        base : float, optional
-            The height of a flat base, below all faces; they may touch it in single corners.
-        thickness : float, optional
-            In place of it: the base is the surface itself, lower by so much.
-        pinched : {"error", "trim"}, default "error"
-            Where faces touch in a vertex only, which no solid can: refuse, or leave out all faces
-            at such vertices.
-        longest : float, optional
-            Scale the solid to this length in x or y, whichever is longer, in millimetres to print
-            it, and move it: it begins at 0 in all directions. Without it, it stays in its place.
-        z_factor : float, optional
-            With ``longest``: what heights are multiplied by before, as for `slope`.
-
-        Returns
-        -------
-        Cloud
-            A closed mesh: the rows of the faces, then those of the base. Faces are
-            counter-clockwise from outside. Colours and named values are not part of it.
-
-        Raises
-        ------
-        InputError
-            There is not either a base or a thickness, a number is none that it can be, the surface
-            reaches its base, or faces touch in a vertex only.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> hill = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [2, 2, 4]])
-        >>> block = hill.solid(base=0)
-        >>> block.points.shape, block.faces.shape
-        ((9, 3), (14, 3))
-        """
-        check_option("pinched", pinched, Pinched)
-        depth = _depth(base, thickness)
-        scale = None if longest is None else _length("longest", longest)
-        if scale is None and z_factor is not None:
-            raise InputError("z_factor goes with longest: without it, no height changes")
-        surface = _unpinched(self, pinched)
-        top = used_rows(len(surface.vertices), surface.faces)
-        heights = surface.frame.heights(surface.vertices[top])
-        lower = heights - depth if base is None else np.full(len(top), depth)
-        parts = _Parts(surface, top, heights, lower, is_flat=base is not None)
-        parts.check()
-        points = parts.points() if scale is None else parts.scaled(scale, z_factor)
-        crs = surface.crs if scale is None else None
-        return Cloud(points, faces=parts.faces(), crs=crs)
+def closed_solid(
+    surface: SurfaceData,
+    base: float | None = None,
+    *,
+    thickness: float | None = None,
+    pinched: Pinched = "error",
+    longest: float | None = None,
+    z_factor: float | None = None,
+) -> Cloud:
+    """Close the faces by walls and a base."""
+    check_option("pinched", pinched, Pinched)
+    depth = _depth(base, thickness)
+    scale = None if longest is None else as_positive("longest", longest, "a positive length")
+    if scale is None and z_factor is not None:
+        raise InputError("z_factor goes with longest: without it, no height changes")
+    surface = _unpinched(surface, pinched)
+    top = used_rows(len(surface.vertices), surface.faces)
+    heights = surface.frame.heights(surface.vertices[top])
+    lower = heights - depth if base is None else np.full(len(top), depth)
+    parts = _Parts(surface, top, heights, lower, is_flat=base is not None)
+    parts.check()
+    points = parts.points() if scale is None else parts.scaled(scale, z_factor)
+    crs = surface.crs if scale is None else None
+    return Cloud(points, faces=parts.faces(), crs=crs)
 
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
     """The rows of a surface that are corners of faces, their heights, and those below them."""
 
-    surface: Surface
+    surface: SurfaceData
     top: Rows
     heights: Floats
     lower: Floats
@@ -125,7 +83,7 @@ class _Parts:
 
     def faces(self) -> Rows:
         """Return the faces of the surface, of the walls and of the base."""
-        rings = [np.searchsorted(self.top, ring) for ring in self.surface.boundary()]
+        rings = [np.searchsorted(self.top, ring) for ring in boundary(self.surface)]
         kept, own = self._kept(), self._own()
         below = np.arange(len(self.top))  # where they touch
         below[own] = len(self.top) + np.arange(len(own))
@@ -144,7 +102,7 @@ class _Parts:
     def scaled(self, longest: float, z_factor: float | None) -> Floats:
         """Return them in the plane of the surface, scaled, from 0 on."""
         planar = self.surface.triangulation.points[self.top]
-        rise, _ = rise_of(self.surface, z_factor)
+        rise, _ = slope_scale(self.surface, z_factor)
         low, high = planar.min(axis=0), planar.max(axis=0)
         with np.errstate(all="ignore"):
             scale = longest / (high - low).max()
@@ -172,7 +130,7 @@ class _Parts:
         """Return which corners the base has: those of the rim, if they fill it, or all."""
         if not self._is_convex():
             return np.arange(len(self.top))
-        return np.unique(np.searchsorted(self.top, np.concatenate(self.surface.boundary())))
+        return np.unique(np.searchsorted(self.top, np.concatenate(boundary(self.surface))))
 
     def _base(self, kept: Array) -> Array:
         """Return the faces of the base, counter-clockwise from below."""
@@ -197,30 +155,14 @@ def _depth(base: Any, thickness: Any) -> float:
     """Return the height of the base, or how much lower it is."""
     if (base is None) == (thickness is None):
         raise InputError("give either a base or a thickness")
-    return _height("base", base) if thickness is None else _length("thickness", thickness)
+    return (
+        as_number("base", base, "a finite height")
+        if thickness is None
+        else as_positive("thickness", thickness, "a positive length")
+    )
 
 
-def _height(name: str, value: Any) -> float:
-    try:
-        number = float(as_reals(value))
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise InputError(f"{name} is {shown(value)}: give a finite height")
-    return number
-
-
-def _length(name: str, value: Any) -> float:
-    try:
-        number = _height(name, value)
-    except InputError:
-        number = 0.0
-    if not number > 0:
-        raise InputError(f"{name} is {shown(value)}: give a positive length")
-    return number
-
-
-def _unpinched(surface: Surface, pinched: Pinched) -> Surface:
+def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:
     """Return a surface whose faces touch in sides only: itself, or without some faces."""
     while len(rows := _pinched_rows(surface)):
         if pinched == "error":
@@ -237,7 +179,7 @@ def _unpinched(surface: Surface, pinched: Pinched) -> Surface:
     return surface
 
 
-def _pinched_rows(surface: Surface) -> Rows:
+def _pinched_rows(surface: SurfaceData) -> Rows:
     """Return the rows that rings share, ascending."""
-    rows, counts = np.unique(np.concatenate(surface.boundary()), return_counts=True)
+    rows, counts = np.unique(np.concatenate(boundary(surface)), return_counts=True)
     return rows[counts > 1]

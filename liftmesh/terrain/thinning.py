@@ -5,6 +5,14 @@ NumPy. One per cell: cells are squares whose borders are multiples of their size
 survey agree about them. A minimum distance: rounds, in each of which every row stays that comes
 first within the distance, in an order as random as a hash of the coordinates; those that are too
 near are left out. So the rows that stay do not depend on the order of the rows either.
+
+Adaptive thinning: the rows without which linear interpolation loses most.
+
+Of all points, the one is removed next without which the sum of the squares of the distances of all
+that were removed, from the surface of those that are left, grows least. Each step looks at the star
+of a point only: L. Demaret and A. Iske, "Adaptive image approximation by linear splines over
+locally optimal Delaunay triangulations", 2006. Points gather where the surface bends, and along an
+edge the triangles become long and thin.
 """
 
 from __future__ import annotations
@@ -16,14 +24,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.arrays import check_finite
 from liftmesh.base.options import CellRow, as_count, check_option, shown
 from liftmesh.errors import InputError
-from liftmesh.io.files import read_cloud
-from liftmesh.terrain.adaptive_thinning import most_significant
+from liftmesh.io.read import read_cloud
+from liftmesh.terrain.surface_data import positions_of
+from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+
 
 _MOST_CELLS = float(2**52)  # from the origin: beyond, doubles do not tell cells apart
 # Of a cell of the distance / sqrt(2): all others that can have a point within the distance; those
@@ -283,3 +295,17 @@ class _Rounds:
     def _are_near(self, one: Array, other: Array) -> Array:
         change = self._plane[one] - self._plane[other]
         return np.asarray(np.hypot(*change.T) < self._distance)
+
+
+def most_significant(cloud: Cloud, wanted: int) -> Rows:
+    """Choose the rows that adaptive thinning keeps."""
+    check_finite(cloud.points, skippable=False)
+    surface = triangulate(cloud)
+    used, plane, hull = positions_of(surface)
+    heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0
+    rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), None)
+    if len(rows) > wanted:
+        raise InputError(
+            f"adaptive is {wanted}: the hull alone has {len(rows)} corners, which stay"
+        )
+    return np.sort(used[rows])

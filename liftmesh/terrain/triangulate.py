@@ -24,10 +24,10 @@ from liftmesh.crs.transformation import told_of
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
 from liftmesh.io.metadata import found_columns
 from liftmesh.io.surface_rows import classes_of, read_rows
+from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.lifting import Lifting, lifting_of
-from liftmesh.terrain.parts import with_parts
-from liftmesh.terrain.plane import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 

@@ -7,21 +7,27 @@ coordinate system and the band of a raster say the units; where they do not, the
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
-from liftmesh.base.arrays import as_reals
-from liftmesh.base.options import shown
-from liftmesh.crs.units import band_unit, system_of
-from liftmesh.errors import InputError
+from liftmesh.base.arrays import as_positive
+from liftmesh.crs.units import Placed, band_unit, system_of
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
+    from liftmesh.terrain.frame import Frame
+
+
+class OverPlane(Placed, Protocol):
+    """What is over a plane, in a coordinate system: a surface, in memory or in tiles."""
+
+    @property
+    def frame(self) -> Frame:
+        """The plane."""
+
 
 _AXES = {"xy": (0, 1, 2), "xz": (0, 2, 1), "yz": (1, 2, 0)}
 
 
-def metres_of(surface: Surface) -> tuple[float, float, float] | None:
+def metres_of(surface: OverPlane) -> tuple[float, float, float] | None:
     """Return how many metres the units of both planar coordinates and of heights have."""
     system = system_of(surface)
     units = () if system is None else system.units
@@ -35,7 +41,7 @@ def metres_of(surface: Surface) -> tuple[float, float, float] | None:
     return x, y, z
 
 
-def names_of(surface: Surface) -> tuple[str | None, str | None]:
+def unit_names(surface: OverPlane) -> tuple[str | None, str | None]:
     """Return the names of the unit in the plane and of that of heights."""
     system = system_of(surface)
     axes = _AXES.get(surface.frame.name)
@@ -48,20 +54,10 @@ def names_of(surface: Surface) -> tuple[str | None, str | None]:
     return (x if x == y else None), z
 
 
-def rise_of(surface: Surface, z_factor: float | None) -> tuple[float, float]:
+def slope_scale(surface: OverPlane, z_factor: float | None) -> tuple[float, float]:
     """Return what gradients are multiplied by before they become angles."""
     if z_factor is not None:
-        factor = _positive(z_factor)
+        factor = as_positive("z_factor", z_factor, "a positive number")
         return factor, factor
     x, y, z = metres_of(surface) or (1.0, 1.0, 1.0)
     return z / x, z / y
-
-
-def _positive(value: Any) -> float:
-    try:
-        factor = float(as_reals(value))
-    except (TypeError, ValueError, OverflowError):
-        factor = math.nan
-    if not 0 < factor < math.inf:
-        raise InputError(f"z_factor is {shown(value)}: give a positive number")
-    return factor

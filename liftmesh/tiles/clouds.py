@@ -18,7 +18,7 @@ from liftmesh.base.arrays import as_coordinates, widened
 from liftmesh.base.frozen import FrozenDict
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.io.files import read_chunks
+from liftmesh.io.read import read_chunks
 from liftmesh.io.registry import as_cloud
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
 from liftmesh.tiles.las import readings

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from liftmesh.errors import InputError
-from liftmesh.io.working_folder import working_folder
+from liftmesh.io.atomic import working_folder
 from liftmesh.optional import load
 
 # Tasks are long calls of the kernel: samples of their stacks say nothing, and take a twentieth.

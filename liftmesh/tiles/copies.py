@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liftmesh._typing import Array, Progress
-from liftmesh.io import places
+from liftmesh.io import streams
 from liftmesh.tiles.store import concatenated
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def of_file(chunks: Iterable[Item], show: Progress) -> Iterator[Item]:
     show(0.0)
     for chunk in chunks:
         yield chunk
-        at, size = places.progress() or (0, 1)  # a pipe has no size
+        at, size = streams.progress() or (0, 1)  # a pipe has no size
         show(at / max(1, size))
     show(1.0)
 

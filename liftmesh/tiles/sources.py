@@ -18,8 +18,8 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Progress
 from liftmesh.base.arrays import MOST_ROWS, as_coordinates, widened
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.files import read_chunks
-from liftmesh.io.formats.npy_array import Layout
+from liftmesh.io.formats.numpy_arrays import Layout
+from liftmesh.io.read import read_chunks
 from liftmesh.io.registry import as_cloud
 from liftmesh.io.streams import remaining
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written

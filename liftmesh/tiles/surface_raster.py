@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -20,9 +20,9 @@ from numpy.typing import DTypeLike
 from liftmesh._typing import Array, Floats, Progress
 from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
 from liftmesh.raster import writer
-from liftmesh.terrain.pixels import Layout, centres_of, layout_of
-from liftmesh.terrain.raster import Raster, check_name, unit_of, written_system
-from liftmesh.terrain.raster_values import Wanted
+from liftmesh.raster.pixels import Layout, centres_of, layout_of
+from liftmesh.raster.raster import Raster, check_name, written_system
+from liftmesh.terrain.raster import Wanted, unit_of
 from liftmesh.tiles.circles import Circles
 from liftmesh.tiles.windows import part_of, touching
 
@@ -254,10 +254,8 @@ class Rasterizing:
 def _layout(
     tiled: TiledSurface, resolution: Any, bounds: Any, transform: Any, shape: Any
 ) -> Layout:
-    if bounds is None and transform is None:
-        west, south, _, east, north, _ = tiled.extent
-        bounds = (west, south, east, north)
-    return layout_of(cast("Any", tiled), resolution, bounds, transform, shape)
+    west, south, _, east, north, _ = tiled.extent
+    return layout_of(resolution, bounds, transform, shape, lambda: (west, south, east, north))
 
 
 def _windows(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Rows
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.tiles.schema import POSITION, ROW, Schema, cloud_from
 from liftmesh.tiles.store import damaged, within
 from liftmesh.tiles.surface_files import faces_name, vertices_name

@@ -15,7 +15,7 @@ from liftmesh._typing import Array, Integers, Progress
 from liftmesh.base.options import as_folder, check_progress
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.working_folder import working_folder
+from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.tiles.chunks import digests_of
 from liftmesh.tiles.clouds import Reading, planar_of, valued_parts

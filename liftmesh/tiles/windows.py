@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.errors import FormatError, InputError
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.plane import resolve_plane
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
 

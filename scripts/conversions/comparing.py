@@ -15,8 +15,8 @@ import numpy as np
 
 from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT
-from liftmesh.io.metadata import said
-from liftmesh.io.origin import TOLERANCE
+from liftmesh.io.metadata import user_entries
+from liftmesh.io.precision import TOLERANCE
 
 if TYPE_CHECKING:
     from liftmesh import Cloud
@@ -211,7 +211,7 @@ def _same_rounded(ours: Array, theirs: Array) -> bool:
 
 
 def _of_metadata(before: Cloud, after: Cloud) -> Iterator[str]:
-    ours, theirs = said(before.metadata), said(after.metadata)
+    ours, theirs = user_entries(before.metadata), user_entries(after.metadata)
     for key, value in ours.items():
         if key not in theirs:
             yield f"metadata {key}"

@@ -27,7 +27,7 @@ from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.formats.text.names import meaning
 from liftmesh.io.metadata import NOTE
 from liftmesh.io.objects import open3d, trimesh
-from liftmesh.io.whole_numbers import DOUBLE, fit
+from liftmesh.io.precision import DOUBLE, fit
 
 Array = np.ndarray[Any, np.dtype[Any]]
 

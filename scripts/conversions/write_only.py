@@ -14,7 +14,7 @@ import numpy as np
 
 from liftmesh import Cloud, InputError
 from liftmesh.io.metadata import Label
-from liftmesh.io.origin import checked_origin, with_origin
+from liftmesh.io.precision import checked_origin, with_origin
 
 _LANDXML = "{http://www.landxml.org/schema/LandXML-1.2}"
 

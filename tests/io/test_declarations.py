@@ -15,7 +15,7 @@ import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError, Written
 from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT, NEEDS
-from liftmesh.io.metadata import said
+from liftmesh.io.metadata import user_entries
 from liftmesh.io.registry import FORMATS
 
 WRITABLE = {each.name: each for each in FORMATS if each.write and each.read}
@@ -140,7 +140,8 @@ def kept(back: Cloud, cloud: Cloud) -> dict[str, bool]:
         "attributes": {*back.attributes} - of_the_format(back) == {*cloud.attributes}
         and all(np.array_equal(back.attributes[k], v) for k, v in cloud.attributes.items()),
         "crs": back.crs == cloud.crs,
-        "metadata": {k: v for k, v in said(back.metadata).items() if k != "las"} == cloud.metadata,
+        "metadata": {k: v for k, v in user_entries(back.metadata).items() if k != "las"}
+        == cloud.metadata,
         "float64": same_positions(back, cloud),
     }
 
@@ -236,7 +237,7 @@ def test_an_error_after_the_bytes_are_written_leaves_the_old_file(
     def fail(*_: object) -> tuple[str, ...]:
         raise MemoryError
 
-    monkeypatch.setattr("liftmesh.io.writing.dropped", fail)
+    monkeypatch.setattr("liftmesh.io.write.dropped", fail)
     target = tmp_path / f"mesh.{kind}"
     target.write_bytes(b"old")
     with pytest.raises(MemoryError):

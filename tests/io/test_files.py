@@ -21,7 +21,7 @@ from file_samples import (
 
 import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError, UnsupportedTypeError
-from liftmesh.io import places, registry
+from liftmesh.io import registry, streams
 from liftmesh.io.registry import find_format, known_formats
 
 KINDS = {
@@ -178,13 +178,13 @@ def test_how_much_of_a_file_is_written(tmp_path, monkeypatch):
     sizes = []
 
     def write(stream, cloud):
-        sizes.append(places.written())
+        sizes.append(streams.written())
         stream.write(bytes(5000))
         stream.flush()
-        sizes.append(places.written())
+        sizes.append(streams.written())
 
     odd = Format("odd", (".odd",), None, write, "zeros")
     monkeypatch.setattr(registry, "FORMATS", (*registry.FORMATS, odd))
     liftmesh.write(tmp_path / "a.odd", np.eye(3))
     assert sizes == [(0, None), (5000, None)]
-    assert places.written() is None
+    assert streams.written() is None

@@ -11,7 +11,7 @@ from file_samples import loaded
 from gltf_models import TRIANGLE, Model, faces
 
 from liftmesh.io.formats.gltf import reader as gltf_reader
-from liftmesh.io.formats.gltf.buffers import Buffers, Stated
+from liftmesh.io.formats.gltf.buffers import Buffers, StatedBuffer
 from liftmesh.io.formats.gltf.validation import Document
 from liftmesh.io.objects.trimesh import transformed
 
@@ -49,7 +49,7 @@ class Compared(str):
 
 def test_long_addresses_are_compared_once() -> None:
     address = "data:;base64," + "A" * 4000
-    stated = [Stated(Compared(address), 3000, is_fallback=False) for _ in range(3)]
+    stated = [StatedBuffer(Compared(address), 3000, is_fallback=False) for _ in range(3)]
     buffers = Buffers(stated, None, "scene.gltf")
     assert all(bytes(buffers[number % 3]) == bytes(3000) for number in range(100))
     assert Compared.count < 10

@@ -14,8 +14,8 @@ from file_samples import assert_same_mesh, saved, small_mesh
 
 import liftmesh
 from liftmesh import FormatError, InputError
-from liftmesh.io.gzip_stream import decompressed
 from liftmesh.io.registry import FORMATS
+from liftmesh.io.streams import decompressed
 
 MESH = small_mesh()
 TEXT = b"x,y,z\n0,0,5\n1,0,6\n0,1,7\n"

@@ -14,7 +14,7 @@ from hypothesis import given, settings, strategies as st
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io.metadata import said
+from liftmesh.io.metadata import user_entries
 
 KEEPING = ("ply", "obj", "npz", "glb", "gltf")
 MESH = small_mesh()
@@ -25,7 +25,7 @@ def mesh(metadata: dict[str, Any], **more: Any) -> Cloud:
 
 
 def back(kind: str, metadata: dict[str, Any]) -> dict[str, Any]:
-    return said(loaded(saved(mesh(metadata), kind), kind).metadata)
+    return user_entries(loaded(saved(mesh(metadata), kind), kind).metadata)
 
 
 VALUES = st.recursive(
@@ -46,7 +46,7 @@ def test_every_entry_comes_back_or_is_named(entries: dict[str, Any], kind: str) 
     written = liftmesh.write(stream := io.BytesIO(), mesh(entries), format=kind)
     cloud = loaded(stream.getvalue(), kind)
     lost = {each.removeprefix("metadata ") for each in written.dropped}
-    assert listed(said(cloud.metadata)) == listed(
+    assert listed(user_entries(cloud.metadata)) == listed(
         {key: value for key, value in entries.items() if key not in lost}
     )
     assert cloud.crs is None
@@ -209,8 +209,8 @@ def test_what_was_found_of_a_table_is_not_written(kind: str) -> None:
         assert "columns" in surface.metadata
         written = liftmesh.write(stream := io.BytesIO(), surface, format=kind)
         assert not [each for each in written.dropped if each.startswith("metadata")]
-        assert said(loaded(stream.getvalue(), kind).metadata) == {}
-    assert not any(said(cloud.metadata) for cloud in tables)
+        assert user_entries(loaded(stream.getvalue(), kind).metadata) == {}
+    assert not any(user_entries(cloud.metadata) for cloud in tables)
     assert tables[0].metadata["notes"]
 
 

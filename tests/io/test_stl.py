@@ -15,7 +15,7 @@ from file_samples import loaded, saved, small_mesh
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io import welding
+from liftmesh.io.formats import stl
 
 TEXT = """solid a thing
   facet normal 0 0 1
@@ -248,9 +248,9 @@ def test_facets_across_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_equal_corners_are_merged_as_one_by_one(
     monkeypatch: pytest.MonkeyPatch, part: int, collide: bool
 ) -> None:
-    monkeypatch.setattr(welding, "_PART", part)
+    monkeypatch.setattr(stl, "_PART", part)
     if collide:
-        monkeypatch.setattr(welding, "_FACTORS", (1 << 63, 1 << 63, 1 << 63))
+        monkeypatch.setattr(stl, "_FACTORS", (1 << 63, 1 << 63, 1 << 63))
     corners = random_corners(200)
     corners[3, 1, 2] = corners[9, 0, 0] = corners[9, 1, 0] = np.nan
     corners[11:13] = np.inf
@@ -267,12 +267,12 @@ def test_equal_corners_are_merged_as_one_by_one(
 def test_very_many_equal_corners_take_no_more_memory(
     monkeypatch: pytest.MonkeyPatch, others: int
 ) -> None:
-    monkeypatch.setattr(welding, "_PART", 1000)
+    monkeypatch.setattr(stl, "_PART", 1000)
     points = np.ones((200_000, 3))
     points[:others, 0] = np.arange(others) + 2
     tracemalloc.start()
     try:
-        kept, place = welding.weld(points)
+        kept, place = stl.weld(points)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -284,9 +284,9 @@ def test_very_many_equal_corners_take_no_more_memory(
 def test_colliding_factors_do_collide(monkeypatch: pytest.MonkeyPatch) -> None:
     points = random_corners(200).reshape(-1, 3).astype(np.float64)
     different = len(np.unique(points + 0.0, axis=0))
-    assert len(np.unique(welding._hashes(points))) == different
-    monkeypatch.setattr(welding, "_FACTORS", (1 << 63, 1 << 63, 1 << 63))
-    assert len(np.unique(welding._hashes(points))) < different
+    assert len(np.unique(stl._hashes(points))) == different
+    monkeypatch.setattr(stl, "_FACTORS", (1 << 63, 1 << 63, 1 << 63))
+    assert len(np.unique(stl._hashes(points))) < different
 
 
 def test_normals_are_those_of_the_triangles() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io.formats.text.encoding import _BYTES as BLOCK
+from liftmesh.io.formats.text.layout import _BYTES as BLOCK
 
 POINTS = [[1.5, 2.5, 3.5], [4, 5, 6], [7, 8.25, 9]]
 

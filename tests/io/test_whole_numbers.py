@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, strategies as st
 
-from liftmesh.io.whole_numbers import DOUBLE, SINGLE, fit
+from liftmesh.io.precision import DOUBLE, SINGLE, fit
 
 FLOATS = {SINGLE: np.float32, DOUBLE: np.float64}
 SIGNED = st.integers(-(2**63), 2**63 - 1)

@@ -11,12 +11,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from liftmesh.io.atomic import remove_unfinished, unfinished_folders
-from liftmesh.io.working_folder import LOCK, working_folder
+from liftmesh.io.atomic import LOCK, remove_unfinished, unfinished_folders, working_folder
 
 KILLED = """
 import os, signal, sys
-from liftmesh.io.working_folder import working_folder
+from liftmesh.io.atomic import working_folder
 
 with working_folder(sys.argv[1], "test") as folder:
     (folder / "inner").mkdir()

@@ -8,21 +8,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from liftmesh.io.format import Format
-from liftmesh.io.on_call import OnCall
+from liftmesh.io.format import Format, LazyFunction
 
 
-def _code(module: str, name: str) -> OnCall:
-    return OnCall(f"liftmesh.{module}", name)
+def _code(module: str, name: str) -> LazyFunction:
+    return LazyFunction(f"liftmesh.{module}", name)
 
 
 _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
     "needs": ("points", "finite"),
-    "loses": _code("io.formats.gltf.formats", "lost"),
+    "loses": _code("io.formats.gltf.writer", "lost"),
     "expands": True,
-    "check": _code("io.formats.gltf.formats", "check"),
-    "renames": _code("io.formats.gltf.formats", "renamed"),
+    "check": _code("io.formats.gltf.writer", "check"),
+    "renames": _code("io.formats.gltf.writer", "renamed"),
 }
 
 FORMATS = (
@@ -107,16 +106,16 @@ FORMATS = (
     Format(
         name="glb",
         suffixes=(".glb",),
-        read=_code("io.formats.gltf.formats", "read_glb"),
-        write=_code("io.formats.gltf.formats", "write_glb"),
+        read=_code("io.formats.gltf.reader", "read_glb"),
+        write=_code("io.formats.gltf.writer", "write_glb"),
         description="binary glTF: single precision, colours",
         **_GLTF,
     ),
     Format(
         name="gltf",
         suffixes=(".gltf",),
-        read=_code("io.formats.gltf.formats", "read_gltf"),
-        write=_code("io.formats.gltf.formats", "write_gltf"),
+        read=_code("io.formats.gltf.reader", "read_gltf"),
+        write=_code("io.formats.gltf.writer", "write_gltf"),
         description="glTF: single precision, colours",
         **_GLTF,
     ),

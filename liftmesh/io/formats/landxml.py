@@ -19,8 +19,8 @@ import numpy as np
 from liftmesh.crs.description import is_number, length_unit, urn_of
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import FormatError
+from liftmesh.io.markup import attribute, is_possible
 from liftmesh.io.text_tables import write_rows
-from liftmesh.io.xml_text import attribute, is_possible
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

@@ -22,8 +22,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.formats.npy_array import Layout, array_parts, read_array
-from liftmesh.io.formats.npz_archive import check_content, opened
+from liftmesh.io.formats.numpy_arrays import Layout, array_parts, check_content, opened, read_array
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 

@@ -40,7 +40,7 @@ from liftmesh.io.metadata import stated, statements, storable
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
 if TYPE_CHECKING:
-    from liftmesh.io.ragged import Ragged
+    from liftmesh.io.faces import Ragged
 
 _SYNTAX = Syntax(comments=("#",), continued=True)
 _KEYWORDS = ("v", "vn", "f")

@@ -24,8 +24,8 @@ from liftmesh._typing import Array, Integers
 from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import FormatError
+from liftmesh.io.faces import Ragged
 from liftmesh.io.lines import BLOCK, Lines
-from liftmesh.io.ragged import Ragged
 from liftmesh.io.text_tables import quoted
 
 if TYPE_CHECKING:

@@ -17,11 +17,9 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import face_counts, triangulated
+from liftmesh.io.faces import Ragged, face_counts, gathered, triangulated
 from liftmesh.io.lines import HASH, Block, Lines, promised
-from liftmesh.io.number_lines import ragged_numbers, whole
-from liftmesh.io.ragged import Ragged, gathered
-from liftmesh.io.text_tables import number_table, quoted, write_rows
+from liftmesh.io.text_tables import number_table, quoted, ragged_numbers, whole, write_rows
 
 _WORD = re.compile(r"\S+")
 _INDEX = re.compile(r"-?\d{1,9}", re.ASCII)

@@ -23,7 +23,7 @@ from liftmesh.base.options import Unit3MF as Unit, check_option
 from liftmesh.crs.description import length_unit
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import FormatError
-from liftmesh.io.origin import needed_origin, without_origin
+from liftmesh.io.precision import needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:

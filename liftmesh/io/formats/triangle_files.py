@@ -22,9 +22,9 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.gzip_stream import decompressed
 from liftmesh.io.limits import check_columns
 from liftmesh.io.lines import HASH, Lines, promised
+from liftmesh.io.streams import decompressed
 from liftmesh.io.text_tables import exact_values, number_table, quoted
 
 _MARKER = "boundary_marker"

@@ -26,7 +26,7 @@ from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.faces import narrowed
 from liftmesh.io.metadata import Unread
-from liftmesh.io.origin import needed_origin
+from liftmesh.io.precision import needed_origin
 from liftmesh.optional import load
 
 if TYPE_CHECKING:

@@ -22,13 +22,21 @@ from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import kept
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.formats.text.column_ambiguity import Doubts
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
-from liftmesh.io.formats.text.doubts import Doubts
+from liftmesh.io.formats.text.layout import with_point
 from liftmesh.io.formats.text.options import TableOptions, checked
-from liftmesh.io.formats.text.words import with_point
 from liftmesh.io.metadata import NotedColumns, Unread
-from liftmesh.io.objects.kinds import FRAMES, RECORDS, classes, is_structured, is_table
-from liftmesh.io.objects.plain import AS_TABLE, is_array, qualified_name
+from liftmesh.io.objects.plain import (
+    AS_TABLE,
+    FRAMES,
+    RECORDS,
+    classes,
+    is_array,
+    is_structured,
+    is_table,
+    qualified_name,
+)
 from liftmesh.io.text_tables import is_number, shortened
 
 _CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe", "read")

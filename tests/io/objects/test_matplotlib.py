@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.tri import LinearTriInterpolator
 
-from liftmesh.io.objects.matplotlib import to_triangulation
+from liftmesh.io.objects.triangulations import to_triangulation
 
 X = np.array([0.0, 2.0, 0.0, 2.0, np.nan, 0.0, np.inf])
 Y = np.array([0.0, 0.0, 1.0, 1.0, 0.0, 0.0, np.nan])

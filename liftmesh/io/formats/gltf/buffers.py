@@ -48,7 +48,7 @@ class Chunk:
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class StatedBuffer:
     """What a file says of a buffer."""
 
     uri: str | None
@@ -68,7 +68,7 @@ class _File:
 class Buffers:
     """The buffers of a file by number, each read when it is first asked for."""
 
-    def __init__(self, stated: Sequence[Stated], chunk: Chunk | None, name: str) -> None:
+    def __init__(self, stated: Sequence[StatedBuffer], chunk: Chunk | None, name: str) -> None:
         self._stated = stated
         self._chunk = chunk
         self._name = name

@@ -7,7 +7,7 @@ what its content takes in memory is computed from the counts first, and compared
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, BinaryIO
 
@@ -16,15 +16,13 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.gltf.decoding import ROUNDED, decoded
-from liftmesh.io.formats.gltf.meshes import Primitive, primitives
-from liftmesh.io.formats.gltf.names import restored
+from liftmesh.io.formats.gltf.meshes import ROUNDED, Primitive, decoded, primitives
 from liftmesh.io.formats.gltf.nodes import Scene, default_scene, put_exactly
 from liftmesh.io.formats.gltf.validation import Document
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.metadata import NOTE, of_extras
 from liftmesh.io.objects.trimesh import transformed
-from liftmesh.io.origin import checked_origin, with_origin
+from liftmesh.io.precision import checked_origin, with_origin
 
 # By default content may take so many times the file and what it uses of files beside it.
 _GROWTH = 20
@@ -36,7 +34,17 @@ _BATCH_BYTES = 1 << 26
 _MOST = int(np.iinfo(np.int32).max)
 
 
-def read_scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
+def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+    """Read a GLB file: the points and triangles of all meshes of its scene, each in its place."""
+    return _scene(stream, name, "glb", max_bytes)
+
+
+def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+    """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
+    return _scene(stream, name, "gltf", max_bytes)
+
+
+def _scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
     """Read the scene that a glTF or GLB file shows."""
     document = Document(stream, name, kind, max_bytes)
     scene = default_scene(document)
@@ -299,3 +307,33 @@ def _filled(held: Array | None, rows: slice, values: Array | None) -> Array | No
     if held is not None and values is not None:
         held[rows] = values
     return held if values is not None else None
+
+
+def restored(attributes: Mapping[str, Array], stated: object) -> dict[str, Array]:
+    """Give attributes their old names and types; what was stated wrongly has no effect."""
+    noted = stated if isinstance(stated, dict) else {}
+    found: dict[str, Array] = {}
+    wanted = {key: _stated(noted.get(key), key) for key in attributes}
+    are_distinct = len({name for name, _ in wanted.values()}) == len(wanted)
+    for key, values in attributes.items():
+        name, dtype = wanted[key]
+        if not are_distinct and (name in found or (name != key and name in attributes)):
+            name = key
+        found[name] = values if dtype is None else _converted(values, dtype)
+    return found
+
+
+def _stated(entry: Any, key: str) -> tuple[str, np.dtype | None]:
+    plain = key[1:] or key
+    if not isinstance(entry, list) or len(entry) != 2 or not isinstance(entry[0], str):
+        return plain, None
+    kinds = {np.dtype(code).name: np.dtype(code) for code in "?bBhHiIlLqQefd"}
+    return entry[0], kinds.get(entry[1]) if isinstance(entry[1], str) else None
+
+
+def _converted(values: Array, dtype: np.dtype) -> Array:
+    """Convert values to a type that holds them all, else keep them."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        converted = values.astype(dtype)
+        is_exact = np.array_equal(converted.astype(values.dtype), values)
+    return converted if is_exact else values

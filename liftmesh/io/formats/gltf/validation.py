@@ -13,11 +13,9 @@ from dataclasses import dataclass
 from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.gltf.buffers import Buffers, Chunk, Stated
-from liftmesh.io.json_memory import bytes_of_text, bytes_of_tree
-from liftmesh.io.json_numbers import shown
-from liftmesh.io.json_text import check_length, parsed, without_buffers
-from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.formats.gltf.buffers import Buffers, Chunk, StatedBuffer
+from liftmesh.io.limits import bytes_of_text, bytes_of_tree, check_expanded, limit_of
+from liftmesh.io.markup import check_length, parsed, shown, without_buffers
 from liftmesh.io.streams import remaining
 
 Tree = dict[str, Any]
@@ -182,7 +180,7 @@ class Document:
                 "save the file without it"
             )
 
-    def _stated(self) -> list[Stated]:
+    def _stated(self) -> list[StatedBuffer]:
         """List the buffers."""
         stated = []
         for number, each in enumerate(self._listed("buffers")):
@@ -191,7 +189,7 @@ class Document:
                 raise self.error("a buffer has a name that is not a string")
             size = self.count(each, "byteLength", f"buffers[{number}]")
             is_fallback = isinstance(extensions, dict) and not _FALLBACKS.isdisjoint(extensions)
-            stated.append(Stated(uri, size if "byteLength" in each else None, is_fallback))
+            stated.append(StatedBuffer(uri, size if "byteLength" in each else None, is_fallback))
         return stated
 
     def _check_views(self) -> None:

@@ -24,7 +24,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.streams import read_exactly
 
 if TYPE_CHECKING:
-    from liftmesh.io.formats.las.header import Stated
+    from liftmesh.io.formats.las.header import LasHeader
     from liftmesh.io.formats.las.laz import Chunks
     from liftmesh.io.selection import Selection
 
@@ -84,7 +84,7 @@ def _meet(low: Floats, high: Floats, wanted_low: Floats, wanted_high: Floats) ->
     return np.asarray(((low <= wanted_high) & (high >= wanted_low)).all(axis=1))
 
 
-def index_of(stream: BinaryIO, stated: Stated, chunks: Chunks, name: str) -> Index | None:
+def index_of(stream: BinaryIO, stated: LasHeader, chunks: Chunks, name: str) -> Index | None:
     """Read the nodes of a file; the stream goes back to where it was."""
     record = stated.record(*_RECORD)
     if record is None:
@@ -99,7 +99,7 @@ def index_of(stream: BinaryIO, stated: Stated, chunks: Chunks, name: str) -> Ind
 class _Reading:
     """Reads the record, and the pages that it leads to."""
 
-    def __init__(self, stream: BinaryIO, begin: int, stated: Stated, name: str) -> None:
+    def __init__(self, stream: BinaryIO, begin: int, stated: LasHeader, name: str) -> None:
         self._stream, self._begin, self._stated, self._name = stream, begin, stated, name
 
     def index(self, record: bytes, chunks: Chunks) -> Index:

@@ -52,7 +52,7 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class LasHeader:
     """What a header states; ``header`` are its bytes, ``gap`` those between records and points."""
 
     version: tuple[int, int]
@@ -76,7 +76,7 @@ class Stated:
         return next(found, None)
 
 
-def stated(stream: BinaryIO, name: str) -> Stated:
+def stated(stream: BinaryIO, name: str) -> LasHeader:
     """Read a header and its records, and check them; the stream goes back to where it was."""
     begin = stream.tell()
     size = remaining(stream)
@@ -95,7 +95,7 @@ class _Reading:
         self._size = size
         self._name = name
 
-    def all(self) -> Stated:
+    def all(self) -> LasHeader:
         head = read_most(self._stream, min(_HEADER.size, self._size))
         if not head.startswith(b"LASF") or len(head) < _HEADER.size:
             raise FormatError(f"{self._name}: not a LAS file: it has no header that begins LASF")
@@ -115,7 +115,7 @@ class _Reading:
         self._check_steps(scales, offsets)
         if not is_packed:
             self._check_points(start, point_size, points)
-        return Stated(
+        return LasHeader(
             version=version,
             point_format=kind,
             point_size=point_size,

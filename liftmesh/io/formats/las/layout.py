@@ -2,33 +2,60 @@
 
 A cloud that was read from LAS brings its header and records along (`io.las.carried`), and becomes
 such a file again: only what the points themselves decide is set anew. Others become LAS 1.4.
+
+Scales and offsets: how coordinates in double precision become the whole numbers of LAS.
+
+A file of LAS holds a coordinate as ``number * scale + offset`` with a number of 32 bits. Those of
+the file that was read come first: they give its numbers back. Else the scale is the coarsest power
+of ten that loses no decimal of any coordinate, or, if none does, the finest that 32 bits allow.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from liftmesh._typing import Array, Floats
 from liftmesh.base.options import shown
 from liftmesh.crs.description import as_wkt
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.formats.las.carried import EXTRA_BYTES, Carried, carried, made, replaced
-from liftmesh.io.formats.las.crs import LIBLAS, PROJECTION, WKT, crs_of
-from liftmesh.io.formats.las.extra_bytes import Extra, described
-from liftmesh.io.formats.las.fields import Fields, depth_to_state, fields_of, with_colors
+from liftmesh.io.formats.las.fields import (
+    Extra,
+    Fields,
+    depth_to_state,
+    described,
+    fields_of,
+    with_colors,
+)
 from liftmesh.io.formats.las.header import POINT_SIZES, SIZES, Record
-from liftmesh.io.formats.las.own import LAYOUT, OWN, Said, is_layout, record_of
-from liftmesh.io.formats.las.steps import Steps, steps_of
+from liftmesh.io.formats.las.vlrs import (
+    EXTRA_BYTES,
+    LAYOUT,
+    LIBLAS,
+    LIFTMESH_VLR,
+    PROJECTION,
+    WKT,
+    LiftmeshVlr,
+    Vlrs,
+    carried,
+    crs_of,
+    is_layout,
+    made,
+    record_of,
+    replaced,
+)
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
+
 _NEWEST = (1, 4)
 _POINT_FORMAT = 6  # of clouds that come from elsewhere
 _FIRST_OF_WKT = 6  # the first point format that has its coordinate system as WKT
-_MOST = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +64,7 @@ class Layout:
 
     version: tuple[int, int]
     point_format: int
-    steps: tuple[Steps, ...]
+    steps: tuple[ScaleOffset, ...]
     fields: Fields
     header: bytes
     gap: bytes
@@ -92,7 +119,7 @@ def _version(said: object, point_format: int) -> tuple[int, int]:
     return 1, max(minor, least)
 
 
-def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[Steps, ...]:
+def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[ScaleOffset, ...]:
     pairs = _known_steps(said)
     columns = cloud.points.astype("f8", copy=False).T
     if scale is None:
@@ -109,7 +136,9 @@ def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[
     return tuple(found)
 
 
-def _steps_at(values: Any, known: tuple[float, float] | None, coarsest: float | None) -> Steps:
+def _steps_at(
+    values: Any, known: tuple[float, float] | None, coarsest: float | None
+) -> ScaleOffset:
     """Choose steps; coordinates that have other digits are rounded to the coarsest, if there is."""
     if coarsest is None:
         return steps_of(values, known)
@@ -128,10 +157,12 @@ def _coarsest(said: Mapping[str, Any]) -> list[float | None]:
     return [each if isinstance(each, float) and 0 < each < math.inf else None for each in found]
 
 
-def _rounding(values: Any, scale: float) -> Steps:
+def _rounding(values: Any, scale: float) -> ScaleOffset:
     low, high = float(values.min()), float(values.max())
     near = max(-low, high) <= scale * _MOST
-    steps = Steps(scale, 0.0 if near else float(round(low / 2 + high / 2)), exact=False, near=False)
+    steps = ScaleOffset(
+        scale, 0.0 if near else float(round(low / 2 + high / 2)), exact=False, near=False
+    )
     if not (abs(steps.numbers(values)) <= _MOST).all():
         raise FormatError(
             f"coordinates from {low:.10g} to {high:.10g} have more than 32 bits in steps of "
@@ -149,7 +180,7 @@ def _known_steps(said: Mapping[str, Any]) -> list[tuple[float, float] | None]:
     return pairs if is_good and all(scale for scale, _ in pairs) else [None] * 3
 
 
-def _known_extras(kept: Carried) -> list[Extra]:
+def _known_extras(kept: Vlrs) -> list[Extra]:
     if not kept.header:
         return []
     number, size = kept.header[104] & 0x3F, int.from_bytes(kept.header[105:107], "little")
@@ -159,7 +190,7 @@ def _known_extras(kept: Carried) -> list[Extra]:
 
 
 def _records(
-    cloud: Cloud, kept: Carried, fields: Fields, point_format: int
+    cloud: Cloud, kept: Vlrs, fields: Fields, point_format: int
 ) -> tuple[list[Record], bool]:
     """Return the records of the file: those that are kept, and those that are made anew."""
     records = [*kept.records]
@@ -171,11 +202,13 @@ def _records(
     needs = point_format >= _FIRST_OF_WKT
     is_new = needs and (not kept.header or kept.header[104] & 0x3F < _FIRST_OF_WKT)
     is_wkt, said = kept.is_wkt or is_new, crs_of(kept.records, is_wkt=kept.is_wkt)
-    if (is_new and cloud.crs is not None) or Said(records).crs(said) != cloud.crs:
+    if (is_new and cloud.crs is not None) or LiftmeshVlr(records).crs(said) != cloud.crs:
         records, has_text = _with_crs(records, cloud.crs)
         is_wkt = has_text or needs
         said = crs_of(records, is_wkt=is_wkt)
-    return replaced(records, record_of(cloud, said, depth_to_state(cloud)), *kept.of(*OWN)), is_wkt
+    return replaced(
+        records, record_of(cloud, said, depth_to_state(cloud)), *kept.of(*LIFTMESH_VLR)
+    ), is_wkt
 
 
 def _with_crs(records: list[Record], crs: str | None) -> tuple[list[Record], bool]:
@@ -192,3 +225,102 @@ def _with_crs(records: list[Record], crs: str | None) -> tuple[list[Record], boo
         data = None
     new = None if data is None else made(PROJECTION, WKT, data, b"WKT")
     return replaced(records, new, *old), new is not None
+
+
+_MOST = 2**31 - 1
+_ROWS = 1 << 18  # converted at a time
+_SAMPLE = 512
+_FINEST = -9  # decimals that are tried
+_SMALLEST = 5e-324
+_ULPS = 8  # by which a decimal and number * scale may differ
+
+
+@dataclass(frozen=True, slots=True)
+class ScaleOffset:
+    """Scale and offset of a coordinate, and whether they give back every bit of it."""
+
+    scale: float
+    offset: float
+    exact: bool = True
+    near: bool = True
+
+    def numbers(self, values: Floats) -> Array:
+        """Convert coordinates to whole numbers."""
+        with np.errstate(over="ignore", invalid="ignore", under="ignore", divide="ignore"):
+            return np.rint((values - self.offset) / self.scale)
+
+    def coordinates(self, numbers: Array) -> Floats:
+        """Convert whole numbers to coordinates, as readers do."""
+        with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+            found: Floats = numbers * self.scale + self.offset
+            return found
+
+
+def steps_of(values: Floats, known: tuple[float, float] | None) -> ScaleOffset:
+    """Choose scale and offset of a coordinate."""
+    if known is not None and (found := _tried(values, ScaleOffset(*known))):
+        return found
+    if not len(values):
+        return ScaleOffset(0.01, 0.0)
+    low, high = float(values.min()), float(values.max())
+    middle = low if low == high else low / 2 + high / 2
+    for decimals in range(0, _FINEST - 1, -1):
+        scale = float(f"1e{decimals}")
+        offset = 0.0 if max(-low, high) <= scale * _MOST else float(np.rint(middle))
+        if found := _tried(values, ScaleOffset(scale, offset)):
+            return found
+    half = 0.0 if low == high else max(high / 2 - low / 2, _SMALLEST)
+    return _finest(values, middle, half)
+
+
+def _tried(values: Floats, steps: ScaleOffset) -> ScaleOffset | None:
+    """Return the steps if they lose no decimal, or nothing."""
+    exact = True
+    size = float(values.max() / 2 - values.min() / 2) if len(values) else 0.0
+    for part in _parts(values):
+        numbers = steps.numbers(part)
+        if not (np.abs(numbers) <= _MOST).all():
+            return None
+        again = steps.coordinates(numbers)
+        if (again.view(np.int64) == part.view(np.int64)).all():
+            continue
+        exact = False
+        if not _near(again, part, steps, size):
+            return None
+    return ScaleOffset(steps.scale, steps.offset, exact)
+
+
+def _near(again: Floats, values: Floats, steps: ScaleOffset, size: float) -> bool:
+    """Whether two decimals are the same but for the rounding of binary numbers."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        ulps = _ULPS * np.spacing(np.abs(values) + abs(steps.offset))
+        allowed = np.minimum(ulps, min(abs(steps.scale) / 1000, size / 1e7))
+        return bool((np.abs(again - values) <= allowed).all())
+
+
+def _parts(values: Floats) -> Iterator[Floats]:
+    """Yield a few values first, by which most scales are refused, then all in blocks."""
+    yield np.ascontiguousarray(values[:: max(len(values) // _SAMPLE, 1)])
+    for start in range(0, len(values), _ROWS):
+        yield np.ascontiguousarray(values[start : start + _ROWS])
+
+
+def _finest(values: Floats, middle: float, half: float) -> ScaleOffset:
+    """Return the finest power of ten that reaches from the middle to both ends."""
+    if half == 0.0:
+        is_exact = _is_exact(values, ScaleOffset(0.01, middle))
+        return ScaleOffset(0.01, middle, is_exact, is_exact)
+    exponent = math.ceil(math.log10(half) - math.log10(_MOST))
+    for power in (exponent, exponent + 1):  # the offset is rounded
+        steps = ScaleOffset(max(float(f"1e{power}"), _SMALLEST), middle)
+        if all((np.abs(steps.numbers(part)) <= _MOST).all() for part in _parts(values)):
+            break
+    exact = _is_exact(values, steps)
+    return ScaleOffset(steps.scale, steps.offset, exact, exact)
+
+
+def _is_exact(values: Floats, steps: ScaleOffset) -> bool:
+    return all(
+        (steps.coordinates(steps.numbers(part)).view(np.int64) == part.view(np.int64)).all()
+        for part in _parts(values)
+    )

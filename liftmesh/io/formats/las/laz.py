@@ -6,22 +6,29 @@ stands before the first of them. In formats 6 to 10 each chunk begins with its f
 and the sizes of its layers. All of these are compared with the bytes that are there.
 
 Source: M. Isenburg, LASzip: lossless compression of lidar data, 2013, and its source code.
+
+A stream that remembers why it failed: lazrs tells errors of a stream as damage of its own.
+
+A part of a stream as if it began there: lazrs states places from the beginning of a file.
 """
 
 from __future__ import annotations
 
+import io
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from liftmesh.errors import FormatError
 from liftmesh.io.formats.las.header import PACKING
-from liftmesh.io.formats.las.remembering import Remembering
 from liftmesh.io.streams import read_exactly
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.formats.las.header import Stated
+    from liftmesh.io.formats.las.header import LasHeader
+
 
 LARGEST_CHUNK = 1 << 20  # points that a thread decodes at once
 
@@ -47,7 +54,7 @@ class Chunks:
     surplus: str = ""
 
 
-def chunks_of(stream: BinaryIO, stated: Stated, name: str) -> Chunks:
+def chunks_of(stream: BinaryIO, stated: LasHeader, name: str) -> Chunks:
     """Check what a file states of its chunks; the stream goes back to where it was."""
     begin = stream.tell()
     try:
@@ -59,7 +66,7 @@ def chunks_of(stream: BinaryIO, stated: Stated, name: str) -> Chunks:
 class _Reading:
     """Reads the record of LAZ, the table of chunks, and the beginning of each chunk."""
 
-    def __init__(self, stream: BinaryIO, begin: int, stated: Stated, name: str) -> None:
+    def __init__(self, stream: BinaryIO, begin: int, stated: LasHeader, name: str) -> None:
         self._stream = stream
         self._begin = begin
         self._stated = stated
@@ -132,7 +139,7 @@ class _Reading:
         """Read the points and bytes of each chunk, and check their sums."""
         lazrs = load("lazrs", extra="las")
         self._stream.seek(self._begin + self._stated.start)
-        source = Remembering(self._stream)
+        source = ErrorRecordingStream(self._stream)
         try:
             vlr = lazrs.LazVlr(record)
             pairs = lazrs.read_chunk_table(source, vlr)
@@ -175,3 +182,62 @@ class _Reading:
 
     def _error(self, cause: str) -> FormatError:
         return FormatError(f"{self._name}: LAZ: {cause}")
+
+
+class ErrorRecordingStream:
+    """A stream that is read, and the first error of reading it."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self.failure: OSError | None = None
+        if hasattr(stream, "readinto"):  # which laspy asks for, as it spares a copy
+            self.readinto = self._readinto
+
+    def seek(self, place: int, whence: int = io.SEEK_SET) -> int:
+        """Go to a place."""
+        with self._remembered():
+            return self._stream.seek(place, whence)
+
+    def tell(self) -> int:
+        """Return the place."""
+        with self._remembered():
+            return self._stream.tell()
+
+    def read(self, size: int = -1) -> bytes:
+        """Read bytes."""
+        with self._remembered():
+            return self._stream.read(size)
+
+    def _readinto(self, memory: Any) -> int:
+        with self._remembered():
+            count: int = self._stream.readinto(memory)  # type: ignore[attr-defined]
+            return count
+
+    @contextmanager
+    def _remembered(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.failure = self.failure or error
+            raise
+
+
+class OffsetStream:
+    """A stream whose places count from another one's ``begin``."""
+
+    def __init__(self, stream: BinaryIO, begin: int) -> None:
+        self._stream = stream
+        self._begin = begin
+
+    def seek(self, place: int, whence: int = io.SEEK_SET) -> int:
+        """Go to a place."""
+        place += self._begin if whence == io.SEEK_SET else 0
+        return self._stream.seek(place, whence) - self._begin
+
+    def tell(self) -> int:
+        """Return the place."""
+        return self._stream.tell() - self._begin
+
+    def read(self, size: int = -1) -> bytes:
+        """Read bytes."""
+        return self._stream.read(size)

@@ -1,14 +1,38 @@
-"""The values of a point by name: which types they have in a cloud, and how a block gives them."""
+"""The values of a point by name: which types they have in a cloud, and how a block gives them.
+
+The points of a LAS or LAZ file as laspy and lazrs decode them, in blocks of bounded size.
+
+laspy knows the layouts of points and their extra bytes, lazrs the compression. Both are given files
+whose header is checked (`io.las.header`); what they raise besides becomes a `FormatError`, and what
+they would log is ours to say.
+
+LAZ is decoded on all threads of lazrs, but on one in a process that was forked: threads do not
+survive that, and lazrs would wait for its own for ever.
+"""
 
 from __future__ import annotations
 
+import logging
+import os
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from contextlib import contextmanager
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.columns import POSITION
+from liftmesh.io.formats.las.copc import Index, index_of
+from liftmesh.io.formats.las.header import PACKING
+from liftmesh.io.formats.las.laz import LARGEST_CHUNK, Chunks, ErrorRecordingStream, chunks_of
+from liftmesh.io.streams import read_exactly
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.io.formats.las.header import LasHeader
+
 
 _STORED = ("X", "Y", "Z")
 WAVE_PACKETS = (
@@ -81,3 +105,154 @@ class Block(Mapping[str, Array]):
         taken = array.view(f"V{array.itemsize}").take(rows).view(array.dtype)
         part = type(record)(taken, record.point_format, record.scales, record.offsets)
         return Block(part, self._names)
+
+
+BLOCK = 1 << 18  # points decoded at a time
+
+_forked: list[bool] = []
+os.register_at_fork(after_in_child=lambda: _forked.append(True))
+
+
+class Points:
+    """The points of an open file."""
+
+    def __init__(self, stream: BinaryIO, stated: LasHeader, name: str) -> None:
+        self._name = name
+        self._stated = stated
+        chunks = chunks_of(stream, stated, name) if stated.compressed and stated.points else None
+        self._stream, self._begin, self._chunks = stream, stream.tell(), chunks
+        self.surplus = "" if chunks is None else chunks.surplus
+        # Nodes are decoded on the threads of lazrs, which do not survive a fork.
+        is_indexed = chunks is not None and may_use_threads() and chunks.largest <= LARGEST_CHUNK
+        self.index: Index | None = None
+        self.damage: FormatError | None = None  # of the index, which points do not need
+        try:
+            self.index = index_of(stream, stated, chunks, name) if chunks and is_indexed else None
+        except FormatError as error:
+            self.damage = error
+        self._source = ErrorRecordingStream(stream)
+        laspy = load("laspy", extra="las")
+        with self._decoding("the header"):
+            self._reader = laspy.LasReader(
+                self._source, closefd=False, laz_backend=_backend(laspy, chunks), read_evlrs=False
+            )
+        self.dimensions: list[Any] = list(self._reader.header.point_format.dimensions)
+        if empty := next((each for each in self.dimensions if not each.num_bits), None):
+            raise FormatError(f"{name}: the extra bytes {empty.name!r} have 0 bytes: it is damaged")
+
+    def blocks(self, size: int = BLOCK) -> Iterator[Any]:
+        """Decode the points: records of laspy, of at most ``size`` points each."""
+        done = 0
+        while done < self._stated.points:
+            wanted = min(size, self._stated.points - done)
+            with self._decoding(f"points from {done:,} on"):
+                found = self._reader.read_points(wanted)
+            if len(found) != wanted:
+                raise FormatError(
+                    f"{self._name}: the file ends after {done + len(found):,} of "
+                    f"{self._stated.points:,} points: it is truncated"
+                )
+            done += wanted
+            yield found
+
+    def blocks_of(self, nodes: Sequence[int]) -> Iterator[Any]:
+        """Decode some chunks of a COPC file: records of laspy, of chunks of `BLOCK` points."""
+        table, first = (self._chunks.table, self._chunks.first) if self._chunks else ((), 0)
+        places = list(accumulate((size for _, size in table), initial=first))
+        for group in _grouped(nodes, [points for points, _ in table]):
+            data = b"".join(self._bytes(places[k], table[k][1]) for k in group)
+            with self._decoding(f"chunks from {group[0]:,} on"):
+                record = self._decoded(data, [table[k] for k in group])
+            if self.index is not None:
+                counts = np.array([table[k][0] for k in group])
+                self.index.check(np.array(group), _places(record), counts, self._name)
+            yield record
+
+    def _bytes(self, place: int, size: int) -> bytes:
+        """Read a chunk; the stream goes back to where `blocks` goes on."""
+        begin = self._stream.tell()
+        try:
+            self._stream.seek(self._begin + place)
+            return read_exactly(self._stream, size, self._name, "a chunk")
+        finally:
+            self._stream.seek(begin)
+
+    def _decoded(self, data: bytes, table: list[tuple[int, int]]) -> Any:
+        laspy, lazrs = load("laspy", extra="las"), load("lazrs", extra="las")
+        header = self._reader.header
+        found = bytearray(sum(points for points, _ in table) * self._stated.point_size)
+        lazrs.decompress_points_with_chunk_table(data, self._stated.record(*PACKING), found, table)
+        array = np.frombuffer(found, header.point_format.dtype())
+        return laspy.ScaleAwarePointRecord(
+            array, header.point_format, header.scales, header.offsets
+        )
+
+    @contextmanager
+    def _decoding(self, what: str) -> Iterator[None]:
+        """Turn whatever the libraries raise of a file into one error; they log nothing."""
+        try:
+            with _silenced("laspy"):
+                yield
+        except (LiftmeshError, OSError, MemoryError):
+            raise
+        except Exception as error:
+            raise self._error(what, error) from error
+        except BaseException as error:  # a panic of Rust
+            if type(error).__name__ != "PanicException":
+                raise
+            raise self._error(what, error) from error
+
+    def _error(self, what: str, error: BaseException) -> Exception:
+        if self._source.failure is not None:
+            return self._source.failure
+        cause = " ".join(str(error).split())[:200]
+        return FormatError(
+            f"{self._name}: {what} cannot be decoded: the file is damaged "
+            f"({type(error).__name__}: {cause})"
+        )
+
+
+def _places(record: Any) -> Array:
+    """Return the coordinates of a record of laspy."""
+    numbers = np.column_stack([record.array[each] for each in ("X", "Y", "Z")])
+    with np.errstate(over="ignore"):
+        return np.asarray(numbers * record.scales + record.offsets)
+
+
+def _grouped(nodes: Sequence[int], points: Sequence[int]) -> Iterator[list[int]]:
+    """Yield nodes in groups of about `BLOCK` points."""
+    group: list[int] = []
+    count = 0
+    for each in nodes:
+        group.append(each)
+        count += points[each]
+        if count >= BLOCK:
+            yield group
+            group, count = [], 0
+    if group:
+        yield group
+
+
+def may_use_threads() -> bool:
+    """Whether lazrs may use its threads: not after a fork, which they do not survive."""
+    return not _forked
+
+
+def _backend(laspy: Any, chunks: Chunks | None) -> Any:
+    """Choose how LAZ is decoded: on many threads where each chunk can be found, and is small."""
+    if chunks is None:
+        return ()
+    load("lazrs", extra="las")
+    is_parallel = may_use_threads() and chunks.listed and chunks.largest <= LARGEST_CHUNK
+    return laspy.LazBackend.LazrsParallel if is_parallel else laspy.LazBackend.Lazrs
+
+
+@contextmanager
+def _silenced(library: str) -> Iterator[None]:
+    """Keep a library from logging where nobody listens: Python would print it."""
+    logger, handler = logging.getLogger(library), logging.NullHandler()
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)

@@ -15,14 +15,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
-from liftmesh.io.formats.las.carried import ENTRY, entry
 from liftmesh.io.formats.las.copc import DamagedIndexError
-from liftmesh.io.formats.las.crs import crs_of, refused
 from liftmesh.io.formats.las.header import stated
-from liftmesh.io.formats.las.own import DEPTH, Said
-from liftmesh.io.formats.las.points import WAVE_PACKETS, Block, types_of
-from liftmesh.io.formats.las.records import BLOCK, Points
-from liftmesh.io.formats.las.shifted import Shifted
+from liftmesh.io.formats.las.laz import OffsetStream
+from liftmesh.io.formats.las.points import BLOCK, WAVE_PACKETS, Block, Points, types_of
+from liftmesh.io.formats.las.vlrs import DEPTH, ENTRY, LiftmeshVlr, crs_of, entry, refused
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 
@@ -108,7 +105,7 @@ class _File:
 
     def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
         if begin := stream.tell():
-            stream = cast("BinaryIO", Shifted(stream, begin))
+            stream = cast("BinaryIO", OffsetStream(stream, begin))
         self._stated = stated(stream, name)
         self.points = self._stated.points
         source = Points(stream, self._stated, name)
@@ -157,7 +154,7 @@ class _File:
                 "spacing": self.index.spacing,
                 "levels": int(levels.max()) + 1 if len(levels) else 0,
             }
-        said = Said(found.records)
+        said = LiftmeshVlr(found.records)
         entries: dict[str, Any] = {**said.metadata, "las": layout, ENTRY: entry(found), **notes}
         if skipped := self._skipped():
             entries["skipped"] = skipped

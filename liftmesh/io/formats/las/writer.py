@@ -19,12 +19,11 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.las.carried import made, replaced
 from liftmesh.io.formats.las.fields import depth_of, levels
 from liftmesh.io.formats.las.header import ENCODING_WKT, PACKING, SIZES, Record
 from liftmesh.io.formats.las.layout import Layout, layout_of
-from liftmesh.io.formats.las.own import LAYOUT
-from liftmesh.io.formats.las.records import BLOCK, may_use_threads
+from liftmesh.io.formats.las.points import BLOCK, may_use_threads
+from liftmesh.io.formats.las.vlrs import LAYOUT, made, replaced
 from liftmesh.optional import load
 
 if TYPE_CHECKING:

@@ -17,15 +17,12 @@ from liftmesh._typing import Array, Rows
 from liftmesh.base.options import counted
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
-from liftmesh.io.faces import face_counts, triangulated
+from liftmesh.io.faces import Ragged, face_counts, triangulated
 from liftmesh.io.format import others, stated_crs
 from liftmesh.io.formats.ply.ascii_body import AsciiBody
 from liftmesh.io.formats.ply.binary_body import BinaryBody
-from liftmesh.io.formats.ply.depth import stated as stated_depth
-from liftmesh.io.formats.ply.header import Element, read_header
-from liftmesh.io.formats.ply.names import old_names
+from liftmesh.io.formats.ply.header import Element, depth_of_comments, old_names, read_header
 from liftmesh.io.metadata import stated
-from liftmesh.io.ragged import Ragged
 from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:
@@ -62,7 +59,7 @@ class _Reading:
         self._skipped: list[str] = []
         properties = self._properties()
         comments = others(self._header.comments, self._crs())
-        self._depth, rest = stated_depth(comments, properties.get(COLOR[0]))
+        self._depth, rest = depth_of_comments(comments, properties.get(COLOR[0]))
         self._names, self._comments = old_names(rest, properties)
 
     def _properties(self) -> dict[str, np.dtype]:

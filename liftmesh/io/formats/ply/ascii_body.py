@@ -14,11 +14,10 @@ import numpy as np
 from liftmesh._typing import Array, Integers, Mask
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import type_in_text
+from liftmesh.io.faces import Ragged, gathered
 from liftmesh.io.lines import BLOCK, Block, Lines
-from liftmesh.io.number_lines import ragged_numbers
-from liftmesh.io.ragged import Ragged, gathered
 from liftmesh.io.streams import remaining
-from liftmesh.io.text_tables import exact_values, number_table
+from liftmesh.io.text_tables import exact_values, number_table, ragged_numbers
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.ply.header import Element, Property

@@ -1,20 +1,31 @@
-"""The binary body of a PLY file: the rows of its elements in order, read in blocks."""
+"""The binary body of a PLY file: the rows of its elements in order, read in blocks.
+
+Rows with lists in a block of binary data: where they are, and what they hold.
+
+The length of a list stands in front of it, so a row is found only after those before it. Most
+files repeat one shape: while rows have the lengths of the first, they are a table, and one
+comparison finds how many do. Otherwise Python steps from length to length, and all the rest is
+computed for many rows at once: from the lengths, where each property starts; from these, its
+values.
+"""
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Collection, Iterator, Mapping
-from typing import TYPE_CHECKING, BinaryIO
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Array
+from liftmesh._typing import Array, Integers
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.ply.binary_lists import ListRows
+from liftmesh.io.faces import Ragged, gathered
 from liftmesh.io.streams import read_exactly, read_most, remaining
 
 if TYPE_CHECKING:
-    from liftmesh.io.formats.ply.header import Element
-    from liftmesh.io.ragged import Ragged
+    from liftmesh.io.formats.ply.header import Element, Property
+
 
 _BLOCK = 1 << 18  # bytes that fit in the cache of one core
 _LISTS = 1 << 20  # bytes of rows with lists
@@ -87,3 +98,177 @@ class BinaryBody:
                 f"{element.name}, at least {element.rows * row} bytes, but {left} are left: "
                 "the file is truncated, or its header is wrong"
             )
+
+
+_ALIKE = 64  # rows of one shape that are worth a table
+_STEPS = 1024  # rows to step through before another look
+_LONGEST = 255  # length of a list in a table
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Whole rows of a block: how many, where they end in the block, and their properties."""
+
+    rows: int
+    end: int
+    properties: Mapping[str, Ragged]
+
+
+@dataclass(frozen=True, slots=True)
+class _List:
+    """A list in a row: ``skip`` bytes from the end of the last one lies its length."""
+
+    skip: int
+    length: struct.Struct
+    item: int
+
+
+class ListRows:
+    """Finds the rows of an element with lists in a block; ``least`` is the least size of a row."""
+
+    def __init__(self, element: Element) -> None:
+        self._properties = element.properties
+        self._tables: dict[tuple[int, ...], np.dtype] = {}
+        self._lists: list[_List] = []
+        self._tail = 0
+        self._offsets: list[tuple[int, int]] = []  # bytes before a property, and lists before it
+        self.least = 0
+        for each in element.properties:
+            self._add(each)
+        self._items = np.array([each.item for each in self._lists], dtype=np.int64)
+
+    def _add(self, each: Property) -> None:
+        if each.length is None:
+            self._offsets.append((self.least, len(self._lists)))
+            self._tail += each.dtype.itemsize
+            self.least += each.dtype.itemsize
+        else:
+            reader = _length_reader(each.length)
+            self.least += reader.size
+            self._offsets.append((self.least, len(self._lists)))
+            self._lists.append(_List(self._tail, reader, each.dtype.itemsize))
+            self._tail = 0
+
+    def parts(self, data: bytes, most: int, names: Collection[str]) -> Iterator[Part]:
+        """Yield the whole rows of a block in parts, at most ``most``: properties of these names."""
+        position = 0
+        while most:
+            sizes, _ = self._stepped(data, position, 1)
+            if not sizes:
+                return
+            part = self._alike(data, position, most, names, sizes)
+            part = part or self._unlike(data, position, min(most, _STEPS), names)
+            most, position = most - part.rows, part.end
+            yield part
+
+    def _alike(
+        self, data: bytes, position: int, most: int, names: Collection[str], sizes: list[int]
+    ) -> Part | None:
+        """Read rows as long as they have the shape of the first; None if these are few."""
+        if max(sizes) > _LONGEST:
+            return None
+        layout = self._layout(tuple(sizes))
+        whole = min(most, (len(data) - position) // layout.itemsize)
+        if whole < min(_ALIKE, most):
+            return None
+        table = np.frombuffer(data, layout, whole, position)
+        count = whole
+        for number, size in enumerate(sizes):
+            for some in (_ALIKE, count):
+                differ = table[f"n{number}"][:some] != size
+                if differ.any():
+                    count = min(int(np.argmax(differ)), count)
+        if count < min(_ALIKE, whole):
+            return None
+        found = {
+            each.name: Ragged.uniform(table[f"v{number}"][:count], each.length)
+            for number, each in enumerate(self._properties)
+            if each.name in names
+        }
+        return Part(count, position + count * layout.itemsize, found)
+
+    def _layout(self, sizes: tuple[int, ...]) -> np.dtype:
+        if sizes not in self._tables:
+            self._tables = {sizes: _table(self._properties, sizes)}
+        return self._tables[sizes]
+
+    def _unlike(self, data: bytes, position: int, most: int, names: Collection[str]) -> Part:
+        """Read rows of any shape."""
+        stepped, end = self._stepped(data, position, most)
+        sizes = np.array(stepped, dtype=np.int64).reshape(-1, len(self._lists))
+        before = np.zeros((len(sizes), len(self._lists) + 1), dtype=np.int64)
+        np.cumsum(sizes * self._items, axis=1, out=before[:, 1:])
+        widths = before[:, -1] + self.least
+        starts = position + np.cumsum(widths) - widths
+        octets = np.frombuffer(data, np.uint8)
+        found: dict[str, Ragged] = {}
+        for each, (offset, lists) in zip(self._properties, self._offsets, strict=True):
+            if each.name in names:
+                one = np.broadcast_to(np.int64(1), len(sizes))
+                size = one if each.length is None else sizes[:, lists]
+                begins = starts + before[:, lists] + offset
+                taken = gathered(octets, begins, size * each.dtype.itemsize).view(each.dtype)
+                found[each.name] = Ragged(_narrow(size, each), taken)
+        return Part(len(sizes), end, found)
+
+    def _stepped(self, data: bytes, position: int, most: int) -> tuple[list[int], int]:
+        """Step through whole rows: the lengths of their lists, and where the last row ends."""
+        sizes: list[int] = []
+        lists = [
+            (each.skip, each.length.unpack_from, each.length.size, each.item)
+            for each in self._lists
+        ]
+        end, last = len(data), 0
+        for _ in range(most):
+            at = position
+            for skip, length, width, item in lists:
+                at += skip
+                if at + width > end:
+                    break
+                (size,) = length(data, at)
+                sizes.append(size)
+                at = at + width + size * item if size >= 0 else end + 1
+            if at + self._tail > end or len(sizes) - last < len(lists):
+                break
+            position, last = at + self._tail, len(sizes)
+        return sizes[:last], position
+
+    def complaint(self, data: bytes) -> str:
+        """Say what is missing of the first row, which the file does not hold as a whole."""
+        at = 0
+        lists = iter(self._lists)
+        for each in self._properties:
+            size = 1
+            if each.length is not None:
+                length = next(lists).length
+                if at + length.size > len(data):
+                    break
+                (size,) = length.unpack_from(data, at)
+                at += length.size
+            at += size * each.dtype.itemsize
+            if size < 0 or at > len(data):
+                return f"{each.name} has {size} values"
+        return "the row is missing"
+
+
+def _narrow(sizes: Integers, each: Property) -> Integers:
+    """Give lengths the type that they have in the file."""
+    return sizes if each.length is None else sizes.astype(each.length.newbyteorder("="))
+
+
+def _table(properties: tuple[Property, ...], sizes: tuple[int, ...]) -> np.dtype:
+    """The type of rows whose lists have these lengths."""
+    spec: list[Any] = []
+    lists = iter(enumerate(sizes))
+    for position, each in enumerate(properties):
+        size = 1
+        if each.length is not None:
+            number, size = next(lists)
+            spec.append((f"n{number}", each.length))
+        spec.append((f"v{position}", each.dtype, (size,)))
+    return np.dtype(spec)
+
+
+def _length_reader(length: np.dtype) -> struct.Struct:
+    order = ">" if length.str.startswith(">") else "<"
+    return struct.Struct(order + {"i8": "q", "u8": "Q"}.get(length.str[1:], length.char))

@@ -4,17 +4,37 @@ The format is Greg Turk's "The PLY Polygon File Format" (1994): a text header li
 (vertex, face, and any other), each with a count and named properties; a property is a scalar, or a
 list whose length precedes it in every row. Both families of type names are in use, Turk's own
 (uchar, float) and the explicit ones (uint8, float32).
+
+Names of PLY properties: valid ones for all attributes, and the way back to the old names.
+
+A property is one word of ASCII. An attribute of another name is written under a valid one, and so
+is one that would be read as something else: a second x, or red, green and blue beside each other.
+A comment ``property scalar_field_1 "scalar field #1"`` states the old name as a JSON string, and
+reading gives it back.
+
+The depth of colours in a PLY header: a comment, where their values would tell another.
+
+Colours of 16 bits that are all dark would be read as colours of 8 bits.
 """
 
 from __future__ import annotations
 
+import json
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import BinaryIO
 
 import numpy as np
 
+from liftmesh._typing import Array
+from liftmesh.base.colors import stated_depth
 from liftmesh.errors import FormatError
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.limits import check_columns, most_columns
+from liftmesh.io.markup import ascii_string
 from liftmesh.io.text_tables import quoted
 
 # The last three rows are not part of the format, but other programs write them.
@@ -180,3 +200,107 @@ class _HeaderReader:
 
     def _error(self, cause: str) -> FormatError:
         return FormatError(f"{self._name}: line {self.number}: {cause}")
+
+
+_OLD_NAME = re.compile(r'property (\S+) (".*")')
+_OTHER = re.compile(r"[^A-Za-z0-9_]+")
+_LONGEST = 1000
+_KEPT = 60  # characters of a longer name
+
+
+def property_names(attributes: Collection[str], columns: Collection[str]) -> dict[str, str]:
+    """Choose a property for each attribute."""
+    meant = {*columns, *_with_a_meaning(attributes, columns)}
+    # A made name may complete no group either: it is never that of a column.
+    taken = {*columns, *POSITION, *NORMAL, *COLOR, ALPHA, *filter(_is_valid, attributes)}
+    found: dict[str, str] = {}
+    numbers: Counter[str] = Counter()
+    for name in attributes:
+        is_kept = _is_valid(name) and name not in meant
+        found[name] = name if is_kept else _free(_valid(name), taken, numbers)
+        taken.add(found[name])
+    return found
+
+
+def name_statements(properties: Mapping[str, str]) -> list[str]:
+    """Comments that state the old names of properties, where they differ."""
+    changed = ((name, new) for name, new in properties.items() if name != new)
+    return [f"property {new} {ascii_string(name)}" for name, new in changed]
+
+
+def old_names(
+    comments: Iterable[str], properties: Collection[str]
+) -> tuple[dict[str, str], list[str]]:
+    """Return the old names that comments state of some properties, and the other comments."""
+    names: dict[str, str] = {}
+    used = set(properties) - {*POSITION, *_with_a_meaning(properties, ())}
+    others: list[str] = []
+    known = set(properties)
+    for comment in comments:
+        found = _OLD_NAME.fullmatch(comment)
+        name = _parsed(found[2]) if found and found[1] in known and found[1] not in names else None
+        if found is None or name is None or name in used:
+            others.append(comment)
+        else:
+            names[found[1]] = name
+            used.add(name)
+    return names, others
+
+
+def _with_a_meaning(attributes: Collection[str], columns: Collection[str]) -> set[str]:
+    """The names that a reader would take for normals or colours, with the properties there are."""
+    known = {*attributes, *columns}
+    meant = [name for group in (NORMAL, COLOR) if known.issuperset(group) for name in group]
+    return {*meant, *([ALPHA] if known.issuperset(COLOR) else [])}
+
+
+def _is_valid(name: str) -> bool:
+    is_word = name.isascii() and name.isprintable() and " " not in name
+    return is_word and 0 < len(name) <= _LONGEST
+
+
+def _valid(name: str) -> str:
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode("ascii")
+    return _OTHER.sub("_", plain)[:_KEPT].strip("_") or "attribute"
+
+
+def _free(name: str, taken: Collection[str], numbers: Counter[str]) -> str:
+    """Number a name if it is taken, from the last of its numbers on."""
+    found = name
+    while found in taken:
+        numbers[name] += 1
+        found = f"{name}_{numbers[name]}"
+    return found
+
+
+def _parsed(text: str) -> str | None:
+    try:
+        name = json.loads(text)
+    except ValueError:
+        return None
+    return name if isinstance(name, str) else None
+
+
+_STATED_DEPTHS = {f"color_depth {depth}": depth for depth in (16, 32, 64)}
+
+
+def depth_statement(colors: Array | None) -> list[str]:
+    """Comments that state the depth of colours as they are written: one, or none."""
+    depth = stated_depth(colors)
+    return [] if depth is None else [f"color_depth {depth}"]
+
+
+def depth_of_comments(
+    comments: Iterable[str], color: np.dtype | None
+) -> tuple[int | None, list[str]]:
+    """Return the depth that comments state of colours of a type, and the other comments."""
+    depth: int | None = None
+    others: list[str] = []
+    for comment in comments:
+        found = _STATED_DEPTHS.get(comment)
+        is_of_type = color is not None and color.kind == "u" and found == 8 * color.itemsize
+        if found is None or not is_of_type:
+            others.append(comment)
+        else:
+            depth = found
+    return depth, others

@@ -21,9 +21,12 @@ from liftmesh.base.options import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import OWN, crs_comment
-from liftmesh.io.formats.ply.depth import statement as depth_statement
-from liftmesh.io.formats.ply.header import LONGEST_LINE
-from liftmesh.io.formats.ply.names import property_names, statements as old_names
+from liftmesh.io.formats.ply.header import (
+    LONGEST_LINE,
+    depth_statement,
+    name_statements,
+    property_names,
+)
 from liftmesh.io.metadata import plain_lines, statements, storable
 from liftmesh.io.text_tables import shortened, write_rows
 
@@ -52,7 +55,7 @@ def write_ply(
     attributes = scalar_columns(numeric)
     columns |= {names[name]: values for name, values in attributes.items()}
     depth = depth_statement(cloud.colors if colors == "exact" else None)
-    lines = _comments(cloud, [*depth, *old_names(names)], comments)
+    lines = _comments(cloud, [*depth, *name_statements(names)], comments)
     stream.write(_header(cloud, columns, _ENCODINGS[encoding], lines))
     if encoding == "ascii":
         _write_text(stream, cloud, columns)

@@ -19,10 +19,16 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import ColorScale, kept_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
+from liftmesh.io.formats.text.column_ambiguity import Doubts, check_count
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
-from liftmesh.io.formats.text.doubts import Doubts, check_count
-from liftmesh.io.formats.text.encoding import as_utf8, skip_lines
-from liftmesh.io.formats.text.layout import Layout, before_remark, sniff, stated_separator
+from liftmesh.io.formats.text.layout import (
+    Layout,
+    as_utf8,
+    before_remark,
+    skip_lines,
+    sniff,
+    stated_separator,
+)
 from liftmesh.io.formats.text.options import TableOptions
 from liftmesh.io.formats.text.values import TableValues
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments

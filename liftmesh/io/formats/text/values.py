@@ -21,9 +21,9 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION
-from liftmesh.io.formats.text.doubts import named_points
+from liftmesh.io.formats.text.column_ambiguity import named_points
+from liftmesh.io.formats.text.layout import may_be_grouped, split, with_point, without_remark
 from liftmesh.io.formats.text.options import spelled
-from liftmesh.io.formats.text.words import may_be_grouped, split, with_point, without_remark
 from liftmesh.io.limits import MOST_COLUMNS
 from liftmesh.io.lines import Block
 from liftmesh.io.text_tables import is_number, number_table, quoted, values_at_most

@@ -18,15 +18,15 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits, recognized
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io import whole_numbers
+from liftmesh.io import precision
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.formats.text import reader
+from liftmesh.io.formats.text.column_ambiguity import Doubts
 from liftmesh.io.formats.text.columns import unnamed
-from liftmesh.io.formats.text.doubts import Doubts
 from liftmesh.io.formats.text.options import TableOptions
 from liftmesh.io.limits import COLUMN_BYTES
+from liftmesh.io.precision import DOUBLE
 from liftmesh.io.text_tables import quoted, write_rows
-from liftmesh.io.whole_numbers import DOUBLE
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -161,7 +161,7 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
 def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Numbers are read as doubles, and colours close to those of 8 bits as these."""
     whole = {k: each for k, each in sorted(cloud.attributes.items()) if each.dtype.kind in "iu"}
-    wide = [name for name, values in whole.items() if not whole_numbers.fit(values, DOUBLE)]
+    wide = [name for name, values in whole.items() if not precision.fit(values, DOUBLE)]
     return (*(f"whole numbers of {name} beyond 2**53" for name in wide), *_lost_colors(cloud))
 
 

@@ -1,0 +1,101 @@
+"""Parsing JSON of files: the interpreter is held meanwhile, and no signal is heard.
+
+So the text is limited, without embedded buffers, which take no time. And Python's search for
+reference cycles is put off: it would look again and again at all that is there already, for up to
+four fifths of the time, and JSON holds no cycles.
+
+Numbers in JSON: those of files may be text, booleans, or too large for a double.
+
+Texts in XML: which characters it can hold, and how they are written.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import math
+import re
+from xml.sax.saxutils import quoteattr
+
+from liftmesh.errors import FormatError
+from liftmesh.io.text_tables import shortened
+
+_MOST = 1 << 25
+_EMBEDDED = b'"data:'
+_LONG = 1000  # shorter strings may be keys, and their number matters
+
+
+def parsed(text: bytes | str) -> object:
+    """Parse a text; raise ValueError or RecursionError if it is not JSON."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        return json.loads(text)
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def without_buffers(text: bytes) -> bytes:
+    """Leave out embedded buffers: long strings that take little memory, and no time."""
+    parts, done = [], 0
+    begin = text.find(_EMBEDDED)
+    while begin >= 0 and (end := text.find(b'"', begin + len(_EMBEDDED))) >= 0:
+        if end - begin > _LONG:
+            parts.append(text[done:begin])
+            done = end
+        begin = text.find(_EMBEDDED, end)
+    return b"".join([*parts, text[done:]]) if parts else text
+
+
+def ascii_string(text: str) -> str:
+    """Return a text as a JSON string of printable ASCII."""
+    return json.dumps(text).replace("\x7f", "\\u007f")
+
+
+def check_length(text: bytes, name: str) -> None:
+    """Raise if a text without embedded buffers is too long to be parsed while signals wait."""
+    if len(text) > _MOST:
+        raise FormatError(
+            f"{name}: its JSON without embedded buffers has {len(text):,} bytes, more than the "
+            f"limit of {_MOST:,}: if you trust the file, give its content a limit with max_bytes="
+        )
+
+
+def finite_numbers(values: object, count: int) -> list[float] | None:
+    """Convert a list of finite numbers to floats; None if it is anything else."""
+    if not isinstance(values, list) or len(values) != count or not all(map(_is_finite, values)):
+        return None
+    return [float(value) for value in values]
+
+
+def _is_finite(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond all doubles
+        return False
+
+
+def shown(values: object) -> str:
+    """Show a value, or the first of a list, in a message; of nested ones, maybe deep, the type."""
+    listed = values[:4] if isinstance(values, list) else [values]
+    texts = (type(v).__name__ if isinstance(v, list | dict) else repr(v) for v in listed)
+    return ", ".join(map(shortened, texts))
+
+
+# XML 1.0 has no other characters below the blank, no surrogates, and not these two.
+_IMPOSSIBLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+def is_possible(text: str) -> bool:
+    """Whether XML can hold a text."""
+    return _IMPOSSIBLE.search(text) is None
+
+
+def attribute(text: str) -> str:
+    """Write a text as the value of an attribute, in quotation marks."""
+    marked = {"\n": "&#10;", "\r": "&#13;", "\t": "&#9;", '"': "&quot;"}
+    found = quoteattr(text, marked)
+    return found if found.startswith('"') else f'"{found[1:-1]}"'

@@ -1,0 +1,424 @@
+"""read(), read_chunks() and read_cloud(): from files, streams and objects to clouds.
+
+Readers of chunks: of formats that are read whole, and of colours whose depth all rows decide.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.base.colors import check_depth
+from liftmesh.base.interruption import kept
+from liftmesh.base.options import Returns, as_count
+from liftmesh.crs.comparison import is_same
+from liftmesh.crs.description import check_system, described
+from liftmesh.crs.transformation import Operation, transformed, with_heights
+from liftmesh.crs.units import height_factors, steps_in
+from liftmesh.errors import FormatError, InputError
+from liftmesh.io.format import configured
+from liftmesh.io.formats.text.columns import DEGREES
+from liftmesh.io.metadata import TRANSFORMATION, Label
+from liftmesh.io.registry import as_cloud, find_format
+from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.io.format import ChunkReader, Format, Reader
+
+
+CHUNK_ROWS = 1_000_000
+_NO_MORE: Any = object()
+
+Read = TypeVar("Read")
+
+
+def read(  # noqa: PLR0913 - options are keywords
+    source: PathOrStream,
+    *,
+    format: str | None = None,  # noqa: A002
+    max_bytes: int | None = None,
+    color_depth: int | None = None,
+    classes: ClassChoice = None,
+    returns: Returns | None = None,
+    bbox: Iterable[float] | None = None,
+    z_range: Iterable[float] | None = None,
+    every: int = 1,
+    withheld: bool = True,
+    resolution: float | None = None,
+    crs: str | None = None,
+    to_crs: str | None = None,
+    **options: Any,
+) -> Cloud:
+    r"""Read a point cloud or a mesh.
+
+    Parameters
+    ----------
+    source : str, path, or binary stream
+        PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN, E57,
+        .node, .ele (with the .node file beside it), LAS, LAZ and COPC, GeoTIFF and ASCII grids
+        (.agr, or ``format="raster"``), or a format of a plugin; those of text also compressed with
+        gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home folder.
+    format : str, optional
+        Name or suffix of the format; by default the suffix of the file's name.
+    max_bytes : int, optional
+        Maximum number of bytes in memory of what a file may expand to. Of a GLB or glTF file, the
+        meshes count, each as often as it is used; by default 256 MiB or 20 times the file. Of an
+        NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
+        bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
+        by default 20,000,000, for 10,000 of them. Of a file compressed with gzip, the text; by
+        default 256 MiB or 20 times the file. Other formats do not expand.
+    color_depth : int, optional
+        Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
+        values of the whole file decide, and ``Cloud.color_depth`` says what: LAS keeps colours in
+        16 bits, and most programs put 8-bit values there.
+    classes : int, iterable of int, "ground" or "all", optional
+        The classes of the rows to read, by the column ``classification`` or ``class``. "ground" is
+        class 2 if any row has it, else all rows. By default all.
+    returns : {"last", "first", "only"}, optional
+        The returns to read: the last ones, whose ``return_number`` is their ``number_of_returns``;
+        the first ones; or those that are both.
+    bbox : (4,) iterable of float, optional
+        x0, y0, x1, y1 of the rectangle to read, in the units of the file, with its border.
+    z_range : (2,) iterable of float, optional
+        Lowest and highest z to read.
+    every : int, default 1
+        Read every k-th of the rows that meet all other conditions, the first one among them.
+    withheld : bool, default True
+        Whether to read rows that the file flags as withheld.
+    resolution : float, optional
+        Of a COPC file, read no more points than it takes for this distance between them. Of COPC,
+        `bbox` and `z_range` read the parts of the file that may have any.
+    crs : str, optional
+        The coordinate system of the file, WKT or ``EPSG:n``, in place of what it states.
+    to_crs : str, optional
+        Another coordinate system, WKT or ``EPSG:n``, that coordinates are transformed to, by
+        pyproj; conditions on rows are in the units of the file. Heights keep their unit, and their
+        system is added to the other one, unless that says what heights are; then the file has to
+        say it, too, or `crs`. Of the operations for the first row the most accurate one that is
+        installed transforms all; ``metadata["transformation"]`` has the "operation", its "accuracy"
+        in metres, and a "better" one with its "grid", if that is missing.
+    **options
+        Options of the format. Tables as text take:
+
+        - ``columns``: what the columns are, as ``"x=East,y=North,z=H"`` or a mapping; or the names
+          of all columns in order, as ``"id,x,y,z"`` or a sequence, where ``-`` leaves one out.
+          ``z=-Depth`` turns depths into heights.
+        - ``flat=True``: heights do not matter; z is 0. ``flat=None``: only if no column is known as
+          the height.
+        - ``delimiter``: a character, or ``"space"`` for blanks; by default it is detected.
+        - ``decimal``: ``"."`` or ``","``.
+        - ``skip_rows``: the number of lines to skip at the top.
+        - ``header=False``: the first line is a row, whatever it holds.
+        - ``nodata``: the number or text that stands for a missing value, which becomes NaN;
+          ``"none"`` if even -9999 is a value.
+        - ``end``: the line that ends the table.
+        - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
+
+        Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
+
+    Returns
+    -------
+    Cloud
+        The rows in the file's order, with colours, normals, attributes, faces and coordinate system
+        if the file has them. ``metadata["source"]`` is the file's name, ``metadata["format"]`` the
+        format's. Of a table, ``metadata["columns"]`` says which columns are what. If rows were
+        selected, ``metadata["selection"]`` counts those left out, by condition, and faces are left
+        out.
+
+    Raises
+    ------
+    FormatError
+        The format is unknown, the file is invalid, it expands to more than the limit, or rows are
+        selected by values that it does not have: the message gives the file, the line or byte, and
+        the cause.
+    InputError
+        `max_bytes` is not a positive whole number, `color_depth` is no depth, or too small, an
+        option is invalid, `crs` is unknown, or the coordinates cannot be transformed.
+    MissingDependencyError
+        The format, or `to_crs`, needs a package that is not installed; the message names it.
+    OSError
+        The file does not exist or cannot be opened.
+
+    Warns
+    -----
+    DataWarning
+        Coordinates are degrees, or have different units.
+
+    Examples
+    --------
+    >>> import io
+    >>> cloud = read(io.BytesIO(b"x,y,z,class\n0,0,5,2\n1,0,6,2\n"), format="csv")
+    >>> cloud.points.tolist(), cloud.attributes["class"].tolist()
+    ([[0.0, 0.0, 5.0], [1.0, 0.0, 6.0]], [2.0, 2.0])
+    """
+    check_depth(color_depth)
+    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
+    chosen = checked(
+        classes=classes,
+        returns=returns,
+        bbox=bbox,
+        z_range=z_range,
+        every=every,
+        withheld=withheld,
+        resolution=resolution,
+    )
+    if crs is not None:
+        check_system(crs)
+    source = at_home(source)
+    name = name_of(source)
+    found = format_of(source, format, name, find_format)
+    read_whole = _selecting(_reader(found, name, limit, options), found, chosen)
+    with opened(source, name, limit, may_be_compressed=found.gzip) as stream, kept():
+        cloud = _labelled(read_whole(stream, name), found, name)
+    return _changed(cloud, color_depth, crs, to_crs, name)
+
+
+def read_chunks(  # noqa: PLR0913 - options are keywords
+    source: PathOrStream,
+    *,
+    rows: int = CHUNK_ROWS,
+    format: str | None = None,  # noqa: A002
+    max_bytes: int | None = None,
+    color_depth: int | None = None,
+    classes: ClassChoice = None,
+    returns: Returns | None = None,
+    bbox: Iterable[float] | None = None,
+    z_range: Iterable[float] | None = None,
+    every: int = 1,
+    withheld: bool = True,
+    crs: str | None = None,
+    to_crs: str | None = None,
+    **options: Any,
+) -> Iterator[Cloud]:
+    r"""Read a point cloud in chunks, in bounded memory if its format allows it.
+
+    PLY, text, LAS, LAZ, NPY and NPZ are read in chunks. Text is parsed twice, to determine the
+    types of the columns first, and a file with integer colours of more than 8 bits is read once
+    more, to decide their depth. Other formats, and pipes, are read whole, then split. Of files that
+    are read in chunks, only what the rows need is read: damage to the faces, which `read` reports,
+    is not noticed.
+
+    Parameters
+    ----------
+    source : str, path, or binary stream
+        What to read, as for `read`.
+    rows : int, default 1,000,000
+        Maximum number of rows of a chunk.
+    format : str, optional
+        As for `read`.
+    max_bytes : int, optional
+        As for `read`; of the arrays of an NPZ file, only those in use count.
+    color_depth, classes, returns, bbox, z_range, every, withheld, crs, to_crs, **options
+        As for `read`, but `classes` cannot be "ground".
+
+    Yields
+    ------
+    Cloud
+        Consecutive rows, at most `rows` of them: together the rows of ``read(source)``, with the
+        same types, colours, normals, attributes and coordinate system, without faces. If rows are
+        selected, chunks have fewer, or none.
+
+    Raises
+    ------
+    InputError
+        `rows` or `max_bytes` is not a positive whole number, or `color_depth` is no depth, or too
+        small.
+    FormatError
+        As for `read`, apart from faces: before the first chunk, or at the invalid chunk.
+    OSError
+        The file does not exist or cannot be opened.
+
+    Examples
+    --------
+    >>> import io
+    >>> table = io.BytesIO(b"0 0 5\n1 0 6\n0 1 7\n")
+    >>> [len(chunk) for chunk in read_chunks(table, rows=2, format="xyz")]
+    [2, 1]
+    """
+    rows = as_count("rows", rows, 1)
+    check_depth(color_depth)
+    limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
+    chosen = checked(
+        classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
+    )
+    if chosen is not None and chosen.classes == "ground":
+        raise InputError("classes is 'ground', which the whole file decides: give classes=2")
+    if crs is not None:
+        check_system(crs)
+    source = at_home(source)
+    name = name_of(source)
+    found = format_of(source, format, name, find_format)
+    if found.read_chunks is None:
+        whole = _reader(found, name, limit, options)
+        chunks = split(_selecting(whole, found, chosen if found.selects else None))
+        chosen = None if found.selects else chosen
+    else:
+        chunks = _limited(configured(found.read_chunks, found, name, options), found, limit)
+        chunks = of_one_depth(chunks, color_depth)
+    place = opened(source, name, limit, may_be_compressed=found.gzip)
+    pieces = _chunks(place, found, partial(chunks, name=name, rows=rows), name)
+    if chosen is not None:
+        pieces = _selected_chunks(pieces, Selector(chosen, name))
+    known: dict[str, Operation] = {}
+    return (_changed(each, color_depth, crs, to_crs, name, known) for each in pieces)
+
+
+def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
+    """Read a file, or convert any object that holds points to a cloud."""
+    if isinstance(source, str | os.PathLike):
+        return read(source, max_bytes=max_bytes, **options)
+    return as_cloud(source, **options)
+
+
+def _chunks(
+    place: AbstractContextManager[BinaryIO],
+    found: Format,
+    chunks: Callable[[BinaryIO], Iterator[Cloud]],
+    name: str,
+) -> Iterator[Cloud]:
+    with place as stream:
+        with kept():
+            pieces = iter(chunks(stream))
+            chunk = next(pieces, _NO_MORE)
+        while chunk is not _NO_MORE:
+            yield _labelled(chunk, found, name)
+            with kept():  # not around the yield: the caller's code is none of ours
+                chunk = next(pieces, _NO_MORE)
+
+
+def _selected_chunks(pieces: Iterator[Cloud], selector: Selector) -> Iterator[Cloud]:
+    for piece in pieces:
+        with kept():
+            chosen = selected(piece, selector)
+        yield chosen
+
+
+def _selecting(reader: Reader, found: Format, chosen: Selection | None) -> Reader:
+    """Let a reader leave out rows: as it reads, or afterwards."""
+    if chosen is None:
+        return reader
+    if found.selects:
+        return partial(reader, selection=chosen)
+    return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
+
+
+def _changed(
+    cloud: Cloud,
+    depth: int | None,
+    crs: str | None,
+    target: str | None,
+    name: str,
+    chosen: dict[str, Operation] | None = None,
+) -> Cloud:
+    """Set the depth of colours and the system of coordinates, if given; errors name the file."""
+    try:
+        cloud = cloud if depth is None else cloud.with_color_depth(depth)
+        return placed(cloud, crs, target, chosen)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
+
+
+def placed(
+    cloud: Cloud,
+    crs: str | None,
+    target: str | None,
+    chosen: dict[str, Operation] | None = None,
+) -> Cloud:
+    """Set the coordinate system of a cloud in place of what its file states, or transform it."""
+    if crs is not None:
+        is_other = cloud.crs is not None and not is_same(cloud.crs, crs)
+        entry = {"stated_crs": cloud.crs} if is_other else {}
+        cloud = replace(cloud, crs=crs, metadata={**cloud.metadata, **entry})
+    if target is None:
+        return cloud
+    check_system(target)
+    target = with_heights(cloud.crs, target)
+    before, after = height_factors(cloud, target)
+    found, told = transformed(_raised(cloud.points, before), cloud.crs, target, chosen)
+    metadata = {**_moved(cloud, target), TRANSFORMATION: told}
+    return replace(cloud, points=_raised(found, after), crs=target, metadata=metadata)
+
+
+def _raised(points: Floats, factor: float) -> Floats:
+    return points if factor == 1 else points * (1, 1, factor)
+
+
+def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
+    """Return what still holds of coordinates in another system."""
+    entries = dict(cloud.metadata)
+    if isinstance(las := entries.get("las"), Mapping):
+        kept = {key: each for key, each in las.items() if key not in ("scale", "offset")}
+        scale = steps_in(las.get("scale"), cloud.crs, target)
+        entries["las"] = kept | ({} if scale is None else {"scale": scale})
+    if isinstance(notes := entries.get("notes"), tuple):
+        entries["notes"] = tuple(each for each in notes if each != DEGREES)
+    system = described(target)
+    has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
+    if has_unit and isinstance(raster := entries.get("raster"), Mapping):
+        entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
+    return entries
+
+
+def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
+    labels = {"source": Label(name), "format": Label(found.name)}
+    return replace(cloud, metadata={**cloud.metadata, **labels})
+
+
+def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
+    if found.read is None:
+        raise FormatError(
+            f"{name}: {found.name} files are written, not read: keep the mesh as PLY, too"
+        )
+    return _limited(configured(found.read, found, name, options), found, limit)
+
+
+def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> Callable[..., Read]:
+    """Set the limit of a reader, if its format expands; others take none."""
+    return partial(reader, max_bytes=limit) if found.expands else reader
+
+
+def split(reader: Reader) -> ChunkReader:
+    """Make a chunk reader from a reader of whole files."""
+
+    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        cloud = reader(stream, name)
+        for start in range(0, len(cloud), rows):
+            yield cloud.select(slice(start, start + rows))
+
+    return chunks
+
+
+def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
+    """Make a chunk reader that decides the depth of colours once, from all chunks of a file."""
+
+    def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        begin = stream.tell()
+        pieces = chunks(stream, name, rows)
+        first = next(pieces, None)
+        if first is None:
+            return
+        if known is not None or first.color_depth is None:
+            yield first
+            yield from pieces
+            return
+        depths = [first.color_depth, *map(_depth, pieces)]
+        depth = None if None in depths else max(filter(None, depths))
+        stream.seek(begin)
+        for piece in chunks(stream, name, rows):
+            yield piece if depth is None else piece.with_color_depth(depth)
+
+    return uniform
+
+
+def _depth(piece: Cloud) -> int | None:
+    is_narrow = piece.colors is not None and piece.colors.dtype == np.uint8
+    return 8 if is_narrow else piece.color_depth

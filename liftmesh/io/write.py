@@ -1,0 +1,191 @@
+"""write(): clouds and meshes to files or streams, each written whole or not at all."""
+
+from __future__ import annotations
+
+import inspect
+import io
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from liftmesh.base.interruption import kept
+from liftmesh.errors import FormatError
+from liftmesh.io.atomic import replacing
+from liftmesh.io.faces import checked_faces
+from liftmesh.io.format import check_needs, dropped, renamed
+from liftmesh.io.registry import as_cloud, find_written
+from liftmesh.io.streams import (
+    PathOrStream,
+    at_home,
+    check_stream,
+    format_of,
+    name_of,
+    suffix_of,
+    watched,
+    written_whole,
+)
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.io.format import Format, Origin
+
+
+_KEPT = frozenset({"las"})  # formats of what was measured: such files are replaced if asked only
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The result of :func:`write`.
+
+    Attributes
+    ----------
+    path : pathlib.Path or None
+        The file; None for a stream.
+    format : str
+        Name of the format.
+    bytes : int
+        Number of bytes written.
+    origin : tuple of float, or None
+        x, y, z that were subtracted from every vertex because the format holds single precision
+        only; the file records it too. None: coordinates are written as they are.
+    dropped : tuple of str
+        What the mesh has and the file does not keep: colors, alpha, normals, attributes and
+        metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits; and what
+        a cloud does not hold of an object of another library, such as texture.
+    renamed : tuple of (str, str)
+        Attributes whose names the format cannot hold, and their names in the file. Reading the
+        file gives the old names back.
+
+    Examples
+    --------
+    >>> import io
+    >>> import numpy as np
+    >>> written = write(io.BytesIO(), np.eye(3), format="ply")
+    >>> written.format, written.path, written.origin
+    ('ply', None, None)
+    """
+
+    path: Path | None
+    format: str
+    bytes: int
+    origin: Origin | None
+    dropped: tuple[str, ...] = ()
+    renamed: tuple[tuple[str, str], ...] = ()
+
+
+def write(
+    target: PathOrStream,
+    mesh: object,
+    *,
+    format: str | None = None,  # noqa: A002
+    overwrite: bool | None = None,
+    **options: Any,
+) -> Written:
+    r"""Write a point cloud or a mesh; a file is written completely or not at all.
+
+    Parameters
+    ----------
+    target : str, path, or binary stream
+        Where to write; ``~`` at the beginning of a path is the home folder. A file is written under
+        a temporary name in the same folder and then renamed, so that an error leaves an existing
+        file as it was.
+    mesh : object
+        Anything that `as_cloud` accepts, except a path. Colours, normals, attributes and the
+        coordinate system are written if the format supports them.
+    format : str, optional
+        Name or suffix of the format; by default the suffix of the file's name.
+    overwrite : bool, optional
+        Whether a file that exists, and is not empty, is replaced; by default not by LAS and LAZ,
+        which may be what was measured, and by all other formats.
+    **options
+        Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
+        ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text; ``compressed``,
+        ``scale`` and ``point_format`` for LAS; ``name`` for LandXML, ``unit`` for 3MF.
+
+    Returns
+    -------
+    Written
+        The format, the number of bytes, the origin that was subtracted, if any, and what the format
+        did not keep.
+
+    Raises
+    ------
+    FormatError
+        The format or an option is unknown, or the format cannot hold this mesh.
+    InputError
+        An option has an unknown value, or colours or other arrays are invalid.
+    FileExistsError
+        The file exists, and is not to be replaced.
+    UnsupportedTypeError
+        ``mesh`` cannot be converted to a cloud, or is a path: `read` it first.
+    OSError
+        The file cannot be written; the message gives the reason.
+
+    Examples
+    --------
+    >>> import io
+    >>> import numpy as np
+    >>> from liftmesh.base.cloud import Cloud
+    >>> stream = io.BytesIO()
+    >>> write(stream, Cloud(np.array([[0.1, 2.0, 1e300]])), format="obj").bytes
+    28
+    >>> stream.getvalue()
+    b'# liftmesh\nv 0.1 2.0 1e+300\n'
+    """
+    target = at_home(target)
+    name = name_of(target)
+    found = format_of(target, format, name, find_written)
+    suffix = "." + (format or suffix_of(name)).lower().removeprefix(".")
+    options = {**found.suffix_options.get(suffix, {}), **options}
+    writer = writer_of(found, name, options)
+    cloud = as_cloud(mesh)
+    if cloud.faces is not None:
+        checked_faces(cloud.faces, len(cloud), name)
+    check_needs(found, cloud)
+    if not isinstance(target, str | os.PathLike):
+        check_stream(target, "write")
+        origin, size = _write(target, cloud, writer, options)
+        lost = dropped(found, cloud, options, origin)
+        return Written(None, found.name, size, origin, lost, renamed(found, cloud))
+    is_replaced = found.name not in _KEPT if overwrite is None else overwrite
+    with replacing(target, overwrite=is_replaced) as stream:  # an error leaves the old file
+        with watched(stream):
+            origin, size = _write(stream, cloud, writer, options)
+        lost, names = dropped(found, cloud, options, origin), renamed(found, cloud)
+    return Written(Path(target), found.name, size, origin, lost, names)
+
+
+def writer_of(found: Format, name: str, options: Mapping[str, Any]) -> Callable[..., Origin | None]:
+    """Return the writer of a format."""
+    if found.write is None:
+        raise FormatError(
+            f"{name}: {found.name} files cannot be written ({found.description}): "
+            "write PLY, OBJ or NPZ"
+        )
+    signature = inspect.signature(found.write)
+    try:
+        signature.bind(None, None, **options)
+    except TypeError as error:
+        taken = [*signature.parameters][2:]
+        raise FormatError(
+            f"{name}: {error}: {found.name} takes {', '.join(taken) or 'no options'}"
+        ) from error
+    return found.write
+
+
+def _write(
+    stream: BinaryIO, cloud: Cloud, writer: Callable[..., Origin | None], options: dict[str, Any]
+) -> tuple[Origin | None, int]:
+    if isinstance(stream, io.RawIOBase):
+        return _write(written_whole(stream), cloud, writer, options)
+    if not stream.seekable():
+        held = io.BytesIO()
+        origin, size = _write(held, cloud, writer, options)
+        stream.write(held.getbuffer())
+        return origin, size
+    begin = stream.tell()
+    with kept():
+        origin = writer(stream, cloud, **options)
+    return origin, stream.tell() - begin

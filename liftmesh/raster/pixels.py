@@ -1,0 +1,137 @@
+"""Where the pixels of a raster are: from a resolution, or from the transform of another raster."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from liftmesh._typing import Floats
+from liftmesh.base.arrays import as_decimal, as_reals
+from liftmesh.base.options import as_thousands, shown
+from liftmesh.errors import InputError
+
+Transform: TypeAlias = tuple[float, float, float, float, float, float]
+
+_MOST_SIDE = 1 << 30
+_MOST_PIXELS = 1 << 36
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where the pixels of a raster are."""
+
+    transform: Transform
+    rows: int
+    columns: int
+
+
+def layout_of(
+    resolution: float | Sequence[float] | None,
+    bounds: Sequence[float] | None,
+    transform: Sequence[float] | None,
+    shape: Sequence[int] | None,
+    extent: Callable[[], Sequence[float]],  # the bounds if none are given
+) -> Layout:
+    """Decide where the pixels of a raster are."""
+    if (resolution is None) == (transform is None) or (transform is None) != (shape is None):
+        raise InputError("give either the resolution, or transform and shape")
+    if transform is not None and bounds is not None:
+        raise InputError(
+            "bounds go with a resolution: transform and shape say where the pixels are"
+        )
+    if resolution is None:
+        return _checked(_numbers("transform", _without_last_row(transform), 6), *_whole(shape))
+    steps = steps_of(resolution)
+    return _aligned(*bounds_of(extent() if bounds is None else bounds), steps)
+
+
+def steps_of(resolution: object) -> tuple[float, ...]:
+    """Convert a resolution to the width and height of a pixel."""
+    steps = _steps(resolution)
+    if not all(step > 0 for step in steps):
+        raise InputError(f"resolution is {shown(resolution)}: give a positive number, or two")
+    return steps
+
+
+def bounds_of(bounds: object) -> tuple[float, float, float, float]:
+    """Convert bounds to numbers."""
+    left, low, right, high = _numbers("bounds", bounds, 4)
+    if not (left < right and low < high):
+        raise InputError(f"bounds are {shown(bounds)}: give xmin, ymin, xmax, ymax")
+    return left, low, right, high
+
+
+def _steps(resolution: Any) -> tuple[float, ...]:
+    """Convert a resolution to width and height; zeros if it is none."""
+    try:
+        found = as_reals(resolution)
+        return _numbers("resolution", np.repeat(found, 2) if found.ndim == 0 else found, 2)
+    except (TypeError, ValueError, OverflowError, InputError):
+        return (0.0, 0.0)
+
+
+def _aligned(left: float, low: float, right: float, high: float, steps: Sequence[float]) -> Layout:
+    """Cover bounds by pixels whose edges are multiples of the resolution, as neighbours' are."""
+    x, y = map(as_decimal, steps)
+    first, last = math.floor(as_decimal(left) / x), math.ceil(as_decimal(right) / x)
+    top, bottom = math.ceil(as_decimal(high) / y), math.floor(as_decimal(low) / y)
+    columns, rows = max(last - first, 1), max(top - bottom, 1)
+    _check_count(rows, columns)
+    try:
+        origin = float(first * x), float(top * y)
+    except OverflowError as error:
+        raise InputError("the edge of a pixel is beyond the largest double: give bounds") from error
+    return _checked((steps[0], 0.0, origin[0], 0.0, -steps[1], origin[1]), rows, columns)
+
+
+def _check_count(rows: int, columns: int) -> None:
+    if min(rows, columns) < 1 or max(rows, columns) > _MOST_SIDE or rows * columns > _MOST_PIXELS:
+        counts = f"{as_thousands(rows)} rows of {as_thousands(columns)} pixels"
+        raise InputError(f"{counts} are too many, or none: give another resolution, or bounds")
+
+
+def _checked(transform: Sequence[float], rows: int, columns: int) -> Layout:
+    _check_count(rows, columns)
+    a, b, c, d, e, f = transform
+    exact_a, exact_b, exact_d, exact_e = map(Fraction, (a, b, d, e))
+    if exact_a * exact_e == exact_b * exact_d:
+        raise InputError(f"transform is {shown(transform)}: its pixels have no area")
+    return Layout((a, b, c, d, e, f), rows, columns)
+
+
+def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
+    """Convert an option to so many finite numbers."""
+    try:
+        found = as_reals(values)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is {shown(values)}: give {count} numbers") from error
+    if found.shape != (count,) or not np.isfinite(found).all():
+        raise InputError(f"{name} is {shown(values)}: give {count} finite numbers")
+    return tuple(found.tolist())
+
+
+def _without_last_row(transform: Any) -> Any:
+    """Leave out 0, 0, 1 at the end of the nine numbers of an Affine, of any version."""
+    is_affine = hasattr(transform, "is_rectilinear") and tuple(transform)[6:] == (0, 0, 1)
+    return tuple(transform)[:6] if is_affine else transform
+
+
+def _whole(shape: Any) -> tuple[int, int]:
+    rows, columns = _numbers("shape", shape, 2)
+    if rows != int(rows) or columns != int(columns):
+        raise InputError(f"shape is {shown(shape)}: give rows and columns")
+    return int(rows), int(columns)
+
+
+def centres_of(transform: Transform, rows: range, columns: int | range) -> Floats:
+    """Compute the centres of some rows of pixels."""
+    a, b, c, d, e, f = transform
+    across = range(columns) if isinstance(columns, int) else columns
+    u, v = np.array(across) + 0.5, np.array(rows)[:, None] + 0.5
+    centres: Floats = np.stack([a * u + b * v + c, d * u + e * v + f], axis=-1)
+    return centres

@@ -1,0 +1,147 @@
+"""`Raster`: values at the centres of pixels, and its file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from liftmesh._typing import Array, Floats
+from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.options import as_switch
+from liftmesh.crs.comparison import plane_of
+from liftmesh.io.atomic import replacing
+from liftmesh.io.streams import check_suffix
+from liftmesh.raster import writer
+from liftmesh.raster.pixels import Transform, centres_of
+
+if TYPE_CHECKING:
+    import os
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Raster:
+    """Values of a surface at the centres of pixels, as `Surface.raster` returns them; read-only.
+
+    Parameters
+    ----------
+    values : (rows, columns) ndarray of float64 or float32
+        NaN where the surface has no face.
+    transform : tuple of float
+        a, b, c, d, e and f: the centre of column i and row j has x = a (i + 1/2) + b (j + 1/2) + c
+        and y = d (i + 1/2) + e (j + 1/2) + f, computed in doubles from left to right. Row 0 is the
+        northern one, unless e is positive.
+    crs : str, optional
+        The coordinate reference system.
+    quantity : str
+        What the values are: "height", "slope", "aspect" or "hillshade".
+    unit : str, optional
+        Of the values: that of heights, if the surface says it; degrees; none of shades.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
+    >>> surface.raster(1)
+    <Raster of 2 x 2 pixels: height>
+    """
+
+    values: Array
+    transform: Transform
+    crs: str | None = None
+    quantity: str = "height"
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return constructed_from(self)
+
+    def __repr__(self) -> str:
+        rows, columns = self.values.shape
+        return f"<Raster of {columns:,} x {rows:,} pixels: {self.quantity}>"
+
+    def centres(self) -> Floats:
+        """Compute the centres of the pixels.
+
+        Returns
+        -------
+        (rows, columns, 2) ndarray of float64
+            x and y, rounded as the values assume it.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
+        >>> surface.raster(1).centres()[0].tolist()
+        [[0.5, 1.5], [1.5, 1.5]]
+        """
+        rows, columns = self.values.shape
+        return centres_of(self.transform, range(rows), columns)
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        cog: bool = False,
+        compress: str | None = "deflate",
+    ) -> Path:
+        """Write a GeoTIFF with transform, coordinate system, unit and NaN as nodata.
+
+        Of heights alone the system says what heights are: of others it is that of the plane.
+
+        Parameters
+        ----------
+        path : path
+            Where to write; written whole or not at all.
+        cog : bool, default False
+            Write a cloud optimised GeoTIFF, which has overviews.
+        compress : str, optional
+            "deflate", "lzw" or "zstd", in tiles; None for none.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
+
+        Raises
+        ------
+        FormatError
+            The name does not end in .tif or .tiff.
+        InputError
+            The compression or the coordinate system is unknown, or `cog` is neither True nor False.
+        MissingDependencyError
+            rasterio is not installed.
+        OSError
+            The file cannot be written.
+
+        Notes
+        -----
+        The file is made in memory, beside the values, and written at once.
+
+        Examples
+        --------
+        >>> import liftmesh, tempfile
+        >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
+        >>> surface.raster(1).save(Path(tempfile.mkdtemp()) / "dtm.tif").name
+        'dtm.tif'
+        """
+        found = Path(path)
+        check_name(found)
+        is_cog = as_switch("cog", cog)
+        crs = written_system(self.crs, self.quantity)
+        packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
+        with replacing(found) as stream:
+            writer.write(stream, self.values, self.transform, crs, **packed)
+        return found
+
+
+def written_system(crs: str | None, quantity: str) -> str | None:
+    """Return the coordinate system of a file: GDAL takes a unit of heights for that of values."""
+    return crs if quantity == "height" else plane_of(crs)
+
+
+def check_name(path: Path) -> None:
+    """Raise if a raster cannot be written to a file of this name."""
+    check_suffix(path, (".tif", ".tiff"), "rasters are written as GeoTIFF")
