@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from liftmesh.base.options import counted, shown
+from liftmesh.base.options import counted
 from liftmesh.cli import notes, terminal
 from liftmesh.cli.terminal import note
 from liftmesh.cli.values import is_stream
@@ -28,7 +28,6 @@ from liftmesh.errors import (
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
-SHAPES = {".geojson", ".json", ".gpkg"}
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
 _OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
 _ABOUT_A_FILE = (
@@ -135,7 +134,9 @@ def read_rows(
     if "crs" in options:
         rest = {key: each for key, each in options.items() if key != "crs"}
         options = {**rest, _CRS_OF_OTHERS: options["crs"]}
-    cloud = _merged(sources, [read_one(each) for each in sources])
+    with terminal.few_of_a_kind():
+        clouds = [read_one(each) for each in sources]
+    cloud = _merged(sources, clouds)
     return check_some(cloud, notes.listed([str(each) for each in sources]))
 
 
@@ -149,7 +150,8 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
         cloud = merge(clouds.pop(0) for _ in sources)
     if cloud.crs is not None and lacking:
         note(f"{', '.join(lacking)}: no coordinate system: taken to be that of the others")
-    _say_parts(cloud)
+    with terminal.few_of_a_kind():
+        _say_parts(cloud)
     new = [name for name in notes.parts_not_read(cloud) if name not in before]
     if new:
         note(f"merged without {notes.listed([each.partition(' (')[0] for each in new])}")
@@ -242,38 +244,3 @@ def _of_file(row: int, starts: Sequence[tuple[str, int]]) -> str:
             return f"row {row} of {name}"
         row -= count
     return f"row {row}"
-
-
-def is_shapes(path: Path) -> bool:
-    """Whether a file holds shapes, by its suffix, and neither a table nor a cloud."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
-
-    if path.suffix.lower() in SHAPES or not path.suffix:
-        return True
-    try:
-        return find_format(suffix_of(path.name), str(path)) is None
-    except FormatError:
-        return True
-
-
-def is_table(path: Path, file_format: str | None = None) -> bool:
-    """Whether a file is a table, by its format or its suffix."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
-
-    kind = file_format or suffix_of(path.name)
-    return bool(kind) and find_format(kind, str(path)).name == "text"
-
-
-def read_places(path: Path, source: Path, crs: str | None, max_bytes: int | None) -> Cloud:
-    """Read points over a surface of this source and system, in which they have to be."""
-    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - help and --version do without
-
-    flat = {"flat": True} if path.suffix and is_table(path) else {}
-    cloud = read(path, {"max_bytes": max_bytes, **flat})
-    if are_different(crs, cloud.crs):
-        raise InputError(
-            f"{path} is in {shown(cloud.crs)}, {source} in {shown(crs)}: transform the points first"
-        )
-    return cloud

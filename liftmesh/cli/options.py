@@ -161,7 +161,7 @@ def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, An
     return found
 
 
-def _table(
+def table(
     columns: Annotated[
         str | None,
         typer.Option(
@@ -294,5 +294,5 @@ def _selection(
     return found | given(to_crs=to_crs, crs=from_crs, band=band)
 
 
-Table: TypeAlias = Annotated[dict[str, Any], Group(_table)]
+Table: TypeAlias = Annotated[dict[str, Any], Group(table)]
 Selection: TypeAlias = Annotated[dict[str, Any], Group(_selection)]

@@ -2,7 +2,8 @@
 
 What is not replaced: the inputs, and without ``--overwrite`` any file with content. An output that
 is an input, by whatever name, option or link, is refused always, also where it would be read wholly
-before: the output may hold less. So is a file in a folder that is an input.
+before: the output may hold less. So is a file in a folder that is an input, and one that is read
+beside an input.
 """
 
 from __future__ import annotations
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
+_BESIDE = {
+    ".shp": (".dbf", ".prj", ".cpg"), ".ele": (".node",), ".asc": (".prj",),
+    ".tif": (".prj", ".tfw", ".wld"), ".tiff": (".prj", ".tfw", ".wld"),
+}  # fmt: skip
 _OVERWRITE = inspect.Parameter(
     "overwrite",
     inspect.Parameter.KEYWORD_ONLY,
@@ -88,6 +93,13 @@ def _inputs(given: Mapping[str, Any], outputs: Sequence[str]) -> Iterator[Path]:
         for each in [] if key in outputs else value if isinstance(value, list | tuple) else [value]:
             if isinstance(each, Path) or (isinstance(each, str) and _is_name(each)):
                 yield Path(each)
+                yield from _beside(Path(each))
+
+
+def _beside(path: Path) -> Iterator[Path]:
+    """List the files that are read beside one."""
+    named = (path.with_suffix(each) for each in _BESIDE.get(path.suffix.lower(), ()))
+    yield from (each for each in named if each.is_file())
 
 
 def _is_name(text: str) -> bool:

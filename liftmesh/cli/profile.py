@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.base.options import counted
-from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
+from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,6 +27,10 @@ EXAMPLES = [
     "liftmesh profile tin.ply heights.csv --along roads.geojson",
     "liftmesh profile survey.csv draped.gpkg --along roads.gpkg --max-edge 20",
 ]
+
+_ROUNDING = 1e-9  # of the length
+
+Corners: TypeAlias = Annotated[places.Places, places.group("along")]
 
 
 @outputs.guards("target")
@@ -46,8 +50,9 @@ def run(
             "after the other.",
         ),
     ],
-    target_format: options.TargetFormat = None,
     *,
+    corners_table: Corners,
+    target_format: options.TargetFormat = None,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
@@ -56,14 +61,16 @@ def run(
     path = None if corners else Path(along[0])
     if json:
         outputs.check_stdout()
-    is_shapes = target_format is None and target.suffix.lower() in inputs.SHAPES
+    is_shapes = target_format is None and target.suffix.lower() in places.SHAPES
     if is_shapes:
         _check_shapes(target)
     else:
         outputs.check_target(target, target_format)
     surface = surfaces.read(source, reading)
     max_bytes = reading.rows.get("max_bytes")
-    lines = [corners] if path is None else _lines(path, source, surface, max_bytes)
+    lines: list[Any] = [corners]
+    if path is not None:
+        lines = _lines(path, corners_table, source, surface, max_bytes)
     with terminal.stage(f"draping {counted(len(lines), 'line')}"):
         found = _draped(surface, lines, along)
     if is_shapes:
@@ -73,7 +80,7 @@ def run(
         name = outputs.write(target, found.as_cloud(), target_format).path
         written = None if name is None else Path(name)
     with outputs.report_after(target):
-        _say(written, found, len(lines), surface, as_json=json)
+        _say(written, found, lines, surface, as_json=json)
 
 
 def _corners(along: list[str]) -> list[list[float]] | None:
@@ -107,15 +114,17 @@ def _check_shapes(target: Path) -> None:
     outputs.check_place(target)
 
 
-def _lines(path: Path, source: Path, surface: Surface, max_bytes: int | None) -> list[Any]:
+def _lines(
+    path: Path, table: places.Places, source: Path, surface: Surface, max_bytes: int | None
+) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
     crs = plane_system(surface)
-    if inputs.is_shapes(path):
+    if table.are_shapes(path):
         return list(lines_of(path, crs))
-    cloud = inputs.read_places(path, source, crs, max_bytes)
+    cloud = table.read(path, source, crs, max_bytes)
     if len(cloud) < 2:
         raise InputError(f"{path} holds {len(cloud)} of the two corners that a line has at least")
     return [cloud.points[:, :2]]
@@ -131,12 +140,21 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
         raise
 
 
-def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_json: bool) -> None:
+def _length(lines: list[Any]) -> float:
+    """Return how long lines are in the plane, where they lie on faces or not."""
+    corners = ([each[:2] for each in line] for line in lines)
+    return sum(math.fsum(map(math.dist, each, each[1:])) for each in corners)
+
+
+def _say(
+    path: Path | None, found: Draped, given: list[Any], surface: Surface, *, as_json: bool
+) -> None:
     """Print how long the lines are and which heights they have, with the units."""
     from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
 
     plane, upright = unit_names(surface)
     length, heights = float(found.lengths.sum()), found.points[:, 2]
+    lines, whole = len(given), _length(given)
     if as_json:
         terminal.as_json(
             {
@@ -145,6 +163,7 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
                 "parts": len(found.lines),
                 "points": len(heights),
                 "length": length,
+                "length_of_lines": whole,
                 "lowest": float(heights.min()),
                 "highest": float(heights.max()),
                 "unit": plane,
@@ -153,6 +172,8 @@ def _say(path: Path | None, found: Draped, lines: int, surface: Surface, *, as_j
             }
         )
         return
+    if whole - length > _ROUNDING * whole:
+        terminal.note(f"{whole - length:.6g} of {whole:.6g} that the lines are long lie on no face")
     terminal.sentence(
         f"{path or 'stdout'}: {len(heights):,} points in {counted(len(found.lines), 'part')} of "
         f"{counted(lines, 'line')}, "

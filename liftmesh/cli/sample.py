@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.base.options import SampleMethod
-from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
+from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
 from liftmesh.cli.values import is_stream
 
 if TYPE_CHECKING:
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 SHORT_HELP = "Write the heights of a mesh or cloud at points."
 HELP = (
-    "OUT has the points of --at with the heights of the surface as z, and their other values. "
+    "OUT has the points of --at with the heights of the surface as z, their own heights, if they "
+    "have any, as given_z, and their other numbers. "
     "Where no face contains the point, there is no height: an empty field in CSV and TSV, else NaN."
 )
 EXAMPLES = [
@@ -28,6 +29,8 @@ EXAMPLES = [
 
 _CSV = frozenset({"csv", "tsv"})
 _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
+
+Points: TypeAlias = Annotated[places.Places, places.group("at")]
 
 
 @outputs.guards("target")
@@ -40,11 +43,12 @@ def run(
             metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
         ),
     ],
+    *,
+    points: Points,
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
-    *,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
     table: options.Table,
@@ -59,7 +63,7 @@ def run(
     rows = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
     reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
     surface = surfaces.read(source, reading)
-    asked = _asked(at, source, surface.crs, max_bytes)
+    asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
         found, known = _sampled(surface, asked, method, threads)
     path = _write(target, found, target_format)
@@ -72,10 +76,12 @@ def run(
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
 
 
-def _asked(at: Path, source: Path, own: str | None, limit: int | None) -> Cloud:
+def _asked(
+    at: Path, points: places.Places, source: Path, own: str | None, max_bytes: int | None
+) -> Cloud:
     """Read the points, which have to be in the system of the surface."""
-    if is_stream(at) or not inputs.is_shapes(at):
-        return inputs.read_places(at, source, own, limit)
+    if is_stream(at) or not points.are_shapes(at):
+        return points.read(at, source, own, max_bytes, flat=None)
     from liftmesh.vector.points import points_of  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"reading {at.name}"):
@@ -95,7 +101,10 @@ def _sampled(
 
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
-    found = replace(asked, points=points, faces=None, crs=asked.crs or surface.crs)
+    own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
+    values = {**own, **asked.attributes}
+    crs = asked.crs or surface.crs
+    found = replace(asked, points=points, attributes=values, faces=None, crs=crs)
     return found, int(np.count_nonzero(np.isfinite(heights)))
 
 

@@ -10,13 +10,17 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from threading import Event, Thread
 from time import monotonic
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TextIO
+
+from liftmesh.base.options import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,6 +29,9 @@ if TYPE_CHECKING:
 FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "JUPYTER_COLUMNS")
 """Variables by which rich takes what is no terminal for one."""
 _PERIOD = 0.1  # seconds between two looks at a file
+_MOST_ALIKE, _SHORT = 3, 80  # notes of a kind, and characters of the one that stands for others
+_NUMBER = re.compile(r"[0-9][0-9.,]*")
+_kinds: defaultdict[str, list[tuple[str, str]]] | None = None
 STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "name": "cyan", "": ""}
 
 
@@ -180,7 +187,29 @@ def error_line(text: str) -> None:
 
 def note(text: str) -> None:
     """Print a line on stderr about something that is no error."""
-    _message("note: ", "", text)
+    name, _, said = text.partition(": ")
+    alike = [] if _kinds is None else _kinds[_NUMBER.sub("", said)]
+    alike.append((name, said))
+    if len(alike) <= _MOST_ALIKE:
+        _message("note: ", "", text)
+
+
+@contextmanager
+def few_of_a_kind() -> Iterator[None]:
+    """Print the first few of the notes on files that differ in numbers alone, count the others."""
+    global _kinds  # noqa: PLW0603 - as stderr, there is one
+    held: defaultdict[str, list[tuple[str, str]]] = defaultdict(list)
+    _kinds = held
+    try:
+        yield
+    finally:
+        _kinds = None
+    for alike in held.values():
+        more = len(alike) - _MOST_ALIKE
+        if more > 0:
+            name, said = alike[_MOST_ALIKE - 1]
+            short = said if len(said) <= _SHORT else said[: _SHORT - 3] + "..."
+            note(f"{counted(more, 'more file')}, as {name}: {short}")
 
 
 def sentence(text: str, style: str = "") -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 import typer
 
 from liftmesh.cli import inputs, options, outputs, terminal, values
+from liftmesh.cli.places import is_table
 from liftmesh.cli.values import is_stream
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def run(
     _check_one(weights, radii, disks, tolerance)
     kind = _kind(target, target_format)
     outputs.check_place(target)
-    planar = {"flat": None} if inputs.is_table(source, source_format) else {}
+    planar = {"flat": None} if is_table(source, source_format) else {}
     reading = {**planar, **table, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
     area, crs = _domain(domain, cloud)

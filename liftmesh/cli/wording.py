@@ -19,7 +19,7 @@ from typing import Any
 _OPTION_NAMES = (
     "band", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
     "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
-    "skip_rows", "to_crs", "unit",
+    "skip_rows", "to_crs", "unit", "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
